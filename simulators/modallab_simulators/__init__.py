@@ -1,0 +1,1 @@
+"""Simulated devices, each a peer of a driver."""

@@ -1,0 +1,1 @@
+"""The acquisition process: triggers, hit acceptance, sine plan, recorder, limits."""

@@ -1,0 +1,1 @@
+"""The bench protocol and its loader by URL."""

@@ -1,0 +1,27 @@
+"""Finds the driver or simulator for a bench's URL by entry point; none is ever imported by name."""
+
+from importlib.metadata import entry_points
+from typing import cast
+
+from modallab.backend.protocol import Bench, BenchOpener
+from modallab.errors import ConfigurationError
+from modallab.schema.rig import Rig
+
+GROUP = "modallab.backends"
+
+
+def open_bench(url: str, rig: Rig) -> Bench:
+    """Open the bench at `url`, such as `sim://cantilever?seed=1`.
+
+    Raises:
+        ConfigurationError: no scheme, or no installed driver for it.
+    """
+    scheme, separator, _ = url.partition("://")
+    known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if not separator or scheme not in known:
+        raise ConfigurationError(
+            f"no driver for the bench address {url!r}",
+            remedy=f"use an address that begins with one of: {', '.join(f'{name}://' for name in sorted(known))}",
+        )
+    opener = cast("BenchOpener", known[scheme].load())
+    return opener(url, rig)

@@ -1,0 +1,1 @@
+"""Reads and writes the files of others, and campaigns as one file."""

@@ -1,0 +1,1 @@
+"""Modal parameters from blocks and FRFs: step D of the paper."""

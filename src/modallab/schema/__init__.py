@@ -1,0 +1,1 @@
+"""The frozen types every stage speaks, their units and their format versions."""

@@ -1,0 +1,57 @@
+"""What to do on the bench, as data."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from modallab.schema.frozen import Frozen
+
+BLOCK_S = 1.024
+"""The paper's block, which sets df = 0.9766 Hz."""
+
+PAPER_LINES = (3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72, 84, 88, 90, 92, 96, 108)
+"""24 multiples of df in the paper's band of 3 to 110 Hz, closer together about the three modes."""
+
+
+class HitAcceptance(Frozen):
+    """When a blow counts. Each refusal names its number."""
+
+    min_force_n: PositiveFloat = 10.0
+    max_force_n: PositiveFloat = 480.0
+    double_hit_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.05
+    max_contact_s: PositiveFloat = 0.02
+    max_residual_ratio: PositiveFloat = 0.01
+    min_band_hz: PositiveFloat = 110.0
+    band_drop_db: PositiveFloat = 20.0
+
+
+class ImpactPlan(Frozen):
+    """An impact test: a number of good hits at each point."""
+
+    kind: Literal["impact"] = "impact"
+    points: Annotated[tuple[PositiveInt, ...], Field(min_length=1)]
+    hits: PositiveInt = 5
+    rate_hz: PositiveFloat = 2000.0
+    block_s: PositiveFloat = BLOCK_S
+    pre_trigger_s: PositiveFloat = 0.05
+    trigger_n: PositiveFloat = 2.0
+    hysteresis_n: PositiveFloat = 1.0
+    hit_timeout_s: PositiveFloat = 300.0
+    max_refusals: PositiveInt = 20
+    acceptance: HitAcceptance = HitAcceptance()
+
+
+class SinePlan(Frozen):
+    """A stepped sine test: one burst per frequency and level, each from rest, each ending at exactly 0 V."""
+
+    kind: Literal["sine"] = "sine"
+    frequencies_hz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] = tuple(n / BLOCK_S for n in PAPER_LINES)
+    levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1, default_factory=lambda: {"low": 0.5})]
+    rate_hz: PositiveFloat = 1000.0
+    block_s: PositiveFloat = BLOCK_S
+    ramp_s: PositiveFloat = 1.0
+    settle_s: PositiveFloat = 8.0
+    rest_s: PositiveFloat = 10.0
+
+
+Plan = Annotated[ImpactPlan | SinePlan, Field(discriminator="kind")]

@@ -1,0 +1,209 @@
+"""What stands on the bench: beam, points, channels, converter, limits, tolerances."""
+
+from collections.abc import Sequence
+from datetime import date
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, PositiveFloat, PositiveInt, model_validator
+
+from modallab.errors import RigError
+from modallab.schema.frozen import Frozen
+from modallab.schema.units import TO_SI, Quantity, Test
+from modallab.schema.versions import RIG
+
+Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Beam(Frozen):
+    """A prismatic cantilever, clamped at x = 0."""
+
+    length_m: Positive
+    width_m: Positive
+    thickness_m: Positive
+    youngs_modulus_pa: Positive
+    density_kg_m3: Positive
+    clamp: str = "rigid at x = 0"
+
+
+class Tolerance(Frozen):
+    """One standard deviation, relative, of what is believed about the beam and the sensors."""
+
+    youngs_modulus: NonNegative = 0.012
+    thickness: NonNegative = 0.003
+    density: NonNegative = 0.003
+    sensitivity: NonNegative = 0.01
+    meaning: str = "one standard deviation, relative"
+
+
+class DampingPrior(Frozen):
+    """What is believed about the damping ratio of every mode: log-normal about `guess`."""
+
+    guess: Positive = 0.006
+    factor: Annotated[float, Field(gt=1, allow_inf_nan=False)] = 2.0
+    meaning: str = "every mode, log-normal"
+
+
+class Point(Frozen):
+    """A measurement point on the beam."""
+
+    id: PositiveInt
+    x_m: NonNegative
+
+
+class Channel(Frozen):
+    """One channel of the chain: transducer, preamplifier, input."""
+
+    index: Annotated[int, Field(ge=0)]
+    name: Annotated[str, Field(min_length=1)]
+    quantity: Quantity
+    unit: str
+    point: PositiveInt | None = None
+    direction: Direction = "+z"
+    mass_kg: NonNegative = 0.0
+    sensitivity_v_per_unit: Finite | dict[Test, Finite] = 1.0
+    coupling: Literal["DC", "AC", "IEPE", "bridge"] = "DC"
+    range_v: Positive | None = None
+    serial: str = ""
+    calibrated_on: date | None = None
+
+    def sensitivity(self, test: Test) -> float:
+        """Volts per unit in a test; the preamplifier may stand differently in each."""
+        value = self.sensitivity_v_per_unit
+        if isinstance(value, float | int):
+            return float(value)
+        if test not in value:
+            raise RigError(
+                f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",
+                where=f"channel {self.name}",
+                remedy=f"add sensitivity_v_per_unit: {{{test}: ...}} to the rig file",
+            )
+        return value[test]
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.unit not in TO_SI[self.quantity]:
+            raise ValueError(
+                f"unit {self.unit!r} is no unit of {self.quantity}; allowed: {', '.join(TO_SI[self.quantity])}"
+            )
+        value = self.sensitivity_v_per_unit
+        if 0 in (value.values() if isinstance(value, dict) else (value,)):
+            raise ValueError("sensitivity_v_per_unit is 0; allowed: any number but 0 (negative for a turned sensor)")
+        return self
+
+
+class Converter(Frozen):
+    """The analog-to-digital converter behind every channel."""
+
+    bits: Annotated[int, Field(ge=8, le=32)] = 16
+    range_v: Positive = 10.0
+    noise_rms_v: NonNegative = 0.0003
+
+    @property
+    def volts_per_count(self) -> float:
+        """Volts of one count, full scale +-range_v."""
+        return self.range_v / 2 ** (self.bits - 1)
+
+
+class Limits(Frozen):
+    """What the excitation may never exceed. Needed to drive, not to read."""
+
+    drive_v: Positive
+    slew_v_per_s: Positive
+    force_n: Positive
+    acceleration_m_s2: Positive
+    max_burst_s: Positive
+
+
+class Rig(Frozen):
+    """The bench as the operator believes it to be."""
+
+    format_version: Literal[1] = RIG
+    name: str
+    model: Literal["cantilever", "unknown"] = "cantilever"
+    bench: str | None = None
+    beam: Beam | None = None
+    tolerance: Tolerance = Tolerance()
+    damping_ratio: DampingPrior = DampingPrior()
+    gravity_axis: Direction = "-y"
+    drive_direction: Direction = "+z"
+    points: tuple[Point, ...] = ()
+    channels: Annotated[tuple[Channel, ...], Field(min_length=2)]
+    converter: Converter | None = None
+    shaker_point: PositiveInt | None = None
+    limits: Limits | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        problems = [*self._beam_problems(), *self._point_problems(), *self._channel_problems()]
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
+
+    def _beam_problems(self) -> list[str]:
+        if self.model == "cantilever" and self.beam is None:
+            return ["beam is missing; allowed: a beam, or model: unknown"]
+        return []
+
+    def _point_problems(self) -> list[str]:
+        problems = [f"point id {i} occurs twice; allowed: each id once" for i in _repeated([p.id for p in self.points])]
+        if self.beam is not None:
+            length = self.beam.length_m
+            problems += [
+                f"points: id {p.id} has x_m = {p.x_m}; allowed: 0 to length_m = {length}"
+                for p in self.points
+                if p.x_m > length * (1 + 1e-9)
+            ]
+        if self.shaker_point is not None and self.shaker_point not in {p.id for p in self.points}:
+            problems.append(f"shaker_point is {self.shaker_point}; allowed: the id of a point")
+        return problems
+
+    def _channel_problems(self) -> list[str]:
+        ids = {p.id for p in self.points}
+        problems = [
+            f"channel name {n!r} occurs twice; allowed: each name once"
+            for n in _repeated([c.name for c in self.channels])
+        ]
+        if [c.index for c in self.channels] != list(range(len(self.channels))):
+            problems.append(
+                f"channels have index {[c.index for c in self.channels]}; allowed: 0, 1, 2, ... in this order"
+            )
+        forces = [c.name for c in self.channels if c.quantity == "force"]
+        if len(forces) != 1:
+            problems.append(f"channels of quantity force: {', '.join(forces) or 'none'}; allowed: exactly one")
+        problems += [
+            f"channel {c.name} stands at point {c.point}; allowed: the id of a point, or none"
+            for c in self.channels
+            if c.point is not None and c.point not in ids
+        ]
+        return problems
+
+    @property
+    def force_channel(self) -> Channel:
+        """The force transducer's channel."""
+        return next(c for c in self.channels if c.quantity == "force")
+
+    @property
+    def responses(self) -> tuple[Channel, ...]:
+        """All channels but the force, in rig order."""
+        return tuple(c for c in self.channels if c.quantity != "force")
+
+    def x_of(self, point: int) -> float:
+        """Distance of a point from the clamp, in m.
+
+        Raises:
+            RigError: no such point.
+        """
+        for candidate in self.points:
+            if candidate.id == point:
+                return candidate.x_m
+        raise RigError(
+            f"point {point} is not on the rig, which has {[p.id for p in self.points]}",
+            remedy="add the point to the rig file",
+        )
+
+
+def _repeated(values: Sequence[object]) -> list[object]:
+    return sorted({v for v in values if values.count(v) > 1}, key=str)

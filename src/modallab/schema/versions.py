@@ -1,0 +1,8 @@
+"""Versions of every format the project writes. Old ones stay readable for ever."""
+
+RIG = 1
+CAMPAIGN_INT16 = 1
+CAMPAIGN_NATIVE = 2
+MODEL = 1
+STORE = 1
+DIAGNOSIS = 1

@@ -1,0 +1,1 @@
+"""Keeps what the device delivered: append-only, never rewritten, safe under kill -9."""

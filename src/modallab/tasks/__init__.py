@@ -1,0 +1,1 @@
+"""Jobs a worker can do: pure functions of a campaign and parameters."""
