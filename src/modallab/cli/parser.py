@@ -2,6 +2,12 @@
 
 import argparse
 from pathlib import Path
+from typing import Any, Protocol
+
+
+class _Commands(Protocol):
+    # argparse gives its own class for this no public name.
+    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
 
 
 def build_parser(version: str) -> argparse.ArgumentParser:
@@ -17,14 +23,14 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_demo(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def _add_demo(commands: _Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
     demo.add_argument("--seed", type=int, default=1, help="seed of the simulated bench")
     demo.set_defaults(module="demo")
 
 
-def _add_import(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def _add_import(commands: _Commands) -> None:
     command = commands.add_parser("import", help="turn recordings of others into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help="UFF 58/58b, NPY, CSV or HDF5")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
@@ -32,7 +38,7 @@ def _add_import(commands: "argparse._SubParsersAction[argparse.ArgumentParser]")
     command.set_defaults(module="import_")
 
 
-def _add_identify(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def _add_identify(commands: _Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
