@@ -8,7 +8,8 @@ from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from modallab.errors import RigError
 from modallab.schema.frozen import Frozen
-from modallab.schema.units import TO_SI, Quantity, Test
+from modallab.schema.rig_checks import Problem, channel_problems, cross_problems
+from modallab.schema.units import Quantity, Test
 from modallab.schema.versions import RIG
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
@@ -84,13 +85,7 @@ class Channel(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.unit not in TO_SI[self.quantity]:
-            raise ValueError(
-                f"unit {self.unit!r} is no unit of {self.quantity}; allowed: {', '.join(TO_SI[self.quantity])}"
-            )
-        value = self.sensitivity_v_per_unit
-        if 0 in (value.values() if isinstance(value, dict) else (value,)):
-            raise ValueError("sensitivity_v_per_unit is 0; allowed: any number but 0 (negative for a turned sensor)")
+        _refuse(channel_problems(self.model_dump()))
         return self
 
 
@@ -137,48 +132,8 @@ class Rig(Frozen):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        problems = [*self._beam_problems(), *self._point_problems(), *self._channel_problems()]
-        if problems:
-            raise ValueError("; ".join(problems))
+        _refuse(cross_problems(self.model_dump()))
         return self
-
-    def _beam_problems(self) -> list[str]:
-        if self.model == "cantilever" and self.beam is None:
-            return ["beam is missing; allowed: a beam, or model: unknown"]
-        return []
-
-    def _point_problems(self) -> list[str]:
-        problems = [f"point id {i} occurs twice; allowed: each id once" for i in _repeated([p.id for p in self.points])]
-        if self.beam is not None:
-            length = self.beam.length_m
-            problems += [
-                f"points: id {p.id} has x_m = {p.x_m}; allowed: 0 to length_m = {length}"
-                for p in self.points
-                if p.x_m > length * (1 + 1e-9)
-            ]
-        if self.shaker_point is not None and self.shaker_point not in {p.id for p in self.points}:
-            problems.append(f"shaker_point is {self.shaker_point}; allowed: the id of a point")
-        return problems
-
-    def _channel_problems(self) -> list[str]:
-        ids = {p.id for p in self.points}
-        problems = [
-            f"channel name {n!r} occurs twice; allowed: each name once"
-            for n in _repeated([c.name for c in self.channels])
-        ]
-        if [c.index for c in self.channels] != list(range(len(self.channels))):
-            problems.append(
-                f"channels have index {[c.index for c in self.channels]}; allowed: 0, 1, 2, ... in this order"
-            )
-        forces = [c.name for c in self.channels if c.quantity == "force"]
-        if len(forces) != 1:
-            problems.append(f"channels of quantity force: {', '.join(forces) or 'none'}; allowed: exactly one")
-        problems += [
-            f"channel {c.name} stands at point {c.point}; allowed: the id of a point, or none"
-            for c in self.channels
-            if c.point is not None and c.point not in ids
-        ]
-        return problems
 
     @property
     def force_channel(self) -> Channel:
@@ -205,5 +160,6 @@ class Rig(Frozen):
         )
 
 
-def _repeated(values: Sequence[object]) -> list[object]:
-    return sorted({v for v in values if values.count(v) > 1}, key=str)
+def _refuse(problems: Sequence[Problem]) -> None:
+    if problems:
+        raise ValueError("\n".join(str(problem) for problem in problems))
