@@ -1,0 +1,87 @@
+"""Several runs of one visit to the bench, as one campaign."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from modallab.errors import StorageError
+from modallab.schema.block import Block, Campaign
+from modallab.storage.records import RunRecord
+from modallab.storage.store import Store
+
+
+def campaign_of(store: Store, runs: Sequence[str], *, invalid: bool = False) -> Campaign:
+    """The accepted blocks of `runs`, in that order, with where they come from.
+
+    Args:
+        store: the data folder.
+        runs: names of runs on one and the same rig.
+        invalid: whether aborted runs, whose data are marked as invalid, may be among them.
+
+    Raises:
+        StorageError: no run, an aborted one, or runs on different rigs; a block that is not what was recorded.
+    """
+    records = [store.catalogue.run(run) for run in runs]
+    _check(records, str(store.folder), invalid)
+    blocks: list[Block] = []
+    taken: set[str] = set()
+    for number, record in enumerate(records, start=1):
+        for block in store.iterate(record.id):
+            # Two impact runs both begin with hit 1.
+            name = block.name if block.name not in taken else f"{block.name}_run{number}"
+            taken.add(name)
+            blocks.append(replace(block, name=name, order=len(blocks)))
+    return Campaign(
+        rig=records[0].rig,
+        blocks=tuple(blocks),
+        provenance=_provenance(store, records),
+        source=str(store.folder),
+    )
+
+
+def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
+    if not records:
+        raise StorageError("no runs were named", where=where, remedy="name at least one run")
+    if len({record.rig_hash for record in records}) > 1:
+        rigs = ", ".join(f"{record.id}: {record.rig_hash[:12]}" for record in records)
+        raise StorageError(
+            f"the runs are of different rigs ({rigs})", where=where, remedy="take runs of one rig revision only"
+        )
+    aborted = [record.id for record in records if not record.valid]
+    if aborted and not invalid:
+        raise StorageError(
+            f"aborted, so marked as invalid: {', '.join(aborted)}", where=where, remedy="leave these runs out"
+        )
+
+
+def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
+    first = records[0]
+    known = {
+        "runs": " ".join(record.id for record in records),
+        "bench": first.bench_url,
+        "rig_hash": first.rig_hash,
+        "code_version": " ".join(sorted({record.code_version for record in records})),
+    }
+    for record in records:
+        # Facts are the same in every run of one bench; where one differs, the later run's stands under its own name.
+        for key, value in record.facts.items():
+            if known.setdefault(f"bench.{key}", value) != value:
+                known[f"{record.id}.bench.{key}"] = value
+        known |= {f"{record.id}.{key}": value for key, value in _of_run(store, record).items()}
+    return known
+
+
+def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
+    rows = store.catalogue.blocks(record.id)
+    rates = record.rates
+    told = {
+        "state": record.state,
+        "reason": record.reason,
+        "created_utc": record.created_utc,
+        "plan": record.plan.model_dump_json(),
+        "requested_rate_hz": "" if rates is None else repr(rates.requested_hz),
+        "actual_rate_hz": "" if rates is None else repr(rates.actual_hz),
+        "rate_hz": "" if rates is None else repr(rates.delivered_hz),
+        "refused": "; ".join(f"{row.note.name}: {row.note.reason}" for row in rows if not row.note.accepted),
+        "overload": "; ".join(f"{row.note.name}: {' '.join(row.note.overload)}" for row in rows if row.note.overload),
+    }
+    return {key: value for key, value in told.items() if value}

@@ -1,0 +1,187 @@
+"""The catalogue of runs and blocks: a database whose rows are the truth about what was kept."""
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import Any
+
+from pydantic import TypeAdapter
+from sqlalchemy import Connection, Engine, create_engine, event, insert, select, update
+from sqlalchemy.engine.interfaces import DBAPIConnection
+from sqlalchemy.exc import SQLAlchemyError
+
+from modallab.errors import FormatError, StorageError
+from modallab.schema.plan import Plan
+from modallab.schema.rig import Rig
+from modallab.schema.versions import STORE as STORE_VERSION
+from modallab.storage.durable import failure
+from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
+from modallab.storage.tables import BLOCKS, METADATA, RUNS, STORE
+
+_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
+_BUSY_S = 30.0
+
+
+class Catalogue:
+    """Rows of runs and blocks, each committed and on the disk when its method returns."""
+
+    def __init__(self, url: str) -> None:
+        """Open the database at an SQLAlchemy URL, and make its tables if there are none.
+
+        Raises:
+            StorageError: it cannot be opened or written.
+            FormatError: it is of a version this program does not know.
+        """
+        self._url = url
+        self._engine = _engine(url)
+        with self._writing() as connection:
+            METADATA.create_all(connection)
+            version = connection.scalar(select(STORE.c.format_version))
+            if version is None:
+                connection.execute(insert(STORE).values(format_version=STORE_VERSION))
+        if version not in (None, STORE_VERSION):
+            raise FormatError(
+                f"the data folder has format version {version}, this program knows up to {STORE_VERSION}",
+                where=url,
+                remedy="use the newer modallab that wrote it",
+            )
+
+    def add_run(self, run: RunRecord) -> None:
+        """Commit a new run."""
+        with self._writing() as connection:
+            connection.execute(insert(RUNS).values(_run_row(run)))
+
+    def update_run(self, run: str, **values: Any) -> None:
+        """Commit new values for columns of a run, such as its state."""
+        with self._writing() as connection:
+            connection.execute(update(RUNS).where(RUNS.c.id == run).values(values))
+
+    def add_block(self, block: BlockRecord) -> None:
+        """Commit a block, whose samples must be on the disk by now."""
+        with self._writing() as connection:
+            connection.execute(insert(BLOCKS).values(_block_row(block)))
+
+    def runs(self) -> tuple[RunRecord, ...]:
+        """All runs, in the order of time."""
+        with self._reading() as connection:
+            return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.id)).mappings())
+
+    def run(self, run: str) -> RunRecord:
+        """One run.
+
+        Raises:
+            StorageError: there is none of this name.
+        """
+        with self._reading() as connection:
+            row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
+        if row is None:
+            raise StorageError(f"there is no run {run!r}", where=self._url, remedy="look at the list of runs")
+        return _run(row)
+
+    def blocks(self, run: str) -> tuple[BlockRecord, ...]:
+        """The blocks of a run, in the order they were recorded."""
+        query = select(BLOCKS).where(BLOCKS.c.run == run).order_by(BLOCKS.c.n)
+        with self._reading() as connection:
+            return tuple(_block(row) for row in connection.execute(query).mappings())
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self._engine.dispose()
+
+    @contextmanager
+    def _writing(self) -> Generator[Connection]:
+        try:
+            with self._engine.begin() as connection:
+                yield connection
+        except SQLAlchemyError as error:
+            raise failure(error, self._url) from error
+
+    @contextmanager
+    def _reading(self) -> Generator[Connection]:
+        try:
+            with self._engine.connect().execution_options(reading=True) as connection:
+                yield connection
+        except SQLAlchemyError as error:
+            raise StorageError(f"cannot be read: {error}", where=self._url, remedy="look at the disk") from error
+
+
+def _engine(url: str) -> Engine:
+    if not url.startswith("sqlite"):
+        return create_engine(url)
+    engine = create_engine(url, connect_args={"timeout": _BUSY_S})
+    event.listen(engine, "connect", _prepare_sqlite)
+    event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
+    # The driver would otherwise begin by itself, deferred: a reader that turns writer meets BUSY without a wait.
+    connection.isolation_level = None  # pyright: ignore[reportAttributeAccessIssue]
+    cursor = connection.cursor()
+    cursor.execute("PRAGMA journal_mode=WAL")
+    cursor.execute("PRAGMA synchronous=FULL")
+    cursor.execute("PRAGMA foreign_keys=ON")
+    cursor.close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    reading = connection.get_execution_options().get("reading", False)
+    connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
+
+
+def _run_row(run: RunRecord) -> dict[str, Any]:
+    return {
+        "id": run.id,
+        "test": run.test,
+        "state": run.state,
+        "reason": run.reason,
+        "valid": run.valid,
+        "plan": run.plan.model_dump_json(),
+        "rig": run.rig.model_dump_json(),
+        "rig_hash": run.rig_hash,
+        "bench_url": run.bench_url,
+        "facts": run.facts,
+        "code_version": run.code_version,
+        "created_utc": run.created_utc,
+        "ended_utc": run.ended_utc,
+    }
+
+
+def _run(row: Any) -> RunRecord:
+    rates = None
+    if row["rate_hz"] is not None:
+        rates = Rates(row["requested_rate_hz"], row["actual_rate_hz"], row["rate_hz"])
+    return RunRecord(
+        id=row["id"],
+        test=row["test"],
+        state=row["state"],
+        reason=row["reason"],
+        valid=row["valid"],
+        plan=_PLAN.validate_json(row["plan"]),
+        rig=Rig.model_validate_json(row["rig"]),
+        rig_hash=row["rig_hash"],
+        bench_url=row["bench_url"],
+        facts=row["facts"],
+        code_version=row["code_version"],
+        created_utc=row["created_utc"],
+        ended_utc=row["ended_utc"],
+        rates=rates,
+        dtype=row["dtype"],
+        scale=tuple(row["scale"]),
+        units=tuple(row["units"]),
+    )
+
+
+_OWN = ("run", "n", "offset", "count", "crc32", "monotonic_s", "utc")
+_NOTE = (
+    "name", "test", "first_sample", "drive_point", "level", "frequency_hz", "accepted", "reason", "overload", "facts",
+)  # fmt: skip
+
+
+def _block_row(block: BlockRecord) -> dict[str, Any]:
+    row: dict[str, Any] = {key: getattr(block, key) for key in _OWN}
+    return row | {key: getattr(block.note, key) for key in _NOTE} | {"overload": list(block.note.overload)}
+
+
+def _block(row: Any) -> BlockRecord:
+    note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
+    return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))

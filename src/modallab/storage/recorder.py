@@ -1,0 +1,141 @@
+"""Records one run: samples to the disk, then the row, and only then the acknowledgement."""
+
+import time
+import zlib
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from modallab.backend.protocol import Delivery
+from modallab.errors import StorageError
+from modallab.schema.events import BlockAcknowledged, RunState
+from modallab.schema.versions import STORE
+from modallab.storage.catalogue import Catalogue
+from modallab.storage.lease import Lease
+from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
+from modallab.storage.samples import Samples, SampleWriter
+
+
+def utc_now() -> str:
+    """The time for people, ISO 8601 to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def checksum(samples: Samples) -> int:
+    """CRC-32 of (channels, n) samples as they stand in the file: C order, little-endian."""
+    return zlib.crc32(np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<")).data)
+
+
+class Recorder:
+    """The one writer of a run. As a context manager it lets go of the lease and the file however the run ends."""
+
+    def __init__(self, catalogue: Catalogue, folder: Path, run: RunRecord, lease: Lease) -> None:
+        self.run = run.id
+        self._record = run
+        self._catalogue = catalogue
+        self._path = folder / f"{run.id}.h5"
+        self._lease = lease
+        self._writer: SampleWriter | None = None
+        self._n = 0
+
+    @property
+    def unusable(self) -> bool:
+        """Whether a failed write left a file that HDF5 cannot close: the process should end without its clean-up."""
+        return self._writer is not None and self._writer.unusable
+
+    def open(self, delivery: Delivery, block_samples: int) -> None:
+        """Make the file for what the configured device will deliver.
+
+        Raises:
+            DiskFullError, StorageError: it cannot be made.
+        """
+        shape = (len(delivery.units), block_samples)
+        self._writer = SampleWriter(self._path, shape, delivery.dtype, self._attributes(delivery))
+        self._catalogue.update_run(
+            self.run,
+            requested_rate_hz=delivery.requested_rate_hz,
+            actual_rate_hz=delivery.actual_rate_hz,
+            rate_hz=delivery.rate_hz,
+            dtype=self._writer.dtype.str,
+            scale=[float(value) for value in delivery.scale],
+            units=list(delivery.units),
+        )
+
+    def enter(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
+        """Commit the run's state."""
+        ended = {"ended_utc": utc_now()} if state in ENDED else {}
+        self._catalogue.update_run(self.run, state=state, reason=reason, valid=valid, **ended)
+
+    def record(self, samples: Samples, note: BlockNote) -> BlockAcknowledged:
+        """Keep (channels, n) samples for good; when this returns, no crash can lose them.
+
+        Raises:
+            DiskFullError, StorageError: not kept; all blocks before are.
+        """
+        if self._writer is None:
+            raise StorageError("no file is open", where=self.run, remedy="call open with the delivery first")
+        crc32 = checksum(samples)
+        offset = self._writer.append(samples)
+        block = BlockRecord(
+            run=self.run,
+            n=self._n,
+            offset=offset,
+            count=int(samples.shape[1]),
+            crc32=crc32,
+            monotonic_s=time.monotonic(),
+            utc=utc_now(),
+            note=note,
+        )
+        self._catalogue.add_block(block)
+        self._n += 1
+        return _acknowledge(block)
+
+    def close(self) -> None:
+        """Close the file and let go of the run."""
+        try:
+            if self._writer is not None:
+                self._writer.close()
+        finally:
+            self._lease.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _attributes(self, delivery: Delivery) -> dict[str, Any]:
+        # The file explains itself without the catalogue.
+        run = self._record
+        return {
+            "format_version": STORE,
+            "run": run.id,
+            "test": run.test,
+            "plan": run.plan.model_dump_json(),
+            "rig": run.rig.model_dump_json(),
+            "rig_hash": run.rig_hash,
+            "bench_url": run.bench_url,
+            "code_version": run.code_version,
+            "created_utc": run.created_utc,
+            "requested_rate_hz": delivery.requested_rate_hz,
+            "actual_rate_hz": delivery.actual_rate_hz,
+            "rate_hz": delivery.rate_hz,
+            "scale": delivery.scale,
+            "units": list(delivery.units),
+            "channels": [channel.name for channel in run.rig.channels],
+        }
+
+
+def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
+    return BlockAcknowledged(
+        run=block.run,
+        n=block.n,
+        name=block.note.name,
+        first_sample=block.note.first_sample,
+        count=block.count,
+        crc32=block.crc32,
+        accepted=block.note.accepted,
+        reason=block.note.reason,
+    )

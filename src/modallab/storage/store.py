@@ -1,0 +1,159 @@
+"""A data folder: its catalogue, its sample files, and what is read back from them."""
+
+import hashlib
+import secrets
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from modallab import __version__
+from modallab.backend.protocol import BenchInfo
+from modallab.errors import StorageError
+from modallab.schema.block import Block
+from modallab.schema.plan import Plan
+from modallab.schema.rig import Rig
+from modallab.storage.catalogue import Catalogue
+from modallab.storage.durable import require_local
+from modallab.storage.lease import Lease
+from modallab.storage.recorder import Recorder, checksum, utc_now
+from modallab.storage.records import ENDED, BlockRecord, RunRecord
+from modallab.storage.samples import SampleReader, open_samples
+
+DATABASE = "modallab.db"
+INTERRUPTED = "interrupted"
+
+
+class Store:
+    """Runs and blocks under one folder: `modallab.db` and `runs/<run>.h5`. Any number of readers, one writer a run."""
+
+    def __init__(self, folder: Path) -> None:
+        """Open a data folder, and make it if it is not there.
+
+        Raises:
+            StorageError: it is on a network share, or cannot be written.
+            FormatError: it is of a version this program does not know.
+        """
+        self.folder = folder
+        self._runs = folder / "runs"
+        try:
+            self._runs.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StorageError(
+                f"cannot be made: {error.strerror}", where=str(folder), remedy="choose another data folder"
+            ) from error
+        require_local(folder)
+        self.catalogue = Catalogue(f"sqlite:///{(folder / DATABASE).as_posix()}")
+
+    def begin(self, plan: Plan, rig: Rig, bench: BenchInfo) -> Recorder:
+        """Enter a new run in the catalogue and lease it to this process."""
+        now = datetime.now(UTC)
+        run = RunRecord(
+            id=f"{now:%Y%m%dT%H%M%S.%f}"[:19].replace(".", "-") + f"-{plan.kind}-{secrets.token_hex(2)}",
+            test=plan.kind,
+            state="created",
+            reason="",
+            valid=True,
+            plan=plan,
+            rig=rig,
+            rig_hash=rig_hash(rig),
+            bench_url=bench.url,
+            facts=_facts(bench),
+            code_version=__version__,
+            created_utc=utc_now(),
+            ended_utc="",
+            rates=None,
+            dtype="",
+            scale=(),
+            units=(),
+        )
+        lease = self._lease(run.id)
+        lease.acquire()
+        self.catalogue.add_run(run)
+        return Recorder(self.catalogue, self._runs, run, lease)
+
+    def recover(self) -> tuple[str, ...]:
+        """Mark every active run whose recorder is dead as failed (interrupted); returns their names.
+
+        Its committed blocks stay readable. A run another live process records is left alone.
+        """
+        return tuple(run.id for run in self.catalogue.runs() if run.state not in ENDED and self._bury(run.id))
+
+    def _bury(self, run: str) -> bool:
+        with self._lease(run) as lease:
+            # The run may have ended between the look at its row and the lease.
+            if not lease.acquire() or self.catalogue.run(run).state in ENDED:
+                return False
+            self.catalogue.update_run(run, state="failed", reason=INTERRUPTED, ended_utc=utc_now())
+            (self._runs / f"{run}.reserve").unlink(missing_ok=True)
+            return True
+
+    def blocks(self, run: str, *, refused: bool = False) -> tuple[Block, ...]:
+        """The accepted blocks of a run, in the order of time, checked against their CRC; with `refused`, all of them.
+
+        Raises:
+            StorageError: no such run, or a block that is not what was acknowledged, by name.
+        """
+        return tuple(self.iterate(run, refused=refused))
+
+    def iterate(self, run: str, *, refused: bool = False) -> Iterator[Block]:
+        """As `blocks`, one after the other."""
+        record = self.catalogue.run(run)
+        wanted = [row for row in self.catalogue.blocks(run) if refused or row.note.accepted]
+        if not wanted:
+            return
+        with open_samples(self._runs / f"{run}.h5") as reader:
+            for row in wanted:
+                yield _block(record, row, reader)
+
+    def close(self) -> None:
+        """Let go of the catalogue."""
+        self.catalogue.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _lease(self, run: str) -> Lease:
+        return Lease(self._runs / f"{run}.lease")
+
+
+def rig_hash(rig: Rig) -> str:
+    """SHA-256 of a rig's JSON: the revision of the bench as believed."""
+    return hashlib.sha256(rig.model_dump_json().encode()).hexdigest()
+
+
+def _facts(bench: BenchInfo) -> dict[str, str]:
+    devices = {f"device {n}": f"{name}, serial {serial}" for n, (name, serial) in enumerate(bench.devices)}
+    return devices | bench.facts
+
+
+def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
+    samples = reader.read(row.offset, row.count)
+    if checksum(samples) != row.crc32:
+        raise StorageError(
+            f"the samples on the disk are not those recorded: CRC-32 {checksum(samples):08x}, {row.crc32:08x} expected",
+            where=f"run {run.id}, block {row.note.name}",
+            remedy="restore the run's file from a copy, or leave this block out",
+        )
+    assert run.rates is not None  # a block is recorded after the delivery is known
+    return Block(
+        name=row.note.name,
+        test=row.note.test,
+        order=row.n,
+        rate_hz=run.rates.delivered_hz,
+        samples=samples,
+        scale=np.array(run.scale),
+        units=run.units,
+        channels=tuple(channel.name for channel in run.rig.channels),
+        drive_point=row.note.drive_point,
+        level=row.note.level,
+        frequency_hz=row.note.frequency_hz,
+        first_sample=row.note.first_sample,
+        requested_rate_hz=run.rates.requested_hz,
+        actual_rate_hz=run.rates.actual_hz,
+    )
