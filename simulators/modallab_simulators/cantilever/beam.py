@@ -1,0 +1,100 @@
+"""Bending modes of a prismatic Euler-Bernoulli cantilever on a root rotational spring.
+
+The shape is W = A cos(b xi) + B sin(b xi) + C cosh(b xi) + D sinh(b xi), xi = x/L, with W(0) = 0, EI W''(0) = k W'(0)
+and a free tip. With kappa = k L / EI the frequency equation is
+kappa (1 + cos b cosh b) = b (sin b cosh b - cos b sinh b), which follows from these four conditions (Blevins, Formulas
+for Natural Frequency and Mode Shape, table 8-1, has its limits kappa = 0 and infinity).
+All expressions are divided by cosh b, or have their growing and falling exponentials taken apart, so that no mode is
+too high for double precision.
+"""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class CantileverBeam:
+    """A uniform beam in SI units.
+
+    Attributes:
+        length_m: L.
+        bending_stiffness_n_m2: EI.
+        mass_kg_m: rho A.
+        kappa: root rotational spring in EI/L; inf is a rigid clamp.
+    """
+
+    length_m: float
+    bending_stiffness_n_m2: float
+    mass_kg_m: float
+    kappa: float
+
+    @property
+    def root_stiffness_nm_rad(self) -> float:
+        """The root spring in N m/rad."""
+        return self.kappa * self.bending_stiffness_n_m2 / self.length_m
+
+    @property
+    def _rate(self) -> float:
+        return float(np.sqrt(self.bending_stiffness_n_m2 / self.mass_kg_m)) / self.length_m**2
+
+    def omega(self, count: int) -> Floats:
+        """Natural frequencies of the first `count` modes in rad/s, (count,)."""
+        return wave_numbers(count, self.kappa) ** 2 * self._rate
+
+    def count_below(self, omega: float) -> int:
+        """How many modes lie below `omega` in rad/s."""
+        # Mode n has b between (n - 1) pi and n pi, so this count covers every candidate.
+        candidates = int(np.sqrt(omega / self._rate) / pi) + 1
+        return int(np.sum(self.omega(candidates) < omega))
+
+    def shapes(self, x_m: Floats, count: int) -> Floats:
+        """Mode shapes at unit modal mass in kg^-1/2, (points, count)."""
+        unit = unit_shapes(x_m / self.length_m, wave_numbers(count, self.kappa), self.kappa)
+        return unit / np.sqrt(self.mass_kg_m * self.length_m)
+
+    def flexibility(self, x_m: Floats, force_x_m: float) -> Floats:
+        """Static displacement at `x_m` per force at `force_x_m`, in m/N: bending of the beam and turn of the root."""
+        near, far = np.minimum(x_m, force_x_m), np.maximum(x_m, force_x_m)
+        bend = near**2 * (3 * far - near) / (6 * self.bending_stiffness_n_m2)
+        return bend if self.kappa == inf else bend + near * far / self.root_stiffness_nm_rad
+
+
+def wave_numbers(count: int, kappa: float) -> Floats:
+    """Roots b = beta L of the frequency equation for kappa > 0, ascending, (count,)."""
+    return np.array([_wave_number(n, kappa) for n in range(1, count + 1)], dtype=np.float64)
+
+
+def _wave_number(n: int, kappa: float) -> float:
+    # Dividing by kappa or by b keeps the terms of order one for a soft as for a stiff root.
+    soft, stiff = (kappa, 1.0) if kappa < 1 else (1.0, 0.0 if kappa == inf else 1.0 / kappa)
+
+    def equation(b: float) -> float:
+        sech = 1.0 / np.cosh(b)
+        return float(soft * (sech + np.cos(b)) - stiff * b * (np.sin(b) - np.cos(b) * np.tanh(b)))
+
+    return float(brentq(equation, (n - 1) * pi, n * pi, xtol=1e-15 * n * pi, rtol=8.9e-16))
+
+
+def unit_shapes(xi: Floats, b: Floats, kappa: float) -> Floats:
+    """Shapes with integral of W^2 over xi of one, positive at the tip, (points, modes)."""
+    s, c, t, sech = np.sin(b), np.cos(b), np.tanh(b), 1 / np.cosh(b)
+    d = s - c * t
+    growing = (1 + (s + c) * np.exp(-b)) / (1 + np.exp(-2 * b))
+    falling = (s - c - c * t - sech + s * t) / 2
+    z = np.multiply.outer(xi, b)
+    shape = (c + sech + s * t) * np.sin(z) - d * np.cos(z) + growing * np.exp(z - b) + falling * np.exp(-z)
+    tip = (c + sech + s * t) * s - d * c + growing + falling * np.exp(-b)
+    return shape * np.sign(tip) / np.sqrt(_norm(tip, d, c + sech, b, kappa))
+
+
+def _norm(tip: Floats, d: Floats, turn: Floats, b: Floats, kappa: float) -> Floats:
+    # Integral of W^2 = (W(1)^2 + W'(0) W''(0) / b^4) / 4. The root's two forms are equal at a root of the frequency
+    # equation; each is free of cancellation on its own side.
+    root = 4 * kappa * turn**2 / b**2 if kappa < 1 else 4 * d**2 / kappa
+    return (tip**2 + root) / 4

@@ -1,0 +1,53 @@
+"""What drives the beam and when: blows struck or meant, bursts on the shaker."""
+
+import numpy as np
+
+from modallab_simulators.cantilever.hammer import Blow
+from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.structure import Drive
+
+
+class Excitation:
+    """The timeline of all forces, in seconds since the stream began."""
+
+    def __init__(self, shaker_x_m: float | None, n_per_v: float) -> None:
+        self._shaker_x_m = shaker_x_m
+        self._n_per_v = n_per_v
+        self._blows: list[Blow] = []
+        self._emissions: list[Emission] = []
+
+    def strike(self, blow: Blow, now_s: float) -> None:
+        """Schedule a blow; one that was meant but not yet struck is given up for it."""
+        self._blows = [b for b in self._blows if b.start_s <= now_s]
+        self._blows.append(blow)
+
+    def emit(self, emission: Emission) -> None:
+        """Put a burst on the shaker."""
+        self._emissions.append(emission)
+
+    def running(self, now_s: float) -> bool:
+        """Whether a burst has still to come to its end, other than one that was cut."""
+        return any(e.cut_s is None and e.end_s > now_s for e in self._emissions)
+
+    def cut(self, at_s: float) -> None:
+        """Bring the shaker to zero at `at_s`."""
+        self._emissions = [e.cut(at_s) for e in self._emissions if e.start_s < at_s]
+
+    def forget(self, before_s: float) -> None:
+        """Drop what has ended before a time."""
+        self._blows = [b for b in self._blows if b.end_s >= before_s]
+        self._emissions = [e for e in self._emissions if e.end_s >= before_s]
+
+    def drives(self, first: int, count: int, step_s: float) -> list[Drive]:
+        """The forces that act on `count` internal samples from `first`; none where nothing excites."""
+        start_s, end_s = first * step_s, (first + count) * step_s
+        blows = [b for b in self._blows if b.start_s < end_s and b.end_s > start_s]
+        emissions = [e for e in self._emissions if e.start_s < end_s and e.end_s > start_s]
+        if not blows and not emissions:
+            return []
+        times = np.arange(first, first + count, dtype=np.float64) * step_s
+        drives = [Drive(blow.x_m, blow.force(times)) for blow in blows]
+        if emissions and self._shaker_x_m is not None:
+            volts = np.sum([e.volts(times) for e in emissions], axis=0)
+            drives.append(Drive(self._shaker_x_m, volts * self._n_per_v, 1 / self._n_per_v))
+        return drives

@@ -1,0 +1,44 @@
+"""The hammer's blow: one smooth contact, or two."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A contact pulse peak_n sin^2(pi t / width_s) from `start_s`."""
+
+    start_s: float
+    width_s: float
+    peak_n: float
+
+    def force(self, times_s: Floats) -> Floats:
+        """Force in N at the given times."""
+        share = (times_s - self.start_s) / self.width_s
+        return np.where((share > 0) & (share < 1), self.peak_n * np.sin(np.pi * share) ** 2, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Blow:
+    """What the hammer does at one place."""
+
+    x_m: float
+    contacts: tuple[Contact, ...]
+
+    @property
+    def start_s(self) -> float:
+        """When the hammer first touches."""
+        return self.contacts[0].start_s
+
+    @property
+    def end_s(self) -> float:
+        """When it last lets go."""
+        return self.contacts[-1].start_s + self.contacts[-1].width_s
+
+    def force(self, times_s: Floats) -> Floats:
+        """Force in N at the given times."""
+        return np.sum([contact.force(times_s) for contact in self.contacts], axis=0)

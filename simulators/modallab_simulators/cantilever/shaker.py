@@ -1,0 +1,55 @@
+"""The shaker: generator with a clock of its own, power amplifier, force at one point."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.backend.protocol import Burst
+
+FADE_S = 0.003
+"""How long the amplifier takes to fall to nothing when its input is cut."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """A burst on the output.
+
+    Attributes:
+        burst: as it was asked for.
+        start_s: on the converter's clock.
+        clock: how fast the generator's clock runs relative to the converter's, less one.
+        cut_s: when it was brought to zero before its end, or None.
+    """
+
+    burst: Burst
+    start_s: float
+    clock: float
+    cut_s: float | None = None
+
+    @property
+    def end_s(self) -> float:
+        """From here on the output is exactly 0 V."""
+        whole = self.start_s + self.burst.duration_s / (1 + self.clock)
+        return whole if self.cut_s is None else min(whole, self.cut_s + FADE_S)
+
+    def cut(self, at_s: float) -> "Emission":
+        """The same, brought to zero at `at_s` unless it was before."""
+        return self if self.cut_s is not None else replace(self, cut_s=at_s)
+
+    def volts(self, times_s: Floats) -> Floats:
+        """Output in V: a sine under a cosine taper, exactly 0 outside the burst."""
+        own = (times_s - self.start_s) * (1 + self.clock)
+        wave = self.burst.amplitude_v * np.sin(2 * np.pi * self.burst.frequency_hz * own) * self._taper(own)
+        if self.cut_s is not None:
+            wave *= (1 + np.cos(np.pi * np.clip((times_s - self.cut_s) / FADE_S, 0, 1))) / 2
+        return np.where((times_s > self.start_s) & (times_s < self.end_s), wave, 0.0)
+
+    def _taper(self, own_s: Floats) -> Floats:
+        burst = self.burst
+        if burst.ramp_s == 0:
+            return np.ones_like(own_s)
+        edge = np.minimum(own_s, burst.duration_s - own_s) / burst.ramp_s
+        return (1 - np.cos(np.pi * np.clip(edge, 0, 1))) / 2

@@ -1,0 +1,59 @@
+"""The virtual operator: how long it takes to strike, how hard, how well."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab_simulators.cantilever.hammer import Blow, Contact
+
+REACTION_S = (0.5, 1.5)
+WIDTH_S = (0.0015, 0.005)
+PEAK_N = (50.0, 150.0)
+WEAK_N = (4.0, 8.0)
+REBOUND_S = (0.015, 0.060)
+REBOUND_SHARE = (0.15, 0.6)
+
+
+@dataclass(frozen=True, slots=True)
+class Swing:
+    """One blow as intended: times count from the prompt, the place from the point.
+
+    Attributes:
+        reaction_s: from the prompt to the contact.
+        width_s: of the contact.
+        peak_n: of the contact, before what the sensors bear is known.
+        place_m: where it lands, from the point.
+        weak_n: peak of a blow that is too weak; 0 for another.
+        rebound_s: from the first contact's start to the second's; 0 for a clean blow.
+        rebound_share: peak of the second contact over that of the first.
+    """
+
+    reaction_s: float
+    width_s: float
+    peak_n: float
+    place_m: float
+    weak_n: float = 0.0
+    rebound_s: float = 0.0
+    rebound_share: float = 0.0
+
+    def blow(self, prompted_s: float, x_m: float, bearable_n: float) -> Blow:
+        """The blow at `x_m`, no harder than `bearable_n`."""
+        start = prompted_s + self.reaction_s
+        peak = self.weak_n if self.weak_n else min(self.peak_n, bearable_n)
+        contacts = [Contact(start, self.width_s, peak)]
+        if self.rebound_s:
+            contacts.append(Contact(start + self.rebound_s, self.width_s, peak * self.rebound_share))
+        return Blow(x_m, tuple(contacts))
+
+
+def draw_swing(rng: np.random.Generator, bad_hits: float, place_m: float) -> Swing:
+    """Draw a blow; with probability `bad_hits` a bad one, as often a double hit as too weak."""
+    reaction, width = rng.uniform(*REACTION_S), rng.uniform(*WIDTH_S)
+    peak, place = rng.uniform(*PEAK_N), rng.standard_normal() * place_m
+    bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5
+    weak, gap, share = rng.uniform(*WEAK_N), rng.uniform(*REBOUND_S), rng.uniform(*REBOUND_SHARE)
+    if not bad:
+        return Swing(reaction, width, peak, place)
+    if double:
+        return Swing(reaction, width, peak, place, rebound_s=gap, rebound_share=share)
+    return Swing(reaction, width, peak, place, weak_n=weak)
