@@ -1,54 +1,110 @@
-"""Campaign files: HDF5 of version 1 (int16 counts, one scale) or version 2 (what a device delivers)."""
+"""Campaign files: HDF5 of version 1 (int16 counts, one scale) or 2 (what a device delivers)."""
 
 from pathlib import Path
-from typing import Any, cast
 
 import h5py
-import numpy as np
 
-from modallab.errors import FormatError
-from modallab.exchange.rig_file import read_rig
-from modallab.schema.block import Block, Campaign
+from modallab.errors import FormatError, RigError
+from modallab.exchange import hdf5_counts, hdf5_native
+from modallab.exchange.atomic import replacing
+from modallab.exchange.check_campaign import check_recordings, check_structure
+from modallab.exchange.hdf5_access import COPY_AGAIN, Facts, open_hdf5
+from modallab.exchange.rig_file import parse_rig, read_rig
+from modallab.schema.block import Campaign
 from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.schema.versions import CAMPAIGN_INT16, CAMPAIGN_NATIVE
+
+CAMPAIGN_FILE = "campaign.h5"
+RIG_FILE = "rig.yaml"
 
 
-def read_campaign(path: Path, rig: Rig | None = None) -> Campaign:
-    """Read a campaign: a folder with `rig.yaml` and `campaign.h5`, or an HDF5 file.
+def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> Campaign:
+    """Read a campaign: a folder with `campaign.h5`, or the HDF5 file itself.
+
+    The rig is the one given, else the one in the file, else `rig.yaml` beside it.
 
     Args:
         path: folder or file.
-        rig: the rig, if it is neither in the file nor beside it.
+        rig: the rig to believe, whatever stands in or beside the file.
+        check: refuse records that no measurement can hold; without it, only a file that is not whole is refused.
 
     Raises:
-        FormatError: the file is not a campaign, is cut off, or is of a newer version.
+        FormatError: missing, no campaign, cut off, damaged, or of a newer version.
         RigError: there is no rig, or it is not valid.
+        DataError: the records are not those of the rig, or hold NaN, dead channels and the like.
     """
-    path = Path(path)
-    file = path / "campaign.h5" if path.is_dir() else path
-    try:
-        with h5py.File(file) as source:
-            rig = rig if rig is not None else read_rig(file.parent / "rig.yaml")
-            volts = float(cast("Any", source.attrs["volts_per_count"]))
-            blocks = [_read_block(name, cast("h5py.Dataset", source[name]), volts, rig) for name in source]
-    except OSError as error:
-        raise FormatError(f"cannot be read as HDF5: {error}", where=str(file), remedy="copy the file again") from error
-    return Campaign(rig, tuple(sorted(blocks, key=lambda b: b.order)), source=str(path))
+    file = campaign_file(Path(path))
+    where = str(file)
+    with open_hdf5(file) as source:
+        version = _version(source, where)
+        text = hdf5_native.read_rig_text(source, where)
+        rig = rig or (parse_rig(text, f"{where}, rig") if text else _rig_beside(file))
+        if version == CAMPAIGN_INT16:
+            campaign = Campaign(rig, hdf5_counts.read_blocks(source, rig, where), source=str(path))
+        else:
+            campaign = hdf5_native.read_content(source, rig, where, str(path))
+    check_structure(campaign)
+    if check:
+        check_recordings(campaign)
+    return campaign
 
 
-def _read_block(name: str, record: h5py.Dataset, volts: float, rig: Rig) -> Block:
-    facts = cast("dict[str, Any]", dict(record.attrs))
-    samples = np.asarray(record[()])
-    return Block(
-        name=name,
-        test=cast("Test", str(facts["test"])),
-        order=int(facts["order"]),
-        rate_hz=float(facts["sample_rate_hz"]),
-        samples=samples,
-        scale=np.full(len(samples), volts),
-        units=("V",) * len(samples),
-        channels=tuple(c.name for c in rig.channels),
-        drive_point=int(facts["drive_point"]),
-        level=str(facts["level"]) if "level" in facts else None,
-        frequency_hz=float(facts["frequency_hz"]) if "frequency_hz" in facts else None,
-    )
+def write_campaign(campaign: Campaign, path: Path) -> None:
+    """Write a campaign as one file of version 2: whole, or not at all.
+
+    Samples are written as they are, dead channels and all: what a device delivered is never edited.
+
+    Raises:
+        DataError: the parts of the campaign do not belong together.
+        StorageError: the file cannot be written.
+    """
+    check_structure(campaign)
+    with replacing(Path(path)) as temporary, h5py.File(temporary, "w", libver=("v110", "v110")) as target:
+        hdf5_native.write_content(target, campaign)
+
+
+def campaign_file(path: Path) -> Path:
+    """The HDF5 file of a campaign, given as a file or a folder.
+
+    Raises:
+        FormatError: the folder holds none.
+    """
+    if not path.is_dir():
+        return path
+    file = path / CAMPAIGN_FILE
+    if not file.is_file():
+        raise FormatError(
+            f"is a folder without {CAMPAIGN_FILE}",
+            where=str(path),
+            remedy=f"name a file, or a folder with {CAMPAIGN_FILE}",
+        )
+    return file
+
+
+def _version(source: h5py.File, where: str) -> int:
+    facts = Facts.of(source, where)
+    if not facts.has("format_version"):
+        if not hdf5_counts.is_counts(source):
+            raise hdf5_counts.refuse_foreign(where)
+        return CAMPAIGN_INT16
+    version = facts.whole("format_version")
+    if version > CAMPAIGN_NATIVE:
+        raise FormatError(
+            f"is a campaign of format version {version}; this modallab reads up to {CAMPAIGN_NATIVE}",
+            where=where,
+            remedy="update modallab",
+        )
+    if version not in (CAMPAIGN_INT16, CAMPAIGN_NATIVE):
+        raise FormatError(f"claims format version {version}", where=where, remedy=COPY_AGAIN)
+    return version
+
+
+def _rig_beside(file: Path) -> Rig:
+    beside = file.parent / RIG_FILE
+    if not beside.is_file():
+        raise RigError(
+            f"no rig: none in the file, and no {RIG_FILE} beside it",
+            where=str(file),
+            remedy=f"give the rig with --rig, or put {RIG_FILE} beside the campaign",
+        )
+    return read_rig(beside)

@@ -29,6 +29,7 @@ class Block:
         first_sample: place of the first sample in the device's own count.
         requested_rate_hz: what was asked of the device; None if unknown.
         actual_rate_hz: what its clock gave; None if unknown.
+        overload: (channels,) whether the device reported a channel beyond its range; None if it cannot tell.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Block:
     first_sample: int = 0
     requested_rate_hz: float | None = None
     actual_rate_hz: float | None = None
+    overload: tuple[bool, ...] | None = None
 
     @property
     def n_samples(self) -> int:
