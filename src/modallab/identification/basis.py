@@ -1,0 +1,172 @@
+"""Columns of the modal model in a block, for given poles, and their derivatives by everything that is searched."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.excitation import Excitation, Lines
+
+Real = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LineBlock:
+    """One block at its lines.
+
+    Attributes:
+        excitation: what drove it.
+        response: (outputs, lines) DFT of the responses.
+        group: which input (drive point) it belongs to.
+    """
+
+    excitation: Excitation
+    response: NDArray[np.complex128]
+    group: int
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Vectors:
+    """Derivatives of columns.
+
+    The derivative of output o by parameter i is the sum over its vectors of value * C[column, o].
+
+    Attributes:
+        values: (rows, vectors), ordered by parameter.
+        parameter: (vectors,) which parameter.
+        column: (vectors,) which column's coefficient multiplies it.
+    """
+
+    values: Real
+    parameter: Index
+    column: Index
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BlockColumns:
+    """Real columns of one block, real parts stacked on imaginary parts (rows = 2 lines).
+
+    Attributes:
+        phi: (rows, columns): per mode what real and imaginary part of its residue multiply, then residual terms.
+        poles: derivatives by omega and zeta, mode by mode.
+        local: derivatives by what this block alone has: real and imaginary part of each mode's unknown state, then of
+            the drive's error.
+    """
+
+    phi: Real
+    poles: Vectors
+    local: Vectors
+
+
+def stack(values: Lines) -> Real:
+    """Complex (..., lines) to real (2 lines, ...): the same least-squares problem in real numbers."""
+    return np.moveaxis(np.concatenate([values.real, values.imag], axis=-1), -1, 0)
+
+
+def poles_of(omega: Real, zeta: Real) -> NDArray[np.complex128]:
+    """Poles lambda = -zeta omega + j omega sqrt(1 - zeta^2), in rad/s."""
+    return -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Half:
+    """What belongs to one of a pole pair, each (modes, lines)."""
+
+    forced: Lines
+    slope: Lines
+    free: Lines
+    free_slope: Lines
+
+
+def columns(
+    excitation: Excitation,
+    omega: Real,
+    zeta: Real,
+    state: NDArray[np.complex128] | None,
+    drive: complex | None,
+    powers: Sequence[int],
+) -> BlockColumns:
+    """Columns of a block and their derivatives.
+
+    Args:
+        excitation: what drove the block.
+        omega: (modes,) undamped natural frequencies, rad/s.
+        zeta: (modes,) damping ratios.
+        state: (modes,) unknown modal states, or None for a block that has none.
+        drive: unknown relative error of the drive's complex amplitude, or None.
+        powers: powers of s of the receptance's residual terms.
+    """
+    poles = poles_of(omega, zeta)
+    true_drive = excitation if drive is None else excitation.scaled(1 + drive)
+    up = _half(true_drive, poles, free=state is not None)
+    down = _half(true_drive, poles.conj(), free=state is not None)
+    start = np.zeros(len(omega), complex) if state is None else state
+    value = _pair(up.forced + start[:, None] * up.free, down.forced + start.conj()[:, None] * down.free)
+    slope_up, slope_down = (
+        up.slope + start[:, None] * up.free_slope,
+        down.slope + start.conj()[:, None] * down.free_slope,
+    )
+    rates = (poles / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
+    by_pole = np.stack([_pair(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1)
+    local = [] if state is None else [_state_vectors(up.free, down.free)]
+    if drive is not None:
+        local.append(_drive_vectors(excitation, poles, powers, first=0 if state is None else 2 * len(omega)))
+    phi = np.concatenate([value.reshape(-1, value.shape[-1]), _statics(true_drive, powers)])
+    mode = np.repeat(np.arange(len(omega)), 4)
+    which = np.tile([0, 0, 1, 1], len(omega))
+    part = np.tile([0, 1, 0, 1], len(omega))
+    return BlockColumns(
+        stack(phi),
+        Vectors(stack(by_pole.reshape(-1, value.shape[-1])), 2 * mode + which, 2 * mode + part),
+        _joined(local),
+    )
+
+
+def _half(excitation: Excitation, poles: NDArray[np.complex128], *, free: bool) -> _Half:
+    forced, slope = excitation.forced(poles)
+    if not free:
+        nothing = np.zeros((1, 1), complex)
+        return _Half(forced, slope, nothing, nothing)
+    return _Half(forced, slope, *excitation.free(poles))
+
+
+def _pair(up: Lines, down: Lines) -> Lines:
+    """(modes, 2, lines): what the real and the imaginary part of the residue multiply, R up + conj(R) down."""
+    return np.stack([up + down, 1j * (up - down)], axis=1)
+
+
+def _statics(excitation: Excitation, powers: Sequence[int]) -> Lines:
+    if not powers:
+        return np.zeros((0, excitation.static(0).size), complex)
+    return np.stack([excitation.static(power) for power in powers])
+
+
+def _state_vectors(up: Lines, down: Lines) -> Vectors:
+    u, v = np.moveaxis(_pair(up, down), 1, 0)
+    n_modes = len(up)
+    values = np.stack([u, v, v, -u], axis=1).reshape(4 * n_modes, -1)
+    mode = np.repeat(np.arange(n_modes), 4)
+    return Vectors(stack(values), 2 * mode + np.tile([0, 0, 1, 1], n_modes), 2 * mode + np.tile([0, 1, 0, 1], n_modes))
+
+
+def _drive_vectors(
+    excitation: Excitation, poles: NDArray[np.complex128], powers: Sequence[int], *, first: int
+) -> Vectors:
+    found: list[Lines] = []
+    for turned in (excitation, excitation.scaled(1j)):
+        pairs = _pair(turned.forced(poles)[0], turned.forced(poles.conj())[0])
+        found.append(np.concatenate([pairs.reshape(-1, pairs.shape[-1]), _statics(turned, powers)]))
+    n = len(found[0])
+    return Vectors(stack(np.concatenate(found)), first + np.repeat([0, 1], n), np.tile(np.arange(n), 2))
+
+
+def _joined(parts: Sequence[Vectors]) -> Vectors:
+    if not parts:
+        return Vectors(np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    return Vectors(
+        np.concatenate([p.values for p in parts], axis=1),
+        np.concatenate([p.parameter for p in parts]),
+        np.concatenate([p.column for p in parts]),
+    )

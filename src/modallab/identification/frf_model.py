@@ -1,0 +1,88 @@
+"""Identification of FRFs that came as such, from a source without time records."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.errors import IdentificationError
+from modallab.identification.basis import LineBlock
+from modallab.identification.excitation import Grid, UnitExcitation
+from modallab.identification.fit import Fit
+from modallab.identification.half_power import reading_near, summed_amplitude
+from modallab.identification.model_of_fit import model_of_fit
+from modallab.identification.options import Options
+from modallab.identification.plscf import plscf
+from modallab.identification.projection import Parameters, Problem
+from modallab.identification.prune import is_mode
+from modallab.identification.search import search
+from modallab.identification.stabilisation import stable_poles
+from modallab.schema.frf import DERIVATIVES, Frf
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.spectra.frf import convert
+
+COLUMNS = 120
+
+
+def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+
+    Raises:
+        DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
+        IdentificationError: no stable pole.
+    """
+    inside = frf.frequency_hz > 0
+    if options.band_hz is not None:
+        inside &= (frf.frequency_hz >= options.band_hz[0]) & (frf.frequency_hz <= options.band_hz[1])
+    used = replace(
+        frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
+    )
+    if used.frequency_hz.size < 8:
+        raise IdentificationError(
+            f"the band holds {used.frequency_hz.size} lines of the FRF", remedy="widen the band to at least 8 lines"
+        )
+    band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
+    n_inputs = used.values.shape[1]
+    order = options.max_order or max(2, min(COLUMNS // n_inputs, used.frequency_hz.size // 2 - 1))
+    poles = np.array([p.pole for p in stable_poles(plscf(used, order))])
+    if poles.size == 0:
+        raise IdentificationError(
+            f"no stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {order}",
+            remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
+        )
+    fit = _refined(used, poles)
+    keep = is_mode(fit, band)
+    if np.any(keep) and not np.all(keep):
+        at = fit.point.parameters
+        fit = _refined(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
+        keep = is_mode(fit, band)
+    if not np.any(keep):
+        raise IdentificationError(
+            f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz", remedy="widen the band"
+        )
+    amplitude = summed_amplitude(convert(used, "mobility"))
+    found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
+    read = np.array([reading_near(used.frequency_hz, amplitude, f) for f in found])
+    notes = ("Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",)
+    return model_of_fit(fit, keep, rig, None, band, (read, np.full(found.size, np.nan)), notes), fit
+
+
+def _refined(frf: Frf, poles: "np.ndarray[tuple[int], np.dtype[np.complex128]]") -> Fit:
+    grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
+    blocks = [LineBlock(UnitExcitation(grid), frf.values[:, i], i) for i in range(frf.values.shape[1])]
+    omega = np.abs(poles)
+    problem = Problem(
+        blocks=blocks,
+        powers=(-2, 0, 2),
+        n_inputs=len(blocks),
+        state_sigma=None,
+        drive_sigma=None,
+        zeta_prior=np.tile([0.0, np.inf], (omega.size, 1)),
+    )
+    start = Parameters(
+        omega,
+        np.clip(-poles.real / omega, 1e-5, 0.2),
+        np.zeros((len(blocks), omega.size), complex),
+        np.zeros(len(blocks), complex),
+    )
+    return Fit(problem, search(problem, start), frf.input_points)

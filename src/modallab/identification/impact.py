@@ -1,0 +1,207 @@
+"""Identification of an impact test: pLSCF for the start, maximum likelihood on the unfiltered blocks for the end."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import IdentificationError
+from modallab.identification.basis import LineBlock
+from modallab.identification.excitation import BlowExcitation, Grid
+from modallab.identification.fit import Fit
+from modallab.identification.half_power import reading_near, summed_amplitude
+from modallab.identification.model_of_fit import model_of_fit
+from modallab.identification.options import Options
+from modallab.identification.plscf import plscf
+from modallab.identification.projection import Parameters, Problem
+from modallab.identification.prune import is_mode
+from modallab.identification.search import search
+from modallab.identification.stabilisation import stable_poles
+from modallab.schema.block import Signals
+from modallab.schema.frf import DERIVATIVES
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.spectra.blow import find_blow, windowed_force
+from modallab.spectra.frf import convert, group_by_point, impact_frf, lines, output_quantity, quiet_level
+
+LEAK = 300.0
+"""The artificial damping lets every ring-down fall by this factor within the block, before pLSCF sees it."""
+LOWEST_LINE = 3
+"""Default lower edge: below it stand drift and the rest of the mean."""
+ANTI_ALIAS_SHARE = 0.4
+"""Up to this share of the rate the chain's anti-alias filters are flat."""
+FORCE_DROP_DB = 40.0
+"""Default upper edge: where the blow's spectrum has fallen by this much for good."""
+COLUMNS = 120
+"""Default order: this many polynomial columns, shared among the inputs."""
+
+Groups = Sequence[Sequence[Signals]]
+
+
+def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of the hits.
+
+    Args:
+        signals: blocks of the test, equal in rate and length, each with one blow.
+        rig: channels and points.
+        options: method "plscf"; band and order.
+
+    Raises:
+        DataError: a block without a blow, or a band without lines.
+        IdentificationError: no stable pole.
+    """
+    groups = group_by_point(signals)
+    band = options.band_hz or default_band(groups)
+    poles = _start_poles(groups, rig, band, options.max_order)
+    blocks, state_sigma, notes = line_blocks(groups, rig, band)
+    fit = _refined(blocks, state_sigma, poles, groups, band)
+    keep = is_mode(fit, band)
+    if not np.all(keep) and np.any(keep):
+        at = fit.point.parameters
+        fit = _refined(blocks, state_sigma, _poles(at.omega[keep], at.zeta[keep]), groups, band)
+        keep = is_mode(fit, band)
+    if not np.any(keep):
+        raise IdentificationError(
+            f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
+            remedy="widen the band, hit harder, or check that the force and the sensors are connected",
+        )
+    if not fit.refined.settled:
+        notes = (
+            *notes,
+            "The search for the poles had not settled when it was ended; the uncertainties may be too small.",
+        )
+    readings = half_power_readings(fit, groups, rig, band, keep)
+    return model_of_fit(fit, keep, rig, "impact", band, readings, notes), fit
+
+
+def default_band(groups: Groups) -> tuple[float, float]:
+    """From the third line to where the blows' spectrum has fallen by 40 dB for good, 0.4 of the rate at most."""
+    first = groups[0][0]
+    n, rate = first.force.size, first.rate_hz
+    power = np.zeros(n // 2 + 1)
+    for signals in (s for group in groups for s in group):
+        power += np.abs(np.fft.rfft(windowed_force(signals.force, find_blow(signals.force)))) ** 2
+    loud = np.flatnonzero(power > power.max() * 10 ** (-FORCE_DROP_DB / 10))
+    return LOWEST_LINE * rate / n, min(ANTI_ALIAS_SHARE * rate, float(loud[-1]) * rate / n)
+
+
+def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], max_order: int | None) -> NDArray[np.complex128]:
+    first = groups[0][0]
+    shift = np.log(LEAK) / (first.force.size / first.rate_hz)
+    frf = impact_frf(groups, rig, band, damping_shift=float(shift))
+    order = max_order or min(COLUMNS // len(groups), frf.frequency_hz.size // 2 - 1)
+    found = stable_poles(plscf(frf, order))
+    if not found:
+        raise IdentificationError(
+            f"no stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {order}",
+            remedy="widen the band or look at the FRFs: is there a resonance in them at all?",
+        )
+    return np.array([p.pole for p in found])
+
+
+def line_blocks(
+    groups: Groups, rig: Rig, band: tuple[float, float]
+) -> tuple[list[LineBlock], NDArray[np.float64], tuple[str, ...]]:
+    """The blocks at their lines, the prior (blocks,) of what may be wrong with their modal states, and notes.
+
+    The force channel's own noise within the blow moves every mode's state by a little, in N s: its prior. If the beam
+    was not at rest before a blow, the states are free from the block's start instead.
+    """
+    first = groups[0][0]
+    n, rate = first.force.size, first.rate_hz
+    chosen = lines(n, rate, band)
+    grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    ringing = [s.block.name for group in groups for s in group if _rings_before(s)]
+    blocks, sigmas = [], []
+    for index, group in enumerate(groups):
+        for signals in group:
+            blow = find_blow(signals.force)
+            force = windowed_force(signals.force, blow)
+            impulse = float(np.sum(np.abs(force))) / rate
+            noise = blow.noise * np.sqrt(blow.stop - blow.first) / rate
+            sigmas.append(impulse if ringing else max(noise, 1e-9 * impulse))
+            response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
+            blocks.append(LineBlock(BlowExcitation(grid, force, 0 if ringing else blow.peak), response, index))
+    return blocks, np.array(sigmas), _ringing_notes(ringing)
+
+
+def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
+    if not ringing:
+        return ()
+    shown = ", ".join(ringing[:4]) + (" and others" if len(ringing) > 4 else "")
+    return (
+        f"The beam was still moving before the blow in {shown}; the motion at each block's start was estimated too.",
+    )
+
+
+def _rings_before(signals: Signals) -> bool:
+    """Whether the outputs move before the blow by more than the quietest stretch of that output in any block would."""
+    stop = find_blow(signals.force).first
+    if stop < 32:
+        return False
+    before = signals.responses[:, :stop] - signals.responses[:, :stop].mean(axis=1, keepdims=True)
+    # White noise has no memory; a mode that rings correlates neighbouring samples.
+    power = np.sum(before**2, axis=1)
+    memory = np.sum(before[:, 1:] * before[:, :-1], axis=1)
+    return bool(np.median(memory / np.maximum(power, np.finfo(float).tiny)) > 0.5)
+
+
+def _poles(omega: NDArray[np.float64], zeta: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return -zeta * omega + 1j * omega
+
+
+def _refined(
+    blocks: list[LineBlock],
+    state_sigma: NDArray[np.float64],
+    poles: NDArray[np.complex128],
+    groups: Groups,
+    band: tuple[float, float],
+) -> Fit:
+    omega = np.abs(poles)
+    zeta = np.clip(-poles.real / omega, 1e-4, 0.1)
+    problem = Problem(
+        blocks=blocks,
+        powers=residual_powers(band, groups),
+        n_inputs=len(groups),
+        state_sigma=np.repeat(state_sigma[:, None], omega.size, axis=1),
+        drive_sigma=None,
+        zeta_prior=np.tile([0.0, np.inf], (omega.size, 1)),
+    )
+    nothing = np.zeros((len(blocks), omega.size), complex)
+    start = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
+    return Fit(problem, search(problem, start), tuple(g[0].block.drive_point for g in groups))
+
+
+def residual_powers(band: tuple[float, float], groups: Groups) -> tuple[int, ...]:
+    """Powers of s for modes outside the band: above always, below where the band begins well above 0 Hz."""
+    first = groups[0][0]
+    resolution = first.rate_hz / first.force.size
+    return (0, 2, 4) if band[0] < 2 * LOWEST_LINE * resolution else (-2, 0, 2, 4)
+
+
+def half_power_readings(
+    fit: Fit, groups: Groups, rig: Rig, band: tuple[float, float], keep: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What the half-power rule reads for each kept mode, and what it would read without any damping, each (kept,)."""
+    measured = convert(impact_frf(groups, rig, band), "mobility")
+    wanted = fit.point.parameters.omega[keep] / (2 * np.pi)
+    order = np.sort(wanted)
+    amplitude = summed_amplitude(measured)
+    read = np.array([reading_near(measured.frequency_hz, amplitude, f) for f in order])
+    floor = np.array([_floor(fit, measured.frequency_hz, f) for f in order])
+    return read, floor
+
+
+def _floor(fit: Fit, frequency_hz: NDArray[np.float64], wanted_hz: float) -> float:
+    """Half-power reading of this mode alone in the first block, had it no damping at all."""
+    excitation = fit.problem.blocks[0].excitation
+    if not isinstance(excitation, BlowExcitation):
+        return float("nan")
+    grid = replace(excitation.grid, p=1)
+    pole = np.array([2j * np.pi * wanted_hz * (1 + 1e-9j)])
+    bare = replace(excitation, grid=grid)
+    residue = 1 / (2j * 2 * np.pi * wanted_hz)
+    response = residue * bare.forced(pole)[0][0] - residue * bare.forced(pole.conj())[0][0]
+    force = bare.static(-1)
+    return reading_near(frequency_hz, np.abs(response / force), wanted_hz)

@@ -1,0 +1,93 @@
+"""The modal model of a fit, in the paper's form."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.basis import poles_of
+from modallab.identification.fit import Fit, modal_constants, residuals
+from modallab.identification.modal_mass import unit_mass_shapes
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.schema.units import Test
+
+
+def model_of_fit(
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    rig: Rig,
+    test: Test | None,
+    band_hz: tuple[float, float],
+    readings: tuple[NDArray[np.float64], NDArray[np.float64]],
+    notes: tuple[str, ...],
+) -> ModalModel:
+    """The model of the kept modes; the others are folded into the residual terms.
+
+    Args:
+        fit: the refined fit.
+        keep: (modes,) which poles are modes of the band.
+        rig: names and points of the channels.
+        test: the test the blocks came from.
+        band_hz: band of the lines used.
+        readings: half-power readings and their floor, each (kept modes,).
+        notes: what was found on the way.
+    """
+    at, sigma = fit.point.parameters, fit.pole_sigma
+    constants, constant_sigma = modal_constants(fit)
+    order = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
+    output_points = tuple(c.point for c in rig.responses)
+    shapes = unit_mass_shapes(constants[order], constant_sigma[order], output_points, fit.input_points)
+    powers, terms = _residual_terms(fit, keep, constants)
+    rank = np.argsort(np.argsort(at.omega[keep]))
+    return ModalModel(
+        method="plscf",
+        test=test,
+        band_hz=band_hz,
+        frequency_hz=at.omega[order] / (2 * np.pi),
+        damping_ratio=at.zeta[order],
+        frequency_sigma_hz=sigma[order, 0] / (2 * np.pi),
+        damping_sigma=sigma[order, 1],
+        outputs=tuple(c.name for c in rig.responses),
+        output_points=output_points,
+        input_points=fit.input_points,
+        modal_constants=constants[order],
+        modal_constant_sigma=constant_sigma[order],
+        residuals=terms,
+        residual_powers=powers,
+        shapes=shapes.phi,
+        shape_sigma=shapes.sigma,
+        shapes_unavailable=shapes.unavailable,
+        half_power=readings[0][np.argsort(rank)] if rank.size else readings[0],
+        half_power_floor=readings[1][np.argsort(rank)] if rank.size else readings[1],
+        notes=notes,
+    )
+
+
+def _residual_terms(
+    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128]
+) -> tuple[tuple[int, ...], NDArray[np.float64]]:
+    """The fit's residual terms, with each mode left out (above the band) added as a series in s.
+
+    A / (omega^2 + s^2) = A / omega^2 (1 - s^2 / omega^2 + s^4 / omega^4 - ...), damping left out.
+    """
+    at = fit.point.parameters
+    powers = sorted({*fit.problem.powers, *((0, 2, 4, 6, 8) if not np.all(keep) else ())})
+    terms = np.zeros((len(powers), *constants.shape[1:]))
+    for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
+        terms[powers.index(power)] += term
+    beyond = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
+    for omega, constant in zip(at.omega[beyond], constants[beyond].real, strict=True):
+        for half, power in enumerate((0, 2, 4, 6, 8)):
+            terms[powers.index(power)] += (-1) ** half * constant / omega ** (2 + power)
+    return tuple(powers), terms
+
+
+def receptance(model: ModalModel, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """The model's receptance (outputs, inputs, lines), with no block and no truncation: eqs. 13 and 14."""
+    s = 2j * np.pi * frequency_hz
+    poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
+    residue = model.modal_constants / (2j * poles.imag[:, None, None])
+    value = np.einsum("moi,mk->oik", residue, 1 / (s - poles[:, None]))
+    value += np.einsum("moi,mk->oik", residue.conj(), 1 / (s - poles.conj()[:, None]))
+    for power, term in zip(model.residual_powers, model.residuals, strict=True):
+        value += term[..., None] * s**power
+    return value

@@ -1,0 +1,20 @@
+"""What the user may say of an identification; nothing needs to be said in the ordinary case."""
+
+from dataclasses import dataclass
+
+from modallab.schema.model import Method
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Parameters of an identification.
+
+    Attributes:
+        method: "plscf" (with maximum-likelihood refinement) or "peak" (the paper's).
+        band_hz: band, or None for the whole band in which the data have content.
+        max_order: highest polynomial order, or None for one that suits the number of inputs.
+    """
+
+    method: Method = "plscf"
+    band_hz: tuple[float, float] | None = None
+    max_order: int | None = None

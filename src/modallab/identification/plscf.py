@@ -1,0 +1,97 @@
+"""Poly-reference least-squares complex frequency-domain estimator (pLSCF): poles of FRFs at rising orders.
+
+Right matrix fraction H_o(z) = B_o(z) A(z)^-1 per output, z = exp(s dt), solved by reduced normal equations.
+Source: Peeters, Van der Auweraer, Guillaume, Leuridan, "The PolyMAX frequency-domain method", Shock and Vibration
+11 (2004); the Toeplitz structure after Guillaume et al., "A poly-reference implementation of the least-squares complex
+frequency-domain estimator", IMAC 21 (2003).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from modallab.errors import IdentificationError
+from modallab.schema.check import check_frf
+from modallab.schema.frf import Frf
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderPoles:
+    """What one polynomial order found: poles (n,) in rad/s with positive imaginary part, participation (inputs, n)."""
+
+    order: int
+    poles: NDArray[np.complex128]
+    participation: NDArray[np.complex128]
+
+
+def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
+    """Poles at every order from `min_order` to `max_order`.
+
+    Args:
+        frf: any quantity; the numerator absorbs the power of s. A damping shift is taken off the poles again.
+        max_order: order of the matrix polynomial; it holds up to order * inputs / 2 modes.
+        min_order: lowest order to report.
+
+    Raises:
+        DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
+        IdentificationError: too few lines for the order.
+    """
+    check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
+    n_lines = frf.frequency_hz.size
+    if n_lines < 2 * (max_order + 1):
+        raise IdentificationError(
+            f"{n_lines} lines cannot carry order {max_order}",
+            remedy=f"widen the band, or use an order of at most {n_lines // 2 - 1}",
+        )
+    step = 1 / (2 * frf.frequency_hz[-1])
+    reduced = _reduced_normal_matrix(frf, max_order, step)
+    return [_solve_order(reduced, n, frf, step) for n in range(min_order, max_order + 1)]
+
+
+def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.float64]:
+    """Sum over outputs of T - S^T R^-1 S, (order + 1) * inputs square; block j belongs to z^j."""
+    n_in = frf.values.shape[1]
+    angle = 2 * np.pi * frf.frequency_hz * step
+    powers = np.exp(1j * np.outer(np.arange(-order, order + 1), angle))
+    scale = 1 / np.sqrt(np.mean(np.abs(frf.values) ** 2, axis=(1, 2), keepdims=True))
+    values = frf.values * scale
+    lag = np.arange(order + 1)[None, :] - np.arange(order + 1)[:, None] + order
+    r = powers.sum(axis=1).real[lag]
+    s = -np.einsum("mk,oik->oim", powers, values, optimize=True).real[..., lag]
+    energy = np.einsum("oik,ojk->ijk", values.conj(), values, optimize=True)
+    t = np.einsum("mk,ijk->ijm", powers, energy, optimize=True).real[..., lag]
+    # (outputs, inputs, j, l) -> columns ordered by power, then input.
+    s_matrix = s.transpose(0, 2, 3, 1).reshape(s.shape[0], order + 1, (order + 1) * n_in)
+    t_matrix = t.transpose(2, 0, 3, 1).reshape((order + 1) * n_in, (order + 1) * n_in)
+    factor = np.linalg.cholesky(r + 1e-14 * r[0, 0] * np.eye(order + 1))
+    whitened = linalg.solve_triangular(factor, s_matrix.transpose(1, 0, 2).reshape(order + 1, -1), lower=True)
+    whitened = whitened.reshape(-1, (order + 1) * n_in)
+    return t_matrix - whitened.T @ whitened
+
+
+def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float) -> OrderPoles:
+    n_in = frf.values.shape[1]
+    size = order * n_in
+    # The highest coefficient is the identity: with z = exp(+s dt) this leaves most computational poles outside the
+    # unit circle (negative damping), where they are known by their sign.
+    head, tail = reduced[:size, :size], reduced[:size, size : size + n_in]
+    try:
+        alpha = -linalg.solve(head, tail, assume_a="sym")
+    except linalg.LinAlgError as error:
+        raise IdentificationError(
+            f"the normal equations of order {order} are singular", remedy="lower the order: the data hold fewer modes"
+        ) from error
+    companion = np.zeros((size, size))
+    companion[: size - n_in, n_in:] = np.eye(size - n_in)
+    companion[size - n_in :] = -alpha.reshape(order, n_in, n_in).transpose(1, 0, 2).reshape(n_in, size)
+    z, vectors = np.linalg.eig(companion)
+    with np.errstate(divide="ignore"):
+        poles = np.log(z.astype(np.complex128)) / step + frf.damping_shift
+    top = 2 * np.pi * frf.frequency_hz[-1]
+    keep = (poles.imag > 2 * np.pi * frf.frequency_hz[0]) & (poles.imag < top) & np.isfinite(poles)
+    ranked = np.argsort(poles[keep].imag)
+    return OrderPoles(
+        order, np.asarray(poles[keep][ranked], np.complex128), vectors[:n_in, keep][:, ranked].astype(np.complex128)
+    )

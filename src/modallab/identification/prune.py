@@ -1,0 +1,36 @@
+"""Which refined poles are modes, and which only fitted noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.fit import Fit
+
+MAX_ZETA = 0.2
+MAX_FREQUENCY_SIGMA = 2e-3
+MAX_DAMPING_SIGMA = 0.5
+
+
+def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+    """(modes,) whether a pole stands in the band, is stable, and is known well enough to be called a mode.
+
+    A pole that fits noise has an uncertainty as large as itself: sigma of f above 0.2 % or of zeta above half of zeta.
+    """
+    at, sigma = fit.point.parameters, fit.pole_sigma
+    frequency = at.omega / (2 * np.pi)
+    inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
+    stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
+    known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
+    return inside & stable & known & ~_doubles(fit)
+
+
+def _doubles(fit: Fit) -> NDArray[np.bool_]:
+    """Poles that stand on a better known one: nearer than both half-widths together, with shapes that cancel."""
+    at, sigma = fit.point.parameters, fit.pole_sigma
+    double = np.zeros(at.omega.size, bool)
+    order = np.argsort(sigma[:, 0] / at.omega)
+    for place, i in enumerate(order):
+        for j in order[:place]:
+            near = abs(at.omega[i] - at.omega[j]) < 0.5 * abs(at.zeta[i] * at.omega[i])
+            if near and sigma[i, 0] > 3 * sigma[j, 0]:
+                double[i] = True
+    return double

@@ -1,0 +1,87 @@
+"""The maximum-likelihood search for the poles: Levenberg-Marquardt on the projected problem."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from modallab.identification.normal_matrix import normal_equations
+from modallab.identification.projection import Parameters, Point, Problem, solve_at
+
+Real = NDArray[np.float64]
+MAX_ZETA = 0.5
+MAX_MOVE = 0.1
+"""Largest relative change of a frequency, or change of a damping ratio, in one step."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Refined:
+    """End of a search: the model there, the covariance of all parameters, steps taken, whether it settled."""
+
+    point: Point
+    covariance: Real
+    iterations: int
+    settled: bool
+
+
+def search(problem: Problem, start: Parameters, max_iterations: int = 40, tolerance: float = 0.01) -> Refined:
+    """Minimise the cost from `start`.
+
+    The noise of each output is taken anew from the residuals at every step. It ends when a step would lower the
+    cost, a sum of squares in noise units, by less than `tolerance`: every parameter then stands within
+    sqrt(tolerance) of its sigma.
+
+    Raises:
+        IdentificationError: the model's columns cannot be told apart in these data.
+    """
+    point, damping = solve_at(problem, start), 1e-3
+    for done in range(max_iterations):
+        matrix, gradient = normal_equations(problem, point)
+        trial, damping = _descend(problem, point, matrix, gradient, damping)
+        gain = 0.0 if trial is None else point.cost - trial.cost
+        if trial is not None:
+            point = solve_at(problem, trial.parameters)
+        if gain < tolerance:
+            return Refined(point, _covariance(problem, point), done + 1, settled=True)
+    return Refined(point, _covariance(problem, point), max_iterations, settled=False)
+
+
+def _descend(
+    problem: Problem, point: Point, matrix: Real, gradient: Real, damping: float
+) -> tuple[Point | None, float]:
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scaled = matrix * np.outer(scale, scale)
+    for _ in range(10):
+        damped = scaled + damping * np.eye(len(scaled))
+        step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
+        trial = _moved(problem, point.parameters, step)
+        if trial is not None:
+            after = solve_at(problem, trial, point.noise)
+            if after.cost <= point.cost:
+                return after, max(damping / 10, 1e-9)
+        damping *= 10
+    return None, damping
+
+
+def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters | None:
+    n, n_blocks = at.omega.size, len(problem.blocks)
+    move = step[: 2 * n].reshape(n, 2)
+    omega, zeta = at.omega + move[:, 0], at.zeta + move[:, 1]
+    if np.any(np.abs(zeta) >= MAX_ZETA) or np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega):
+        return None
+    if np.any(np.abs(move[:, 1]) > MAX_MOVE):
+        return None
+    local = step[2 * n :].reshape(n_blocks, problem.n_local // 2, 2) if problem.n_local else np.zeros((n_blocks, 0, 2))
+    parts = local[..., 0] + 1j * local[..., 1]
+    n_state = 0 if problem.state_sigma is None else n
+    state = at.state + parts[:, :n] if n_state else at.state
+    drive = at.drive if problem.drive_sigma is None else at.drive + parts[:, n_state]
+    return Parameters(omega, zeta, state, drive)
+
+
+def _covariance(problem: Problem, point: Point) -> Real:
+    matrix, _ = normal_equations(problem, point)
+    # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    return linalg.pinvh(matrix * np.outer(scale, scale)) * np.outer(scale, scale)

@@ -1,0 +1,185 @@
+"""Identification of a sine test: forced response and the decay that is still there, all blocks at once.
+
+A lightly damped mode still rings when a block begins, so an amplitude read off the block is wrong by up to tens of
+per cent. Here every block has its own free decay of every mode, and the force's own noise, which near a resonance
+weighs more than the responses', is estimated along.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError, IdentificationError
+from modallab.identification.basis import LineBlock
+from modallab.identification.excitation import Grid, ToneExcitation
+from modallab.identification.fit import Fit
+from modallab.identification.half_power import reading_near, summed_amplitude
+from modallab.identification.model_of_fit import model_of_fit
+from modallab.identification.options import Options
+from modallab.identification.plscf import plscf
+from modallab.identification.projection import Parameters, Problem
+from modallab.identification.prune import is_mode
+from modallab.identification.search import search
+from modallab.identification.stabilisation import Tolerance, stable_poles
+from modallab.schema.block import Signals
+from modallab.schema.frf import DERIVATIVES, Frf
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.spectra.frf import convert, lines, output_quantity
+from modallab.spectra.sine_fit import SineFit, fit_frequency
+from modallab.spectra.stepped import stepped_frf
+
+Real = NDArray[np.float64]
+
+LOWEST_LINE = 2
+BEYOND = 2.0
+"""A mode above the band, at this multiple of its upper edge, stands for all that follow."""
+STAND_IN_ZETA = 0.005
+START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.2, min_zeta=-0.05, min_run=2)
+"""Few frequencies and decaying blocks: the start poles are rough."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Tone:
+    """A sine block and the sine in its force."""
+
+    signals: Signals
+    fit: SineFit
+
+
+def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of a stepped sine test.
+
+    Args:
+        signals: blocks of the test, equal in rate and length, all driven at one point.
+        rig: channels and points.
+        options: method "plscf"; band and order.
+
+    Raises:
+        DataError: a block without a sine in the force, or more than one drive point.
+        IdentificationError: no stable pole.
+    """
+    tones = [fit_tone(s) for s in signals]
+    points = {s.block.drive_point for s in signals}
+    if len(points) > 1:
+        raise DataError(
+            f"the sine blocks are driven at points {sorted(map(str, points))}", remedy="identify each point apart"
+        )
+    band = options.band_hz or default_band(tones)
+    used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
+    frf = stepped_frf([t.signals for t in used], [t.fit for t in used], rig)
+    start = _start_poles(frf, options.max_order, band)
+    fit = _refined(used, rig, start, band)
+    keep = is_mode(fit, band)
+    inside = fit.point.parameters.omega < 2 * np.pi * band[1]
+    if np.any(keep) and not np.array_equal(keep, inside):
+        at = fit.point.parameters
+        fit = _refined(used, rig, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep], band)
+        keep = is_mode(fit, band)
+    if not np.any(keep):
+        raise IdentificationError(
+            f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
+            remedy="add frequencies near the resonances, or drive harder",
+        )
+    readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
+    return model_of_fit(fit, keep, rig, "sine", band, readings, _notes(fit, used)), fit
+
+
+def fit_tone(signals: Signals) -> Tone:
+    """The sine in a block's force, at its own frequency, which the generator's clock decides."""
+    wanted = signals.block.frequency_hz
+    if wanted is None:
+        raise DataError(
+            "no frequency is recorded", where=f"record {signals.block.name}", remedy="give the record's frequency_hz"
+        )
+    fit = fit_frequency(signals.force[None], signals.rate_hz, wanted)
+    if np.abs(fit.amplitude[0]) < 5 * fit.residual_rms[0] * np.sqrt(2 / signals.force.size):
+        raise DataError(
+            f"no sine at {wanted:.4g} Hz in the force: {np.abs(fit.amplitude[0]):.3g} N",
+            where=f"record {signals.block.name}",
+            remedy="check that the shaker was on, or leave the record out",
+        )
+    return Tone(signals, fit)
+
+
+def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
+    """From just below the lowest to just above the highest drive frequency."""
+    driven = [t.fit.frequency_hz for t in tones]
+    first = tones[0].signals
+    resolution = first.rate_hz / first.force.size
+    return min(driven) - 0.5 * resolution, max(driven) + 0.5 * resolution
+
+
+def _start_poles(frf: Frf, max_order: int | None, band: tuple[float, float]) -> NDArray[np.complex128]:
+    order = max_order or max(2, frf.frequency_hz.size // 2 - 1)
+    found = [p.pole for p in stable_poles(plscf(frf, order), START)]
+    inside = [p for p in found if band[0] < abs(p) / (2 * np.pi) < band[1]]
+    if not inside:
+        raise IdentificationError(
+            f"no stable pole among {frf.frequency_hz.size} drive frequencies from {band[0]:.4g} to {band[1]:.4g} Hz",
+            remedy="drive at more frequencies, closer together about each resonance",
+        )
+    return np.array(inside)
+
+
+def _refined(tones: Sequence[Tone], rig: Rig, start: NDArray[np.complex128], band: tuple[float, float]) -> Fit:
+    first = tones[0].signals
+    n, rate = first.force.size, first.rate_hz
+    chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
+    grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    blocks = [
+        LineBlock(
+            ToneExcitation(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0])),
+            np.fft.rfft(t.signals.responses)[:, chosen],
+            0,
+        )
+        for t in tones
+    ]
+    omega = np.append(np.abs(start), 2 * np.pi * BEYOND * band[1])
+    zeta = np.append(np.clip(-start.real / np.abs(start), 1e-3, 0.05), STAND_IN_ZETA)
+    prior = np.tile([0.0, np.inf], (omega.size, 1))
+    prior[-1] = STAND_IN_ZETA, STAND_IN_ZETA
+    force = np.array([np.abs(t.fit.amplitude[0]) for t in tones])
+    noise = np.array([t.fit.residual_rms[0] for t in tones]) * np.sqrt(2 / n)
+    problem = Problem(
+        blocks=blocks,
+        powers=(0, 2, 4),
+        n_inputs=1,
+        # A decay can be as large as the steady state, whose modal state is force / distance from the resonance.
+        state_sigma=np.repeat(force[:, None], omega.size, axis=1),
+        drive_sigma=np.maximum(noise / force, 1e-9),
+        zeta_prior=prior,
+    )
+    nothing = np.zeros((len(blocks), omega.size), complex)
+    parameters = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
+    return Fit(problem, search(problem, parameters), (first.block.drive_point,))
+
+
+def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:
+    """Half-power on the stepped FRF; it has no floor from the block, but one from the distance of the frequencies."""
+    mobility = convert(frf, "mobility")
+    amplitude = summed_amplitude(mobility)
+    order = np.sort(found_hz)
+    read = np.array([reading_near(frf.frequency_hz, amplitude, f) for f in order])
+    gaps = np.array([_gap(frf.frequency_hz, f) / (2 * f) for f in order])
+    return read, gaps
+
+
+def _gap(frequency_hz: Real, wanted_hz: float) -> float:
+    above = int(np.clip(np.searchsorted(frequency_hz, wanted_hz), 1, frequency_hz.size - 1))
+    return float(frequency_hz[above] - frequency_hz[above - 1])
+
+
+def _notes(fit: Fit, tones: Sequence[Tone]) -> tuple[str, ...]:
+    notes: list[str] = []
+    if not fit.refined.settled:
+        notes.append("The search for the poles had not settled when it ended; the uncertainties may be too small.")
+    offsets = [t.fit.frequency_hz / t.signals.block.frequency_hz - 1 for t in tones if t.signals.block.frequency_hz]
+    clock = 1e6 * float(np.median(offsets))
+    if abs(clock) > 5:
+        notes.append(
+            f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used."
+        )
+    return tuple(notes)

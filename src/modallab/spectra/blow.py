@@ -1,0 +1,56 @@
+"""Where the blow lies in an impact block, and the force with everything else set to zero."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError
+
+
+@dataclass(frozen=True, slots=True)
+class Blow:
+    """Samples `first` to `stop` (exclusive) hold the blow; `offset` is the force channel's level outside, in N."""
+
+    first: int
+    stop: int
+    peak: int
+    offset: float
+    noise: float
+
+
+def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
+    """The stretch about the peak beyond which force is noise only.
+
+    Args:
+        force: (n,) N.
+        threshold: how many noise sigmas belong to the blow.
+
+    Raises:
+        DataError: no sample stands out of the noise.
+    """
+    peak = int(np.argmax(np.abs(force)))
+    offset = float(np.median(force))
+    level = np.abs(force - offset)
+    # Most of a block is silence, so the median of |force| is the noise's, blow or not.
+    noise = float(1.4826 * np.median(level))
+    loud = np.flatnonzero(level > max(threshold * noise, 1e-3 * level[peak]))
+    if level[peak] < 2 * threshold * noise or loud.size == 0:
+        raise DataError(
+            f"no blow: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
+            remedy="leave this record out, or use a sine test's identification",
+        )
+    # A double hit would be one long blow: both contacts are force that acted, and stay.
+    margin = max(4, int(loud[-1] - loud[0]) // 2)
+    first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
+    return Blow(first, stop, peak, offset, noise)
+
+
+def windowed_force(force: NDArray[np.float64], blow: Blow) -> NDArray[np.float64]:
+    """The force with its offset taken off and zero outside the blow.
+
+    The force channel's noise would otherwise ring through every lightly damped mode of a predicted response.
+    """
+    quiet = np.zeros_like(force)
+    quiet[blow.first : blow.stop] = force[blow.first : blow.stop] - blow.offset
+    return quiet

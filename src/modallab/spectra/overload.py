@@ -1,0 +1,27 @@
+"""Samples at the converter's rail: an overload, as on any bench, and no measurement."""
+
+import numpy as np
+
+from modallab.schema.block import Block
+from modallab.schema.rig import Rig
+
+
+def overloaded(block: Block, rig: Rig) -> tuple[str, ...]:
+    """Names of the channels that reach the rail in this block.
+
+    For whole counts the rail is the type's own end; for volts it is the channel's or the converter's range. What came
+    in engineering units from elsewhere has no rail that is known.
+    """
+    peaks = np.max(np.abs(block.samples.astype(np.float64)), axis=1)
+    return tuple(name for i, name in enumerate(block.channels) if peaks[i] >= _rail(block, rig, i))
+
+
+def _rail(block: Block, rig: Rig, index: int) -> float:
+    limits = [np.inf]
+    if block.units[index] == "V":
+        ranges = [rig.channels[index].range_v, rig.converter.range_v if rig.converter else None]
+        bits = rig.converter.bits if rig.converter else 16
+        limits += [r / float(block.scale[index]) * (1 - 2.0 ** (1 - bits)) for r in ranges if r is not None]
+    if block.samples.dtype.kind == "i":
+        limits.append(2.0 ** (8 * block.samples.dtype.itemsize - 1) - 1)
+    return min(limits) * (1 - 1e-12)

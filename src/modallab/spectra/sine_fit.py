@@ -1,0 +1,72 @@
+"""A sine in noise: least squares at a known frequency, and with the frequency (IEEE Std 1057, 3 and 4 parameters)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SineFit:
+    """x(t) = offset + Re(amplitude exp(j 2 pi f t)), t from the first sample.
+
+    Attributes:
+        frequency_hz: fitted or given.
+        amplitude: (channels,) complex peak amplitude.
+        offset: (channels,)
+        residual_rms: (channels,)
+    """
+
+    frequency_hz: float
+    amplitude: NDArray[np.complex128]
+    offset: NDArray[np.float64]
+    residual_rms: NDArray[np.float64]
+
+
+def fit_at(values: NDArray[np.float64], rate_hz: float, frequency_hz: float) -> SineFit:
+    """Three-parameter fit of each row of values (channels, n) at a known frequency."""
+    t = np.arange(values.shape[1]) / rate_hz
+    angle = 2 * np.pi * frequency_hz * t
+    basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)
+    solution, *_ = np.linalg.lstsq(basis, values.T, rcond=None)
+    residual = values - (basis @ solution).T
+    return SineFit(frequency_hz, solution[0] + 1j * solution[1], solution[2], np.sqrt(np.mean(residual**2, axis=1)))
+
+
+def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, iterations: int = 8) -> SineFit:
+    """Four-parameter fit: the frequency too, shared by all rows of values (channels, n), by Gauss-Newton.
+
+    Args:
+        values: (channels, n).
+        rate_hz: sampling rate.
+        near_hz: start value, within about half a line of the truth.
+        iterations: at most this many steps.
+
+    Raises:
+        DataError: the frequency runs away by more than one line: there is no such sine.
+    """
+    n = values.shape[1]
+    t = np.arange(n) / rate_hz
+    frequency = near_hz
+    for _ in range(iterations):
+        step = _frequency_step(values, t, fit_at(values, rate_hz, frequency))
+        frequency += step
+        if abs(frequency - near_hz) > rate_hz / n:
+            raise DataError(
+                f"no sine near {near_hz:.4g} Hz: the fit ran to {frequency:.4g} Hz",
+                remedy="check that the generator was on and set to the recorded frequency",
+            )
+        if abs(step) < 1e-9 * near_hz:
+            break
+    return fit_at(values, rate_hz, frequency)
+
+
+def _frequency_step(values: NDArray[np.float64], t: NDArray[np.float64], fit: SineFit) -> float:
+    angle = 2 * np.pi * fit.frequency_hz * t
+    basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)
+    slope = np.real(fit.amplitude[:, None] * 2j * np.pi * t * np.exp(1j * angle))
+    orthonormal, _ = np.linalg.qr(basis)
+    slope -= slope @ orthonormal @ orthonormal.T
+    return float(np.sum(slope * values) / np.sum(slope * slope))

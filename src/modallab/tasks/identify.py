@@ -1,0 +1,115 @@
+"""Identifies every test of a campaign and verifies each model."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from modallab.errors import DataError
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.impact import default_band, identify_impact
+from modallab.identification.options import Options
+from modallab.identification.peak import identify_peaks
+from modallab.identification.sine import fit_tone, identify_sine
+from modallab.schema.block import Block, Campaign, Signals
+from modallab.schema.check import check_signals
+from modallab.schema.model import ModalModel
+from modallab.schema.units import Test
+from modallab.schema.verification import Verification
+from modallab.spectra.frf import group_by_point, impact_frf
+from modallab.spectra.overload import overloaded
+from modallab.spectra.scale import to_signals_of
+from modallab.spectra.stepped import stepped_frf
+from modallab.verification.verify import verify_frf, verify_impact, verify_sine
+
+Source = Literal["impact", "sine", "frf"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Identified:
+    """One test's model and its verification; none for the peak method, which has no model of the block."""
+
+    source: Source
+    model: ModalModel
+    verification: Verification | None
+
+
+def identify_campaign(campaign: Campaign, options: Options, test: Test | None = None) -> list[Identified]:
+    """Models of every test in a campaign, or of one.
+
+    Args:
+        campaign: blocks or FRFs, and the rig.
+        options: method, band, order.
+        test: only this test.
+
+    Raises:
+        DataError: nothing to identify, or damaged records.
+        IdentificationError: a test holds no mode.
+    """
+    found: list[Identified] = []
+    runners: dict[Test, Callable[[Campaign, tuple[Block, ...], Options], Identified]] = {
+        "impact": _impact,
+        "sine": _sine,
+    }
+    for kind, run in runners.items():
+        blocks = campaign.of(kind) if test in (None, kind) else ()
+        if blocks:
+            found.append(run(campaign, blocks, options))
+    if test is None:
+        found += [_frf(campaign, i, options) for i in range(len(campaign.frfs))]
+    if not found:
+        raise DataError(
+            "there is no block to identify" if test is None else f"there is no block of a {test} test",
+            where=campaign.source,
+            remedy="check that the campaign holds impact or sine records",
+        )
+    return found
+
+
+def _usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
+    force = campaign.rig.force_channel.name
+    for block in blocks:
+        check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
+    clean = [b for b in blocks if not overloaded(b, campaign.rig)]
+    left_out = [b.name for b in blocks if overloaded(b, campaign.rig)]
+    if not clean:
+        raise DataError(
+            f"all {len(blocks)} records run into the converter's rail",
+            where=campaign.source,
+            remedy="lower the drive or the preamplifiers' gain and record again",
+        )
+    note = (f"Left out, because they ran into the converter's rail: {', '.join(left_out)}.",) if left_out else ()
+    return to_signals_of(clean, campaign.rig), note
+
+
+def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
+    return model.model_copy(update={"notes": (*notes, *model.notes)})
+
+
+def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+    signals, notes = _usable(campaign, blocks)
+    groups = group_by_point(signals)
+    if options.method == "peak":
+        frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
+        return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
+    model, fit = identify_impact(signals, campaign.rig, options)
+    return Identified("impact", _with_notes(model, notes), verify_impact(model, fit, groups, campaign.rig))
+
+
+def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+    signals, notes = _usable(campaign, blocks)
+    if options.method == "peak":
+        tones = [fit_tone(s) for s in signals]
+        low, high = options.band_hz or (0.0, float("inf"))
+        used = [t for t in tones if low <= t.fit.frequency_hz <= high]
+        frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
+        return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
+    model, fit = identify_sine(signals, campaign.rig, options)
+    return Identified("sine", _with_notes(model, notes), verify_sine(model, fit, signals, campaign.rig))
+
+
+def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
+    frf = campaign.frfs[index]
+    if options.method == "peak":
+        return Identified("frf", identify_peaks(frf, None), None)
+    model, _ = identify_frf(frf, campaign.rig, options)
+    return Identified("frf", model, verify_frf(model, frf))

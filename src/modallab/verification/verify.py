@@ -1,0 +1,119 @@
+"""Measured against regenerated mobility: the paper's figures 7 and 8."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.excitation import BlowExcitation, ToneExcitation
+from modallab.identification.fit import Fit
+from modallab.identification.model_of_fit import receptance
+from modallab.schema.block import Signals
+from modallab.schema.frf import Frf, FrfQuantity
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.schema.verification import Verification
+from modallab.spectra.bandpass import bandpass
+from modallab.spectra.frf import convert, impact_frf
+from modallab.spectra.scale import remove_mean
+from modallab.spectra.sine_fit import fit_frequency
+from modallab.spectra.stepped import stepped_frf
+from modallab.verification.frac import frac
+
+FINE_LINES = 2000
+
+
+def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals]], rig: Rig) -> Verification:
+    """Both sides through the same block, mean removal, band-pass and H1.
+
+    Args:
+        model: the identified model.
+        fit: the fit it came from.
+        groups: the hits by point, in the order of the fit.
+        rig: channels and points.
+    """
+    flat = [s for group in groups for s in group]
+    made = iter([_replayed(fit, i, s) for i, s in enumerate(flat)])
+    regenerated = [[next(made) for _ in group] for group in groups]
+    band = model.band_hz
+    measured_frf = convert(impact_frf(_treated(groups, band), rig, band), "mobility")
+    regenerated_frf = convert(impact_frf(_treated(regenerated, band), rig, band), "mobility")
+    return _verification(measured_frf, regenerated_frf, model)
+
+
+def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
+    """The block as the model would have answered the measured force."""
+    excitation = fit.problem.blocks[block].excitation
+    n, rate = signals.force.size, signals.rate_hz
+    every = np.arange(1, (n + 1) // 2)
+    if not isinstance(excitation, BlowExcitation | ToneExcitation):
+        raise TypeError(f"a block driven by {type(excitation).__name__} has no time record")
+    whole = replace(excitation, grid=replace(excitation.grid, omega=2 * np.pi * every * rate / n))
+    spectrum = np.zeros((signals.responses.shape[0], n // 2 + 1), complex)
+    spectrum[:, every] = fit.regenerated(block, whole)
+    return replace(signals, responses=np.fft.irfft(spectrum, n))
+
+
+def _treated(groups: Sequence[Sequence[Signals]], band: tuple[float, float]) -> list[list[Signals]]:
+    """Mean removed and band-passed, force and responses alike: step A."""
+    return [[replace(s, responses=_filtered(s.responses, s.rate_hz, band)) for s in group] for group in groups]
+
+
+def _filtered(values: NDArray[np.float64], rate_hz: float, band: tuple[float, float]) -> NDArray[np.float64]:
+    return bandpass(remove_mean(values), rate_hz, band)
+
+
+def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Verification:
+    """Both sides by the same sine fit of the same block, the decay in it included."""
+    low, high = model.band_hz
+    fits = [fit_frequency(s.force[None], s.rate_hz, float(s.block.frequency_hz or 0.0)) for s in signals]
+    used = [i for i, f in enumerate(fits) if low <= f.frequency_hz <= high]
+    chosen, forces = [signals[i] for i in used], [fits[i] for i in used]
+    regenerated = [_replayed(fit, i, s) for i, s in enumerate(chosen)]
+    measured_frf = convert(stepped_frf(chosen, forces, rig), "mobility")
+    regenerated_frf = convert(stepped_frf(regenerated, forces, rig), "mobility")
+    return _verification(measured_frf, regenerated_frf, model)
+
+
+def verify_frf(model: ModalModel, frf: Frf) -> Verification:
+    """FRFs that came as such, against the model at their lines."""
+    inside = (frf.frequency_hz >= model.band_hz[0]) & (frf.frequency_hz <= model.band_hz[1])
+    used = replace(
+        frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
+    )
+    measured = convert(used, "mobility")
+    return _verification(measured, synthesised(model, measured.frequency_hz, "mobility"), model)
+
+
+def synthesised(model: ModalModel, frequency_hz: NDArray[np.float64], quantity: FrfQuantity) -> Frf:
+    """The model's own FRF, no block, no truncation."""
+    plain = Frf(
+        frequency_hz=frequency_hz,
+        values=receptance(model, frequency_hz),
+        quantity="receptance",
+        outputs=model.outputs,
+        output_points=model.output_points,
+        input_points=model.input_points,
+    )
+    return convert(plain, quantity)
+
+
+def _verification(measured: Frf, regenerated: Frf, model: ModalModel) -> Verification:
+    fine = np.geomspace(measured.frequency_hz[0], measured.frequency_hz[-1], FINE_LINES)
+    # The peaks of light modes are narrower than any even grid: their own lines are added.
+    fine = np.unique(
+        np.concatenate(
+            [
+                fine,
+                *[f * (1 + model.damping_ratio[r] * np.linspace(-4, 4, 33)) for r, f in enumerate(model.frequency_hz)],
+            ]
+        )
+    )
+    fine = fine[(fine >= measured.frequency_hz[0]) & (fine <= measured.frequency_hz[-1])]
+    return Verification(
+        measured=measured,
+        regenerated=regenerated,
+        untruncated=synthesised(model, fine, "mobility"),
+        frac=frac(measured.values, regenerated.values),
+    )
