@@ -46,7 +46,7 @@ class SinePlan(Frozen):
 
     kind: Literal["sine"] = "sine"
     frequencies_hz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] = tuple(n / BLOCK_S for n in PAPER_LINES)
-    levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1, default_factory=lambda: {"low": 0.5})]
+    levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     rate_hz: PositiveFloat = 1000.0
     block_s: PositiveFloat = BLOCK_S
     ramp_s: PositiveFloat = 1.0

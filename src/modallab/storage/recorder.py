@@ -92,11 +92,15 @@ class Recorder:
         self._n += 1
         return _acknowledge(block)
 
+    def close_file(self) -> None:
+        """Close the file: no more blocks."""
+        if self._writer is not None:
+            self._writer.close()
+
     def close(self) -> None:
         """Close the file and let go of the run."""
         try:
-            if self._writer is not None:
-                self._writer.close()
+            self.close_file()
         finally:
             self._lease.release()
 

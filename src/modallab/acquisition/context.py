@@ -1,0 +1,91 @@
+"""What a running test has at hand."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.chain import Chain
+from modallab.acquisition.rest import Floor, Rest, fading, floor_of, rest_of
+from modallab.acquisition.states import Emit, Lifecycle
+from modallab.acquisition.stream import Stream, Watch
+from modallab.backend.protocol import Bench
+from modallab.schema.events import BlockAcknowledged, Progress
+from modallab.schema.rig import Rig
+from modallab.storage import BlockNote, Recorder
+
+MotionWindow = NDArray[np.float64]
+
+FLOOR_WINDOWS = 4
+"""Windows the noise floor is taken from."""
+
+WINDOW_BLOCKS = 2
+"""Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Context:
+    """A configured, started bench and where its data go.
+
+    Attributes:
+        bench: streaming.
+        rig: as believed.
+        recorder: open.
+        emit: takes the events.
+        life: the run's state.
+        chain: scales and ranges.
+        stream: its samples.
+        block: samples of a block.
+    """
+
+    bench: Bench
+    rig: Rig
+    recorder: Recorder
+    emit: Emit
+    life: Lifecycle
+    chain: Chain
+    stream: Stream
+    block: int
+
+    @property
+    def window(self) -> int:
+        """Samples of a window for the look at rest."""
+        return WINDOW_BLOCKS * self.block
+
+    @property
+    def line_hz(self) -> float:
+        """Width of a window's line."""
+        return self.stream.rate_hz / self.window
+
+    def motion(self, first: int, count: int) -> MotionWindow:
+        """(motion channels, count) counts from a remembered stretch."""
+        return self.stream.cut(first, count)[list(self.chain.motion)].astype(float)
+
+    def rest_at(self, end: int, floor: Floor) -> Rest:
+        """What the window that ends at sample `end` says."""
+        return rest_of(self.motion(end - self.window, self.window), floor)
+
+    def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
+        """Keep the block from sample `first` and tell that it is kept."""
+        kept = self.recorder.record(self.stream.cut(first, self.block), note)
+        self.emit(kept)
+        return kept
+
+    def progress(self, done: int, total: int, what: str) -> None:
+        """Tell how far the run is."""
+        self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
+
+
+def measure_floor(context: Context, patience_s: float, watch: Watch | None = None) -> Floor:
+    """The noise floor at the start; if the beam still rings then, wait until it no longer fades, up to `patience_s`."""
+    stream = context.stream
+    last = stream.next + stream.samples_of(patience_s)
+    while True:
+        start = stream.next
+        windows: list[MotionWindow] = []
+        for end in range(start + context.window, start + FLOOR_WINDOWS * context.window + 1, context.window):
+            stream.advance_to(end, watch)
+            windows.append(context.motion(end - context.window, context.window))
+        floor = floor_of(windows)
+        if stream.next >= last or not fading(windows, floor):
+            return floor

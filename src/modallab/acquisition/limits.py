@@ -1,0 +1,60 @@
+"""The rig's abort limits, looked at in every chunk while the shaker may move."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.chain import Chain, peaks
+from modallab.backend.protocol import Chunk
+from modallab.errors import SafetyError
+from modallab.schema.rig import Limits, Rig
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LimitWatch:
+    """Raises on the first chunk beyond a limit.
+
+    Where a limit lies beyond a channel's range it cannot be seen, so the end of the range is taken as beyond it.
+
+    Attributes:
+        names: (channels,).
+        limit: (channels,) magnitude in counts, infinite where there is no limit.
+        si_per_count: (channels,).
+        units: (channels,) for the message.
+    """
+
+    names: tuple[str, ...]
+    limit: NDArray[np.float64]
+    si_per_count: NDArray[np.float64]
+    units: tuple[str, ...]
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Look at a chunk.
+
+        Raises:
+            SafetyError: names every channel beyond its limit, with the number.
+        """
+        magnitude = peaks(chunk.samples)
+        beyond = np.flatnonzero(magnitude > self.limit)
+        if beyond.size == 0:
+            return
+        told = ", ".join(
+            f"{self.names[c]} {magnitude[c] * self.si_per_count[c]:.4g} {self.units[c]}"
+            f" (limit {self.limit[c] * self.si_per_count[c]:.4g})"
+            for c in beyond
+        )
+        raise SafetyError(
+            f"beyond the abort limit: {told}; the output was brought to 0 V",
+            remedy="lower the drive level or stay clear of the resonance; the blocks before are kept",
+        )
+
+
+def watch_of(rig: Rig, limits: Limits, chain: Chain) -> LimitWatch:
+    """The watch for a rig's limits."""
+    per_count = np.abs(chain.si_per_count)
+    allowed = {"force": limits.force_n, "acceleration": limits.acceleration_m_s2}
+    limit = np.array([allowed.get(channel.quantity, np.inf) for channel in rig.channels]) / per_count
+    visible = np.where(np.isfinite(limit) & (limit >= chain.rail), chain.rail * (1 - 1e-9), limit)
+    units = tuple({"force": "N", "acceleration": "m/s^2"}.get(channel.quantity, "") for channel in rig.channels)
+    return LimitWatch(chain.names, visible, per_count, units)

@@ -1,0 +1,141 @@
+"""Whether the beam is at rest: by its level, and line by line, since a slow mode hides below the noise.
+
+The level alone is not enough. A residual of the first mode at half the noise's rms raises the rms by 12 %, and with
+0.3 % damping it rings on for half a minute. Over a window of N samples a tone of amplitude a in noise of rms sigma
+stands in its Hann line with the power a^2 N / (6 sigma^2) relative to the noise, and is found far below it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEVEL_FACTOR = 1.5
+"""A channel whose rms is above this many times its floor is not at rest."""
+
+FALSE_ALARM_SIGMA = 4.9
+"""A line counts from a noise probability of 5e-7 on: one false alarm in about a thousand windows of 2000 lines."""
+
+FLOOR_SCATTER = 1.2
+"""The floor itself is known to some 10 % only, from a few windows."""
+
+USED_BAND = 0.4
+"""Lines up to this fraction of the rate; above it the anti-alias filter falls."""
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Floor:
+    """The noise of the chain while the beam rests.
+
+    Attributes:
+        rms: (motion channels,) in counts.
+        lines: (lines,) power by line, averaged over channels, 1 for white noise; line k is k / window duration.
+    """
+
+    rms: Real
+    lines: Real
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rest:
+    """What one window says.
+
+    Attributes:
+        level: largest rms of a channel over its floor.
+        line: the line that stands out most, k of k / window duration.
+        excess: its power over what noise may reach; below 1 nothing stands out.
+    """
+
+    level: float
+    line: int
+    excess: float
+
+    @property
+    def quiet(self) -> bool:
+        """Whether the beam rests, as far as this window can tell."""
+        return self.level <= LEVEL_FACTOR and self.excess < 1
+
+
+def noise_limit(channels: int) -> float:
+    """What noise of mean power 1, averaged over channels, reaches in one line of about a million (Wilson-Hilferty)."""
+    spread = 1 / (9 * channels)
+    return float((1 - spread + FALSE_ALARM_SIGMA * np.sqrt(spread)) ** 3) * FLOOR_SCATTER
+
+
+def centred(window: Real) -> Real:
+    """The (channels, n) window without its mean."""
+    return window - window.mean(axis=1, keepdims=True)
+
+
+def line_power(window: Real, rms: Real) -> Real:
+    """(lines,) Hann power of a (channels, n) window, in units of the noise power, averaged over channels.
+
+    Line 0 is the mean and left at 0.
+    """
+    n = window.shape[1]
+    hann = np.hanning(n + 1)[:-1]
+    spectrum = np.fft.rfft(centred(window) * hann, axis=1)[:, : int(USED_BAND * n)]
+    power = (np.abs(spectrum) ** 2).T @ (1 / (rms**2 * (hann**2).sum())) / window.shape[0]
+    power[0] = 0
+    return power
+
+
+def floor_of(windows: list[Real]) -> Floor:
+    """The floor from (channels, n) windows at rest, in counts.
+
+    A channel may be quieter than its own count: then the count's rounding, 1 / sqrt(12), is its floor.
+    """
+    level = np.array([centred(window).std(axis=1) for window in windows])
+    rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12))
+    power = np.mean([line_power(window, rms) for window in windows], axis=0)
+    # Five lines together know the noise better than one; a line of the mains stands out of both.
+    smooth = np.convolve(power, np.full(5, 0.2), mode="same")
+    return Floor(rms, np.maximum(np.maximum(power, smooth), 1e-3))
+
+
+def fading(windows: list[Real], floor: Floor) -> bool:
+    """Whether the windows a floor was taken from hold a motion that dies away: then it was no rest."""
+    powers = [line_power(window, floor.rms) for window in windows]
+    half = len(windows) // 2
+    early, late = np.mean(powers[:half], axis=0), np.mean(powers[half:], axis=0)
+    strong = early > noise_limit(len(floor.rms)) * np.median(floor.lines)
+    return bool((late[strong] < 0.8 * early[strong]).any())
+
+
+def rest_of(window: Real, floor: Floor) -> Rest:
+    """What a (channels, n) window, of the floor's n, says about the beam."""
+    level = float((centred(window).std(axis=1) / floor.rms).max())
+    excess = line_power(window, floor.rms) / (floor.lines * noise_limit(len(floor.rms)))
+    line = int(np.argmax(excess))
+    return Rest(level, line, float(excess[line]))
+
+
+def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]:
+    """How large the motion before a blow is beside the blow's own, and in which line it is largest.
+
+    Args:
+        before: (channels, n) window that ended at the blow.
+        block: (channels, m <= n) of the blow.
+        floor: of the same n.
+
+    Returns:
+        The largest ratio of amplitudes over the lines in which `before` stands out of the noise; 0 if none does.
+    """
+    n = before.shape[1]
+    power = line_power(before, floor.rms)
+    standing = np.flatnonzero(power > floor.lines * noise_limit(len(floor.rms)))
+    if standing.size == 0:
+        return 0.0, 0
+    amplitude = np.sqrt((power - floor.lines)[standing] * _hann_gain(n))
+    spectrum = np.fft.rfft(centred(block), n, axis=1)[:, standing]
+    own = np.sqrt((np.abs(2 * spectrum / block.shape[1]) ** 2).T @ (1 / floor.rms**2) / len(floor.rms))
+    ratio = amplitude / np.maximum(own, 1e-300)
+    worst = int(np.argmax(ratio))
+    return float(ratio[worst]), int(standing[worst])
+
+
+def _hann_gain(n: int) -> float:
+    # A tone of amplitude a has the line power a^2 (sum w)^2 / (4 sum w^2) = a^2 n / 6.
+    return 6 / n

@@ -1,0 +1,150 @@
+"""One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from modallab.acquisition.chain import chain_of
+from modallab.acquisition.checks import require_possible
+from modallab.acquisition.context import Context
+from modallab.acquisition.impact import run_impact
+from modallab.acquisition.sine import run_sine
+from modallab.acquisition.states import Emit, Lifecycle
+from modallab.acquisition.stream import Stream
+from modallab.backend.protocol import Bench, Request
+from modallab.errors import BenchError, ModallabError
+from modallab.schema.events import Failed
+from modallab.schema.plan import ImpactPlan, Plan
+from modallab.schema.rig import Rig
+from modallab.storage import Recorder, Store
+
+Order = Literal["stop", "abort", "lost"]
+"""What may be asked of a running test; `lost`: whoever asked for the run is gone."""
+
+Control = Callable[[], Order | None]
+
+REAL_TIME_CHUNK_S = 0.05
+FREE_CHUNK_S = 0.5
+"""Read at once where time is virtual. A limit is looked at once a chunk."""
+
+MEMORY_BLOCKS = 6
+"""Blocks the stream remembers: the window before a blow, the blow, and some."""
+
+
+class OrderedEndError(Exception):
+    """The run was told to end; not an error of the run."""
+
+    def __init__(self, order: Order) -> None:
+        super().__init__(order)
+        self.order: Order = order
+
+
+def run_plan(
+    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, control: Control = lambda: None
+) -> None:
+    """Run a plan on an open bench, in this process.
+
+    Args:
+        bench: open, not started.
+        rig: what stands on it.
+        plan: what to do.
+        recorder: of a run just begun.
+        emit: takes the events, in order.
+        control: asked before every read whether to end.
+
+    Raises:
+        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
+    """
+    life = Lifecycle(recorder, emit)
+    try:
+        _work(bench, rig, plan, recorder, emit, life, control)
+    except OrderedEndError as end:
+        quieten(bench)
+        _end(life, end.order)
+    except BaseException as error:
+        quieten(bench)
+        _fail(life, recorder, emit, error)
+        raise
+
+
+def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control: Control = lambda: None) -> str:
+    """Begin a run in a store, run the plan, let go of the run; returns its name. Raises as `run_plan`."""
+    with store.begin(plan, rig, bench.info) as recorder:
+        run_plan(bench, rig, plan, recorder, emit, control)
+        return recorder.run
+
+
+def quieten(bench: Bench) -> None:
+    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried."""
+    for step in (bench.zero, bench.stop):
+        try:
+            step()
+        except BenchError:
+            # The run's own error says more; a burst on a device that is gone ends by itself.
+            continue
+
+
+def _work(
+    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, life: Lifecycle, control: Control
+) -> None:
+    life.enter("arming")
+    require_possible(plan, rig, bench.info)
+    context = _prepare(bench, rig, plan, recorder, emit, life, control)
+    if isinstance(plan, ImpactPlan):
+        run_impact(context, plan)
+    else:
+        run_sine(context, plan)
+    bench.zero()
+    bench.stop()
+    life.enter("processing")
+    recorder.close_file()
+    life.enter("done")
+
+
+def _prepare(
+    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, life: Lifecycle, control: Control
+) -> Context:
+    bench.zero()
+    delivery = bench.configure(Request(plan.kind, plan.rate_hz))
+    chain = chain_of(rig, delivery, plan.kind)
+    block = round(plan.block_s * delivery.rate_hz)
+    recorder.open(delivery, block)
+    chunk_s = REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S
+    # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
+    chunk = max(1, min(round(chunk_s * delivery.rate_hz), block // 2))
+
+    def poll() -> None:
+        order = control()
+        if order is not None:
+            raise OrderedEndError(order)
+
+    stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=poll)
+    bench.start()
+    return Context(bench, rig, recorder, emit, life, chain, stream, block)
+
+
+def _end(life: Lifecycle, order: Order) -> None:
+    life.enter("stopping", _SAID[order])
+    if order == "stop":
+        life.enter("done", _SAID[order])
+    elif order == "abort":
+        life.enter("aborted", _SAID[order], valid=False)
+    else:
+        life.enter("failed", _SAID[order])
+
+
+_SAID: dict[Order, str] = {
+    "stop": "stopped by the operator",
+    "abort": "aborted by the operator",
+    "lost": "interrupted: the process that asked for the run is gone",
+}
+
+
+def _fail(life: Lifecycle, recorder: Recorder, emit: Emit, error: BaseException) -> None:
+    known = error if isinstance(error, ModallabError) else ModallabError(f"unexpected {type(error).__name__}: {error}")
+    try:
+        life.enter("stopping", known.what)
+        life.enter("failed", known.what)
+    except ModallabError:
+        # A full disk may take not even the state; the next start marks the run as interrupted.
+        pass
+    emit(Failed(run=recorder.run, code=known.code, what=known.what, remedy=known.remedy))
