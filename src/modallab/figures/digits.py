@@ -1,0 +1,95 @@
+"""Numbers for people: as many digits as the uncertainty bears, and no more."""
+
+import math
+import re
+from datetime import date
+
+UNKNOWN = "unknown"
+_UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
+
+
+def with_sigma(value: float, sigma: float, unit: str = "") -> str:
+    """`4.8021 ± 0.0003 Hz`: the sigma to one digit (two if it starts with 1), the value to the same place.
+
+    A sigma that is not known is said so, and the value is given to four digits.
+    """
+    if not math.isfinite(value):
+        return UNKNOWN
+    tail = f" {unit}" if unit else ""
+    if not (math.isfinite(sigma) and sigma > 0):
+        return f"{plain(value)}{tail} (± {UNKNOWN})"
+    places = _places(sigma)
+    return f"{_fixed(value, places)} ± {_fixed(sigma, places)}{tail}"
+
+
+def plain(value: float, digits: int = 4) -> str:
+    """A number to so many significant digits, without exponent where it reads better."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    if value == 0:
+        return "0"
+    place = digits - 1 - math.floor(math.log10(abs(value)))
+    if -6 <= place <= 8:
+        return _fixed(value, max(place, 0))
+    return scientific(value, digits)
+
+
+def scientific(value: float, digits: int = 3) -> str:
+    """`1.23×10⁻⁵`."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}×10{superscript(int(exponent))}".replace("-", "−")
+
+
+def superscript(number: int) -> str:
+    """An integer in raised figures."""
+    return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def relative(value: float, reference: float) -> str:
+    """The signed difference from a reference, in percent of it."""
+    if not (math.isfinite(value) and math.isfinite(reference)) or reference == 0:
+        return UNKNOWN
+    percent = 100 * (value / reference - 1)
+    if percent == 0:
+        return "0 %"
+    places = min(max(1 - math.floor(math.log10(abs(percent))), 0), 7)
+    return f"{percent:+.{places}f} %".replace("-", "−")
+
+
+def listed(items: list[str]) -> str:
+    """`a, b and c`."""
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""
+
+
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """`1 block`, `3 blocks`."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+def day(value: date | None) -> str:
+    """A date as 2024-05-31, which is read alike everywhere."""
+    return "not given" if value is None else value.isoformat()
+
+
+def _places(sigma: float) -> int:
+    exponent = math.floor(math.log10(sigma))
+    leading = round(sigma / 10**exponent, 1)
+    # One figure of a sigma such as 1.4 would be off by a third, so it gets two.
+    digits = 2 if leading < 2 else 1
+    return max(digits - 1 - exponent, 0)
+
+
+def short(value: float) -> str:
+    """A round number as one would say it: 3, 110, 1.024."""
+    return f"{value:.6g}".replace("-", "−") if math.isfinite(value) else UNKNOWN
+
+
+def _fixed(value: float, places: int) -> str:
+    return f"{value:.{places}f}".replace("-", "−")
+
+
+def glued(text: str) -> str:
+    """The text with hard blanks between numbers and their units, so that no line breaks there."""
+    return _UNIT.sub("\u00a0", text)

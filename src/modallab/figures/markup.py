@@ -1,0 +1,71 @@
+"""HTML from Python. Every string is escaped unless it is markup that this module made."""
+
+from collections.abc import Iterable
+from html import escape
+
+VOID = frozenset({"br", "hr", "input", "meta"})
+
+
+class Markup(str):
+    """Text that is markup already. Only `tag`, `join` and `trusted` make it."""
+
+    __slots__ = ()
+
+
+def trusted(text: str) -> Markup:
+    """Markup of the project's own making, such as a drawn figure; never anything read from a file."""
+    return Markup(text)
+
+
+def join(parts: Iterable[str | None]) -> Markup:
+    """The parts one after the other, each escaped unless it is markup; None is left out."""
+    return Markup("".join(_safe(part) for part in parts if part is not None))
+
+
+def tag(name: str, /, *children: str | None, **attributes: str | bool) -> Markup:
+    """An element. `class_` and `for_` lose their underscore, other underscores become hyphens.
+
+    An attribute that is True stands without a value, one that is False is left out.
+    """
+    head = "".join(_attribute(key, value) for key, value in attributes.items())
+    if name in VOID:
+        return Markup(f"<{name}{head}>")
+    return Markup(f"<{name}{head}>{join(children)}</{name}>")
+
+
+def table(
+    caption: str, header: Iterable[str], rows: Iterable[Iterable[str]], numeric: Iterable[int] = (), class_: str = ""
+) -> Markup:
+    """A table whose columns and rows have headers; the first cell of each row is its header.
+
+    Args:
+        caption: what the table holds.
+        header: column headings.
+        rows: cells.
+        numeric: columns set to the right, in figures of equal width.
+        class_: for the style sheet.
+    """
+    right, heads = frozenset(numeric), list(header)
+    style = ["num" if i in right else "" for i in range(len(heads))]
+    head = tag("tr", *(tag("th", text, scope="col", class_=style[i]) for i, text in enumerate(heads)))
+    body = [tag("tr", *(_cell(i, text, style[i]) for i, text in enumerate(row))) for row in rows]
+    whole = tag("table", tag("caption", caption), tag("thead", head), tag("tbody", *body), class_=class_)
+    # A wide table scrolls in its own frame, reachable by keyboard, so that the page never does.
+    return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=str(caption))
+
+
+def _cell(place: int, text: str, style: str) -> Markup:
+    return tag("th", text, scope="row", class_=style) if place == 0 else tag("td", text, class_=style)
+
+
+def _safe(text: str) -> str:
+    return text if isinstance(text, Markup) else escape(text, quote=True)
+
+
+def _attribute(key: str, value: str | bool) -> str:
+    name = key.rstrip("_").replace("_", "-")
+    if value is True:
+        return f" {name}"
+    if value is False or value == "":
+        return ""
+    return f' {name}="{escape(value, quote=True)}"'

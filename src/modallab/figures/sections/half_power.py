@@ -1,0 +1,121 @@
+"""What the half-power rule reads, and why it is not the damping."""
+
+from math import isfinite
+
+import numpy as np
+
+from modallab.figures.compare import Mode
+from modallab.figures.content import ReportContent
+from modallab.figures.damping import damping, paper_value
+from modallab.figures.digits import plain
+from modallab.figures.markup import Markup, join
+from modallab.figures.resolution import resolution
+from modallab.figures.sections.section import Section, paragraph, plate
+
+BLURRED = 2.0
+"""A reading below so many times the floor says more about the block than about the mode."""
+
+
+def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
+    """The damping figure with the explanation in words."""
+    anchor, heading = "half-power", "What the half-power rule can see"
+    if not modes:
+        return Section(anchor, heading, None)
+    known = [m for m in modes if isfinite(m.readings[0].half_power_floor)]
+    if not known:
+        why = "The half-power rule could not be applied, so its reading is not shown."
+        return Section(anchor, heading, None, (why,))
+    texts = [_rule(content), _mode(known[0]), _paper(modes)]
+    parts = [*(paragraph(t) for t in texts if t), _overview(modes), _curve(content, known[0])]
+    return Section(anchor, heading, join(parts))
+
+
+def _overview(modes: tuple[Mode, ...]) -> Markup:
+    paper = any(paper_value(m) is not None for m in modes)
+    triangles = (
+        " The triangles are the paper's Table 1: each pair is one number, read as Δf/f (left) and as ζ (right)."
+        if paper
+        else ""
+    )
+    return plate(
+        damping(modes),
+        "damping",
+        _alt(modes),
+        "Damping of each mode. The grey bar is the resolution of the block: a mode inside it gives a half-power "
+        f"reading at the edge of the bar, whatever the beam does.{triangles}",
+        1,
+    )
+
+
+def _curve(content: ReportContent, mode: Mode) -> Markup | None:
+    length = _block_s(content)
+    if not length:
+        return None
+    return plate(
+        resolution(mode, length, _before_s(content)),
+        "resolution",
+        f"Half-power reading of mode {mode.number} over the damping of the beam: the curves are flat, so the reading "
+        "does not depend on the beam until its damping is several percent",
+        f"What the half-power rule would read for mode {mode.number} if the beam had this or that damping. Where a "
+        "curve is flat, the rule reads the block and not the beam.",
+        1,
+    )
+
+
+def _before_s(content: ReportContent) -> float:
+    blow = next((o.example for o in content.outcomes if o.test == "impact" and o.example is not None), None)
+    return 0.0 if blow is None else int(np.argmax(np.abs(blow.force))) / blow.rate_hz
+
+
+def _rule(content: ReportContent) -> str:
+    length = _block_s(content)
+    of = f"a block of {plain(length)} s" if length else "a short block"
+    step = f" ({plain(1 / length, 3)} Hz)" if length else ""
+    return (
+        f"The half-power rule reads damping off the width of a peak. In {of} no peak can be narrower than about one "
+        f"line of the spectrum{step}. A lightly damped beam still rings when the block ends, so the rule measures the "
+        "block."
+    )
+
+
+def _mode(mode: Mode) -> str:
+    reading, best = mode.readings[0], mode.best
+    if not (isfinite(reading.half_power) and isfinite(best.damping)):
+        return ""
+    read, floor, found = (plain(100 * v, 2) for v in (reading.half_power, reading.half_power_floor, best.damping))
+    if reading.half_power > BLURRED * reading.half_power_floor:
+        return (
+            f"For mode {mode.number} it reads {read} %, well above its floor of {floor} %. "
+            f"The identified damping is {found} %."
+        )
+    return (
+        f"For mode {mode.number} it reads {read} %. A mode with no damping at all would give {floor} %. "
+        f"The identified damping is {found} %, which the model gets from the same block by allowing for its end."
+    )
+
+
+def _paper(modes: tuple[Mode, ...]) -> str:
+    value = paper_value(modes[0])
+    if value is None:
+        return ""
+    return (
+        f"The paper this bench follows gives {100 * value:.2f} % for its first mode at 4.8 Hz, also by half-power "
+        "from a block of 1.024 s. Two readings of that number are possible. If it is the relative width of the peak, "
+        f"Δf/f, which is the usual loss factor η = 2ζ, then ζ = {50 * value:.2f} %: the floor of the rule with no "
+        "window. If it is ζ itself, it is the floor with a Hann window, which makes every peak twice as wide. Either "
+        f"way {100 * value:.1f} % is the resolution of the block and says nothing about the beam."
+    )
+
+
+def _block_s(content: ReportContent) -> float:
+    return content.campaign.blocks[0].duration_s if content.campaign.blocks else 0.0
+
+
+def _alt(modes: tuple[Mode, ...]) -> str:
+    rows = [
+        f"mode {m.number}: identified {plain(100 * m.best.damping, 2)} percent, half-power reading "
+        f"{plain(100 * m.readings[0].half_power, 2)} percent, floor {plain(100 * m.readings[0].half_power_floor, 2)} "
+        "percent"
+        for m in modes
+    ]
+    return "Damping of each mode on a logarithmic scale; " + "; ".join(rows)

@@ -1,0 +1,97 @@
+"""The table of modes, and whether the tests agree."""
+
+from math import isfinite
+
+from modallab.figures.compare import Mode, Reading, deviation, verdict
+from modallab.figures.content import ReportContent
+from modallab.figures.digits import UNKNOWN, plain, relative, with_sigma
+from modallab.figures.markup import Markup, join, table
+from modallab.figures.sections.section import Section, paragraph
+from modallab.figures.sections.summary import compare_tests
+
+HEADER = ("mode", "test", "frequency [Hz]", "damping ζ [%]", "half-power ζ [%]")
+TRUTH = ("true frequency [Hz]", "error", "true ζ [%]", "error")
+
+
+def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
+    """Frequencies and damping with their sigmas, beside the half-power reading and the truth."""
+    missing = tuple(o.missing for o in content.outcomes if o.model is None and o.missing)
+    if not content.models:
+        return Section("modes", "The modes", None, missing or ("There is no modal model: no test was identified.",))
+    if not modes:
+        return Section("modes", "The modes", paragraph(_none(content)), missing)
+    parts: list[Markup | None] = [
+        _table(content, modes),
+        paragraph(
+            "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
+            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too."
+        ),
+        _agreement(modes),
+    ]
+    absent = missing + (() if content.truth else ("The true modes are not known: this is no simulated bench.",))
+    return Section("modes", "The modes", join(parts), absent)
+
+
+def _none(content: ReportContent) -> str:
+    notes = " ".join(n for m in content.models for n in m.notes)
+    return f"The estimator found no mode in its band. {notes}".strip()
+
+
+def _table(content: ReportContent, modes: tuple[Mode, ...]) -> Markup:
+    true = content.truth is not None
+    rows = [_row(m, r, true) for m in modes for r in m.readings]
+    header = HEADER + (TRUTH if true else ())
+    return table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
+
+
+def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
+    cells = [
+        str(mode.number),
+        reading.test or "FRFs",
+        with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
+        with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
+        plain(100 * reading.half_power, 3),
+    ]
+    return cells + (_truth(mode, reading) if true else [])
+
+
+def _truth(mode: Mode, reading: Reading) -> list[str]:
+    if not isfinite(mode.true_frequency_hz):
+        return [UNKNOWN, "", UNKNOWN, ""]
+    return [
+        plain(mode.true_frequency_hz, 5),
+        _error(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz),
+        plain(100 * mode.true_damping, 3),
+        _error(reading.damping, reading.damping_sigma, mode.true_damping),
+    ]
+
+
+def _error(value: float, sigma: float, truth: float) -> str:
+    gap = deviation(value, sigma, truth, 0.0)
+    return relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
+
+
+def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
+    pairs = compare_tests(modes)
+    if not pairs:
+        return None
+    first = pairs[0][0].readings
+    rows = [
+        (
+            str(m.number),
+            _apart(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
+            _apart(m.readings[0].damping, m.readings[1].damping, z),
+            verdict(max(f, z)),
+        )
+        for m, f, z in pairs
+    ]
+    caption = f"Do the {first[0].test} and the {first[1].test} test agree?"
+    explained = paragraph(
+        "Two values agree if they lie no more than 2 σ apart, σ being that of their difference. Past 3 σ chance is "
+        "no longer a fair explanation: one of the tests, or one of the uncertainties, is wrong."
+    )
+    return join([table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained])
+
+
+def _apart(a: float, b: float, deviations: float) -> str:
+    return relative(b, a) + (f" ({deviations:.1f} σ)" if isfinite(deviations) else "")

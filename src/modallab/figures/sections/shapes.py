@@ -1,0 +1,58 @@
+"""The mode shapes, moving and with their uncertainty."""
+
+from modallab.figures.animation import animated_shapes
+from modallab.figures.content import ReportContent
+from modallab.figures.markup import join
+from modallab.figures.mode_shapes import mode_shapes
+from modallab.figures.sections.section import Section, paragraph, plate
+from modallab.figures.shape_data import shape
+
+OUT_OF_STEP_DEG = 5.0
+
+
+def section(content: ReportContent) -> Section:
+    """Animated shapes of the first test that has them; below, all shapes with sigma bars."""
+    anchor, heading = "shapes", "The mode shapes"
+    absent = tuple(
+        f"{_called(m.test)}: no mode shapes and no modal mass. {m.shapes_unavailable}"
+        for m in content.models
+        if m.shapes is None and m.n_modes
+    )
+    figure = mode_shapes(content.models, content.rig)
+    drawn = next((m for m in content.models if m.n_modes and shape(m, 0, content.rig) is not None), None)
+    if figure is None or drawn is None:
+        unplaced = any(m.shapes is not None and m.n_modes for m in content.models)
+        why = (
+            "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
+        )
+        return Section(anchor, heading, None, (*absent, why) if unplaced else absent)
+    still = plate(
+        figure,
+        "shapes",
+        "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
+        "Mode shapes at unit modal mass with bars of one sigma; a bar smaller than its mark can't be seen. The free "
+        "end, or where the beam moves most, points up. The curve between the points is only drawn through them.",
+        3,
+    )
+    text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
+    return Section(
+        anchor, heading, join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still]), absent
+    )
+
+
+def _skew(content: ReportContent) -> str | None:
+    for model in content.models:
+        found = [shape(model, i, content.rig) for i in range(model.n_modes)]
+        loose = [
+            f"mode {i + 1} by {s.skew_deg:.0f}°" for i, s in enumerate(found) if s and s.skew_deg > OUT_OF_STEP_DEG
+        ]
+        if loose:
+            return paragraph(
+                f"In the {model.test or 'FRF'} test the points do not move quite in step: {', '.join(loose)}. Light, "
+                "evenly spread damping would have them in step. The pictures show the part that is."
+            )
+    return None
+
+
+def _called(test: str | None) -> str:
+    return f"The {test} test" if test else "The FRFs"

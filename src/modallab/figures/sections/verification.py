@@ -1,0 +1,89 @@
+"""The model held against the measurement."""
+
+import numpy as np
+
+from modallab.figures.all_points import all_points
+from modallab.figures.choose import farthest, place
+from modallab.figures.content import Outcome, ReportContent
+from modallab.figures.digits import listed
+from modallab.figures.markup import Markup, join, table, tag
+from modallab.figures.one_point import one_point
+from modallab.figures.sections.section import Section, paragraph, plate
+from modallab.schema.verification import Verification
+
+
+def section(content: ReportContent) -> Section:
+    """Measured against regenerated mobility at all points, then at the free end in full."""
+    parts: list[Markup] = []
+    absent: list[str] = []
+    for i, outcome in enumerate(content.outcomes):
+        if outcome.verification is None:
+            if outcome.model is not None:
+                absent.append(
+                    f"The model of {_called(outcome)} was not held against its measurement: no verification was given."
+                )
+            continue
+        parts += _one(content, outcome, outcome.verification, i)
+    if not parts:
+        return Section("verification", "Does the model match the measurement?", None, tuple(absent))
+    return Section(
+        "verification", "Does the model match the measurement?", join([paragraph(_METHOD), *parts]), tuple(absent)
+    )
+
+
+_METHOD = (
+    "The model is asked to play the test again: its response to the measured force is cut into the same blocks and "
+    "treated in the same way, then compared with what was measured. FRAC says how well the two curves match: 1 is a "
+    "perfect match, 0 is none. The thin line is the mobility of the model itself. It has higher and sharper peaks "
+    "than any block of this length can show."
+)
+
+
+def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) -> list[Markup]:
+    test = outcome.test or "frf"
+    worst = int(np.argmin(np.nanmedian(check.frac, axis=0)))
+    drive = check.measured.input_points[worst]
+    at = "" if drive is None else f", force at point {drive}"
+    several = (
+        " Of the drive points the one that matches worst is drawn; the table has the others."
+        if check.frac.shape[1] > 1
+        else ""
+    )
+    output = farthest(content.rig, check.measured.outputs)
+    where = place(check.measured.outputs[output], check.measured.output_points[output])
+    named = where[0].lower() + where[1:]
+    spread = f"FRAC from {np.nanmin(check.frac):.4f} to {np.nanmax(check.frac):.4f}"
+    return [
+        tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}"),
+        plate(
+            all_points(check, worst),
+            f"all-{test}-{i}",
+            f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
+            f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
+            3,
+        ),
+        plate(
+            one_point(check, output, worst),
+            f"one-{test}-{i}",
+            f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated",
+            f"The same for {named}{at}, in full. In the real and the imaginary part the peaks of the thin line are "
+            "cut off.",
+        ),
+        _fracs(check),
+    ]
+
+
+def _fracs(check: Verification) -> Markup:
+    drives = [f"force at point {p}" if p is not None else "force" for p in check.measured.input_points]
+    rows = [
+        (place(name, point), *(f"{value:.4f}" for value in check.frac[i]))
+        for i, (name, point) in enumerate(zip(check.measured.outputs, check.measured.output_points, strict=True))
+    ]
+    whole = table(
+        "FRAC of measured against regenerated mobility", ("response", *drives), rows, range(1, len(drives) + 1)
+    )
+    return tag("details", tag("summary", f"FRAC at every point, {listed(drives)}"), whole)
+
+
+def _called(outcome: Outcome) -> str:
+    return f"the {outcome.test} test" if outcome.test else "the FRFs"
