@@ -3,8 +3,11 @@
 Twin and simulator both speak it; neither shares more than these names with the other.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
+
+from pydantic import Field
 
 from modallab.errors import FormatError
 from modallab.schema.frozen import Frozen
@@ -13,7 +16,7 @@ from modallab.schema.units import Test
 
 Stage = Literal["structure", "sensor", "acquisition", "excitation"]
 PlaceKind = Literal["none", "all", "x", "root", "shaker", "channel", "force", "pair", "base", "hit", "impact"]
-Scale = Literal["one", "EI/L", "EI/L^2", "EI/L^3", "m", "sqrt(EI m/L^3)", "L", "s/L"]
+Scale = Literal["one", "EI/L", "EI/L^3", "m", "sqrt(EI m/L^3)", "L"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +90,8 @@ class Effect(Frozen):
     """An effect with its numbers: what the twin adds, what a diagnosis names."""
 
     effect: str
-    parameters: dict[str, float] = {}
-    place: dict[str, Place] = {}
+    parameters: dict[str, float] = Field(default_factory=dict[str, float])
+    place: dict[str, Place] = Field(default_factory=dict[str, Place])
 
     @property
     def kind(self) -> EffectKind:
@@ -115,15 +118,13 @@ def _mass(beam: Beam) -> float:
     return beam.density_kg_m3 * beam.width_m * beam.thickness_m * beam.length_m
 
 
-_SCALES: dict[Scale, Any] = {
+_SCALES: dict[Scale, Callable[[Beam], float]] = {
     "one": lambda _: 1.0,
     "EI/L": lambda b: _bending_stiffness(b) / b.length_m,
-    "EI/L^2": lambda b: _bending_stiffness(b) / b.length_m**2,
     "EI/L^3": lambda b: _bending_stiffness(b) / b.length_m**3,
     "m": _mass,
     "sqrt(EI m/L^3)": lambda b: (_bending_stiffness(b) * _mass(b) / b.length_m**3) ** 0.5,
     "L": lambda b: b.length_m,
-    "s/L": lambda b: _mass(b) / b.length_m,
 }
 
 _STRUCTURE = (
@@ -188,7 +189,7 @@ _STRUCTURE = (
         "structure",
         (Parameter("EI_loss", "", 1e-4, 0.95),),
         "x",
-        "the share EI_loss of the bending stiffness is gone over a short stretch about x (a crack)",
+        "EI falls by the share EI_loss at x and by less about it, as exp(-((x - x0) / (0.04 L))^2) (a crack)",
     ),
     EffectKind(
         "breathing_crack",
@@ -225,7 +226,7 @@ _STRUCTURE = (
         "structure",
         (Parameter("EI_drift", "", 1e-5, 0.3, signed=True),),
         "none",
-        "EI changes in proportion to the order of time, by the share EI_drift from the first to the last record",
+        "EI has changed by the share EI_drift at the last record, about evenly over the order of time",
     ),
 )
 
@@ -246,12 +247,12 @@ _SENSOR = (
         "sensor",
         (Parameter("factor", "", 1.3, 1000.0),),
         "channel",
-        "the noise of one channel is factor times that of the others",
+        "the noise of one channel is factor times the converter's",
     ),
     EffectKind(
         "position_error",
         "sensor",
-        (Parameter("dx", "", 1e-5, 0.2, signed=True),),
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
         "channel",
         "one accelerometer sits dx farther from the clamp than the rig file says",
     ),
@@ -292,14 +293,14 @@ _ACQUISITION = (
         "acquisition",
         (Parameter("seconds_per_channel", "s", 1e-9, 2e-4),),
         "all",
-        "row k of the converter is sampled k seconds_per_channel later than row 0",
+        "row k of the converter is sampled k seconds_per_channel later than row 0, the force",
     ),
     EffectKind(
         "trigger_delay",
         "acquisition",
         (Parameter("seconds", "s", 1e-8, 5e-3),),
         "all",
-        "every accelerometer reads what was there seconds before the force beside it",
+        "the force is stamped seconds late: beside its sample stands an acceleration of seconds later",
     ),
     EffectKind(
         "clock_error",
@@ -313,7 +314,7 @@ _ACQUISITION = (
         "acquisition",
         (Parameter("volts", "V", 1e-5, 1.0), Parameter("hz", "Hz", 50.0, 60.0)),
         "all",
-        "a sine of amplitude volts at the mains frequency hz on the accelerometer channels",
+        "a sine at the mains frequency hz on every row, its amplitude volts (0.5 + 0.1 k) in row k",
     ),
 )
 
@@ -321,7 +322,7 @@ _EXCITATION = (
     EffectKind(
         "hit_position",
         "excitation",
-        (Parameter("dx", "", 1e-5, 0.2, signed=True),),
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
         "hit",
         "every blow lands dx farther from the clamp than said",
         ("impact",),
