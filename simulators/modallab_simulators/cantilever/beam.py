@@ -10,6 +10,7 @@ too high for double precision.
 
 from dataclasses import dataclass
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,9 +50,10 @@ class CantileverBeam:
 
     def count_below(self, omega: float) -> int:
         """How many modes lie below `omega` in rad/s."""
-        # Mode n has b between (n - 1) pi and n pi, so this count covers every candidate.
-        candidates = int(np.sqrt(omega / self._rate) / pi) + 1
-        return int(np.sum(self.omega(candidates) < omega))
+        # Mode n has b between (n - 1) pi and n pi, so only one mode is in doubt.
+        limit = float(np.sqrt(omega / self._rate))
+        sure = int(limit / pi)
+        return sure + (_wave_number(sure + 1, self.kappa) < limit)
 
     def shapes(self, x_m: Floats, count: int) -> Floats:
         """Mode shapes at unit modal mass in kg^-1/2, (points, count)."""
@@ -75,15 +77,19 @@ def _wave_number(n: int, kappa: float) -> float:
     soft, stiff = (kappa, 1.0) if kappa < 1 else (1.0, 0.0 if kappa == inf else 1.0 / kappa)
 
     def equation(b: float) -> float:
-        sech = 1.0 / np.cosh(b)
-        return float(soft * (sech + np.cos(b)) - stiff * b * (np.sin(b) - np.cos(b) * np.tanh(b)))
+        return float(soft * (_sech(b) + np.cos(b)) - stiff * b * (np.sin(b) - np.cos(b) * np.tanh(b)))
 
     return float(brentq(equation, (n - 1) * pi, n * pi, xtol=1e-15 * n * pi, rtol=8.9e-16))
 
 
+def _sech(b: Any) -> Any:
+    # cosh itself overflows from mode 226 on.
+    return 2 * np.exp(-b) / (1 + np.exp(-2 * b))
+
+
 def unit_shapes(xi: Floats, b: Floats, kappa: float) -> Floats:
     """Shapes with integral of W^2 over xi of one, positive at the tip, (points, modes)."""
-    s, c, t, sech = np.sin(b), np.cos(b), np.tanh(b), 1 / np.cosh(b)
+    s, c, t, sech = np.sin(b), np.cos(b), np.tanh(b), _sech(b)
     d = s - c * t
     growing = (1 + (s + c) * np.exp(-b)) / (1 + np.exp(-2 * b))
     falling = (s - c - c * t - sech + s * t) / 2
