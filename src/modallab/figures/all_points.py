@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from modallab.figures import style
 from modallab.figures.choose import place
+from modallab.figures.digits import share
 from modallab.figures.overview import FEW, positive, unit
 from modallab.schema.frf import Frf
 from modallab.schema.verification import Verification
@@ -34,7 +35,7 @@ def all_points(check: Verification, input_: int = 0) -> Figure:
             where = place(check.measured.outputs[i], check.measured.output_points[i])
             style.label(
                 panel,
-                f"{where} · FRAC {check.frac[i, input_]:.4f}",
+                f"{where} · FRAC {share(float(check.frac[i, input_]))}",
                 "frequency [Hz]",
                 f"mobility [{unit(check.measured)}]",
             )

@@ -35,7 +35,7 @@ def damping(modes: Sequence[Mode]) -> Figure:
         modes: matched over the tests, with the truth where it is known.
     """
     with style.look():
-        figure, (axes,) = style.grid(1, 1, style.Cell(620, 90 + 62 * max(len(modes), 1)))
+        figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + 62 * max(len(modes), 1)))
         values: list[float] = []
         for row, mode in enumerate(modes):
             values += _row(axes, -row, mode)
@@ -110,7 +110,7 @@ def _key(modes: Sequence[Mode]) -> list[Line2D | Patch]:
             marker=_MARKS[test],
             color=style.MEASURED,
             markerfacecolor=style.PAPER if _MARKS[test] != "o" else style.MEASURED,
-            label=f"identified, {test or 'FRFs'} ± sigma",
+            label=f"identified, {test or 'FRFs'} ± σ",
         )
         for test in tests
     ]

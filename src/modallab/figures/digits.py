@@ -42,6 +42,11 @@ def scientific(value: float, digits: int = 3) -> str:
     return f"{mantissa}×10{superscript(int(exponent))}".replace("-", "−")
 
 
+def share(value: float) -> str:
+    """A number between 0 and 1 such as FRAC or MAC, to four places."""
+    return f"{value:.4f}" if math.isfinite(value) else UNKNOWN
+
+
 def superscript(number: int) -> str:
     """An integer in raised figures."""
     return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

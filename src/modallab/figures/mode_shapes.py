@@ -78,9 +78,7 @@ def _key(model: ModalModel, mark: tuple[str, str]) -> Line2D:
     symbol, colour = mark
     fill = colour if symbol == "o" else "none"
     name = f"{model.test} test" if model.test else "FRFs"
-    return Line2D(
-        [], [], color=colour, marker=symbol, markerfacecolor=fill, linewidth=0.9, label=f"{name}, bars ± 1 sigma"
-    )
+    return Line2D([], [], color=colour, marker=symbol, markerfacecolor=fill, linewidth=0.9, label=f"{name}, ± 1 σ")
 
 
 def _frame(axes: Axes, rig: Rig) -> None:

@@ -25,7 +25,7 @@ def resolution(mode: Mode, block_s: float, before_s: float) -> Figure:
         before_s: time in the block before the blow.
     """
     with style.look():
-        figure, (axes,) = style.grid(1, 1, style.Cell(620, 400))
+        figure, (axes,) = style.grid(1, 1, style.Cell(420, 290))
         axes.plot(100 * _ZETA, 100 * _ZETA, color=style.SOFT, linewidth=1.0, label="a rule that reads the beam")
         for hann, line, name in ((False, "-", "half-power, no window"), (True, "--", "half-power, Hann window")):
             read = readings(mode.frequency_hz, _ZETA, block_s, before_s, hann)

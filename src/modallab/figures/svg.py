@@ -101,11 +101,8 @@ def _cell(group: ET.Element, shared: list[ET.Element], box: tuple[float, float, 
 def _sample(handle: Any) -> Markup:
     """A legend's line, marker or patch, drawn small."""
     if hasattr(handle, "get_facecolor"):
-        alpha = handle.get_alpha()
         fill = _colour(handle.get_facecolor())
-        return _swatch(
-            f'<rect x="4" y="1" width="20" height="10" fill="{fill}" opacity="{1 if alpha is None else alpha}"/>'
-        )
+        return _swatch(f'<rect x="4" y="1" width="20" height="10" fill="{fill}" opacity="{_opacity(handle)}"/>')
     return _swatch(_stroke(handle) + _marker(handle))
 
 
@@ -119,7 +116,7 @@ def _stroke(line: Any) -> str:
         return ""
     return (
         f'<path d="M1 6H27" fill="none" stroke="{_colour(line.get_color())}" '
-        f'stroke-width="{line.get_linewidth():g}" stroke-dasharray="{dashes}"/>'
+        f'stroke-width="{line.get_linewidth():g}" stroke-dasharray="{dashes}" opacity="{_opacity(line)}"/>'
     )
 
 
@@ -135,6 +132,11 @@ def _marker(line: Any) -> str:
         "x": f'<path d="M11 3L17 9M11 9L17 3" stroke="{edge}" stroke-width="1.6"/>',
     }
     return shapes.get(str(line.get_marker()), "")
+
+
+def _opacity(handle: Any) -> float:
+    alpha = handle.get_alpha()
+    return 1.0 if alpha is None else float(alpha)
 
 
 def _colour(value: Any) -> str:

@@ -8,9 +8,10 @@ from modallab.figures.compare import Mode
 from modallab.figures.content import ReportContent
 from modallab.figures.damping import damping, paper_value
 from modallab.figures.digits import plain
-from modallab.figures.markup import Markup, join
+from modallab.figures.markup import Markup, join, tag
 from modallab.figures.resolution import resolution
 from modallab.figures.sections.section import Section, paragraph, plate
+from modallab.schema.model import Method
 
 BLURRED = 2.0
 """A reading below so many times the floor says more about the block than about the mode."""
@@ -25,9 +26,9 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
     if not known:
         why = "The half-power rule could not be applied, so its reading is not shown."
         return Section(anchor, heading, None, (why,))
-    texts = [_rule(content), _mode(known[0]), _paper(modes)]
-    parts = [*(paragraph(t) for t in texts if t), _overview(modes), _curve(content, known[0])]
-    return Section(anchor, heading, join(parts))
+    texts = [_rule(content), _mode(known[0], content.models[0].method), _paper(modes)]
+    figures = tag("div", _overview(modes), _curve(content, known[0]), class_="pair")
+    return Section(anchor, heading, join([*(paragraph(t) for t in texts if t), figures]))
 
 
 def _overview(modes: tuple[Mode, ...]) -> Markup:
@@ -73,12 +74,11 @@ def _rule(content: ReportContent) -> str:
     step = f" ({plain(1 / length, 3)} Hz)" if length else ""
     return (
         f"The half-power rule reads damping off the width of a peak. In {of} no peak can be narrower than about one "
-        f"line of the spectrum{step}. A lightly damped beam still rings when the block ends, so the rule measures the "
-        "block."
+        f"line of the spectrum{step}. If the structure still rings when the block ends, the rule measures the block."
     )
 
 
-def _mode(mode: Mode) -> str:
+def _mode(mode: Mode, method: Method) -> str:
     reading, best = mode.readings[0], mode.best
     if not (isfinite(reading.half_power) and isfinite(best.damping)):
         return ""
@@ -87,6 +87,11 @@ def _mode(mode: Mode) -> str:
         return (
             f"For mode {mode.number} it reads {read} %, well above its floor of {floor} %. "
             f"The identified damping is {found} %."
+        )
+    if method == "peak":
+        return (
+            f"This model was made by the half-power rule itself. It gives {read} % for mode {mode.number}; a mode "
+            f"with no damping at all would give {floor} %. Take such a damping for an upper limit."
         )
     return (
         f"For mode {mode.number} it reads {read} %. A mode with no damping at all would give {floor} %. "

@@ -32,7 +32,7 @@ def section(content: ReportContent) -> Section:
         "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
         "Mode shapes at unit modal mass with bars of one sigma; a bar smaller than its mark can't be seen. The free "
         "end, or where the beam moves most, points up. The curve between the points is only drawn through them.",
-        3,
+        min(3, drawn.n_modes),
     )
     text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
     return Section(

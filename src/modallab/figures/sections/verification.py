@@ -5,7 +5,7 @@ import numpy as np
 from modallab.figures.all_points import all_points
 from modallab.figures.choose import farthest, place
 from modallab.figures.content import Outcome, ReportContent
-from modallab.figures.digits import listed
+from modallab.figures.digits import listed, share
 from modallab.figures.markup import Markup, join, table, tag
 from modallab.figures.one_point import one_point
 from modallab.figures.sections.section import Section, paragraph, plate
@@ -41,7 +41,8 @@ _METHOD = (
 
 def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) -> list[Markup]:
     test = outcome.test or "frf"
-    worst = int(np.argmin(np.nanmedian(check.frac, axis=0)))
+    known = np.nan_to_num(check.frac, nan=0.0)
+    worst = int(np.argmin(np.median(known, axis=0)))
     drive = check.measured.input_points[worst]
     at = "" if drive is None else f", force at point {drive}"
     several = (
@@ -52,7 +53,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
     output = farthest(content.rig, check.measured.outputs)
     where = place(check.measured.outputs[output], check.measured.output_points[output])
     named = where[0].lower() + where[1:]
-    spread = f"FRAC from {np.nanmin(check.frac):.4f} to {np.nanmax(check.frac):.4f}"
+    spread = f"FRAC from {share(known.min())} to {share(known.max())}"
     return [
         tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}"),
         plate(
@@ -60,7 +61,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
             f"all-{test}-{i}",
             f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
             f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
-            3,
+            min(3, len(check.measured.outputs)),
         ),
         plate(
             one_point(check, output, worst),
@@ -76,7 +77,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
 def _fracs(check: Verification) -> Markup:
     drives = [f"force at point {p}" if p is not None else "force" for p in check.measured.input_points]
     rows = [
-        (place(name, point), *(f"{value:.4f}" for value in check.frac[i]))
+        (place(name, point), *(share(float(value)) for value in check.frac[i]))
         for i, (name, point) in enumerate(zip(check.measured.outputs, check.measured.output_points, strict=True))
     ]
     whole = table(

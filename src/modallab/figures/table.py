@@ -1,0 +1,62 @@
+"""The table of modes for the terminal."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from rich import box
+from rich.table import Table
+
+from modallab.figures.compare import Mode, Reading, modes
+from modallab.figures.content import Truth
+from modallab.figures.digits import UNKNOWN, plain, with_sigma
+from modallab.schema.model import ModalModel
+
+# No Greek letters: a terminal that knows only its country's letters would stop at them.
+VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
+TRUTH = ("true\n[Hz]", "true\n[%]")
+
+
+def modal_table(models: Sequence[ModalModel], truth: Truth | None = None) -> Table:
+    """Frequency and damping of every mode with their sigma, the half-power reading, and the truth where it is known.
+
+    Args:
+        models: one a test.
+        truth: the modes of a simulated bench.
+
+    Returns:
+        a table to be printed by rich; it fits into 80 columns.
+    """
+    table = Table(title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.title_justify = table.caption_justify = "left"
+    for heading in ("mode", "test"):
+        table.add_column(heading, no_wrap=True)
+    for heading in (*VALUES, *(TRUTH if truth else ())):
+        table.add_column(heading, justify="right", no_wrap=True)
+    found = modes(models, truth)
+    for mode in found:
+        for reading in mode.readings:
+            table.add_row(*_cells(mode, reading, truth is not None), end_section=reading is mode.readings[-1])
+    return table
+
+
+def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
+    cells = [
+        str(mode.number),
+        reading.test or "FRFs",
+        with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
+        with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
+        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "-",
+    ]
+    if not true:
+        return cells
+    if not isfinite(mode.true_frequency_hz):
+        return [*cells, UNKNOWN, UNKNOWN]
+    return [*cells, plain(mode.true_frequency_hz, 5), plain(100 * mode.true_damping, 3)]
+
+
+def _caption(models: Sequence[ModalModel]) -> str:
+    if not models:
+        return "No test could be identified."
+    if not any(m.n_modes for m in models):
+        return "No mode was found in the band."
+    return "± is one standard deviation. If the beam still rings at its end, half-power reads the block, not the beam."
