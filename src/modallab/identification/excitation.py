@@ -90,16 +90,15 @@ class BlowExcitation:
         g = self.grid
         lam, s = poles[:, None], 1j * g.omega
         where = np.flatnonzero(self.force)
-        decay = np.exp(-np.outer(poles * g.dt, where)) * self.force[where]
-        g0 = decay.sum(axis=1)[:, None]
-        g1 = -g.dt * (decay @ where)[:, None]
-        z = np.exp(lam * g.dt)
-        w = np.exp(-1j * g.omega * g.dt)
-        end, bottom = z**g.n, 1 - z * w
-        scale = lam**g.p * g.dt * end / bottom
+        # G z^N in one, sum_m f_m z^(N - m): apart, the one may overflow while the other vanishes.
+        left = (g.n - where) * g.dt
+        decay = np.exp(np.outer(poles, left)) * self.force[where]
+        tail, by_pole = decay.sum(axis=1)[:, None], (decay @ left)[:, None]
+        zw = np.exp((lam - s) * g.dt)
+        scale = lam**g.p * g.dt / (1 - zw)
         steady = s**g.p * self._spectrum() / (s - lam)
-        value = steady - scale * g0
-        slope = steady / (s - lam) - scale * (g0 * (g.p / lam + g.n * g.dt + g.dt * z * w / bottom) + g1)
+        value = steady - scale * tail
+        slope = steady / (s - lam) - scale * (tail * (g.p / lam + g.dt * zw / (1 - zw)) + by_pole)
         return value, slope
 
     def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
@@ -123,28 +122,25 @@ class ToneExcitation:
         grid: the block's lines.
         frequency_hz: of the sine, which need not stand on a line.
         amplitude: complex peak force in N: f(t) = Re(amplitude exp(j omega t)), t from the block's start.
+        shapes: (2, lines) spectra of exp(j omega t) / 2 and exp(-j omega t) / 2; see `tone`.
     """
 
     grid: Grid
     frequency_hz: float
     amplitude: complex
+    shapes: Lines
 
-    def _tones(self) -> list[tuple[complex, Lines]]:
-        """(s, spectrum of amplitude exp(s t) / 2) for the sine's positive and negative frequency."""
-        g = self.grid
-        tones: list[tuple[complex, Lines]] = []
-        for sign in (1, -1):
-            s = sign * 2j * np.pi * self.frequency_hz
-            half = (self.amplitude if sign > 0 else np.conj(self.amplitude)) / 2
-            tones.append((s, half * _geometric(s, g)))
-        return tones
+    def _tones(self) -> tuple[tuple[complex, Lines], tuple[complex, Lines]]:
+        """(s, spectrum) of the sine's positive and negative frequency."""
+        s = 2j * np.pi * self.frequency_hz
+        return (s, self.amplitude * self.shapes[0]), (-s, np.conj(self.amplitude) * self.shapes[1])
 
     def forced(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
         """See Excitation; the steady state only."""
-        lam = poles[:, None]
-        value = sum((s**self.grid.p / (s - lam) * tone for s, tone in self._tones()), np.zeros(1, complex))
-        slope = sum((s**self.grid.p / (s - lam) ** 2 * tone for s, tone in self._tones()), np.zeros(1, complex))
-        return value, slope
+        (s, up), (minus_s, down) = self._tones()
+        lam, p = poles[:, None], self.grid.p
+        first, second = s**p / (s - lam), minus_s**p / (minus_s - lam)
+        return first * up + second * down, first / (s - lam) * up + second / (minus_s - lam) * down
 
     def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
         """See Excitation."""
@@ -152,11 +148,20 @@ class ToneExcitation:
 
     def static(self, power: int) -> Lines:
         """See Excitation."""
-        return np.asarray(sum(s ** (self.grid.p + power) * tone for s, tone in self._tones()), dtype=np.complex128)
+        (s, up), (minus_s, down) = self._tones()
+        p = self.grid.p + power
+        return s**p * up + minus_s**p * down
 
     def scaled(self, factor: complex) -> "ToneExcitation":
         """See Excitation."""
         return replace(self, amplitude=self.amplitude * factor)
+
+
+def tone(grid: Grid, frequency_hz: float, amplitude: complex) -> ToneExcitation:
+    """A steady sine in a block; see ToneExcitation."""
+    s = 2j * np.pi * frequency_hz
+    shapes = np.stack([_geometric(s, grid), _geometric(-s, grid)]) / 2
+    return ToneExcitation(grid, frequency_hz, amplitude, shapes)
 
 
 def _geometric(s: complex, grid: Grid) -> Lines:
@@ -186,7 +191,7 @@ class UnitExcitation:
 
     def static(self, power: int) -> Lines:
         """See Excitation."""
-        return (1j * self.grid.omega) ** (self.grid.p + power)
+        return np.power(1j * self.grid.omega, self.grid.p + power, dtype=np.complex128)
 
     def scaled(self, factor: complex) -> "UnitExcitation":
         """See Excitation; an FRF is already per unit force."""

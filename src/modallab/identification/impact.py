@@ -16,7 +16,7 @@ from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.prune import is_mode
-from modallab.identification.search import search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import stable_poles
 from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES
@@ -55,9 +55,9 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     band = options.band_hz or default_band(groups)
     poles = _start_poles(groups, rig, band, options.max_order)
     blocks, state_sigma, notes = line_blocks(groups, rig, band)
-    fit = _refined(blocks, state_sigma, poles, groups, band)
+    fit = _refined(blocks, state_sigma, poles, groups, band, FIRST_LOOK)
     keep = is_mode(fit, band)
-    if not np.all(keep) and np.any(keep):
+    if np.any(keep) and not (np.all(keep) and fit.refined.settled):
         at = fit.point.parameters
         fit = _refined(blocks, state_sigma, _poles(at.omega[keep], at.zeta[keep]), groups, band)
         keep = is_mode(fit, band)
@@ -157,6 +157,7 @@ def _refined(
     poles: NDArray[np.complex128],
     groups: Groups,
     band: tuple[float, float],
+    max_iterations: int = MAX_ITERATIONS,
 ) -> Fit:
     omega = np.abs(poles)
     zeta = np.clip(-poles.real / omega, 1e-4, 0.1)
@@ -170,7 +171,7 @@ def _refined(
     )
     nothing = np.zeros((len(blocks), omega.size), complex)
     start = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
-    return Fit(problem, search(problem, start), tuple(g[0].block.drive_point for g in groups))
+    return Fit(problem, search(problem, start, max_iterations), tuple(g[0].block.drive_point for g in groups))
 
 
 def residual_powers(band: tuple[float, float], groups: Groups) -> tuple[int, ...]:

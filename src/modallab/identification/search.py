@@ -6,11 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from modallab.errors import IdentificationError
 from modallab.identification.normal_matrix import normal_equations
 from modallab.identification.projection import Parameters, Point, Problem, solve_at
 
 Real = NDArray[np.float64]
+MAX_ITERATIONS = 40
+FIRST_LOOK = 12
+"""Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
 MAX_ZETA = 0.5
+MIN_ZETA = -0.01
 MAX_MOVE = 0.1
 """Largest relative change of a frequency, or change of a damping ratio, in one step."""
 
@@ -25,7 +30,9 @@ class Refined:
     settled: bool
 
 
-def search(problem: Problem, start: Parameters, max_iterations: int = 40, tolerance: float = 0.01) -> Refined:
+def search(
+    problem: Problem, start: Parameters, max_iterations: int = MAX_ITERATIONS, tolerance: float = 0.01
+) -> Refined:
     """Minimise the cost from `start`.
 
     The noise of each output is taken anew from the residuals at every step. It ends when a step would lower the
@@ -55,20 +62,29 @@ def _descend(
     for _ in range(10):
         damped = scaled + damping * np.eye(len(scaled))
         step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
-        trial = _moved(problem, point.parameters, step)
-        if trial is not None:
-            after = solve_at(problem, trial, point.noise)
-            if after.cost <= point.cost:
-                return after, max(damping / 10, 1e-9)
+        after = _solved(problem, _moved(problem, point.parameters, step), point.noise)
+        if after is not None and after.cost <= point.cost:
+            return after, max(damping / 10, 1e-9)
         damping *= 10
     return None, damping
+
+
+def _solved(problem: Problem, trial: Parameters | None, noise: Real) -> Point | None:
+    if trial is None:
+        return None
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return solve_at(problem, trial, noise)
+    except IdentificationError:
+        # Two poles have run into each other: a step too far, not the end.
+        return None
 
 
 def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters | None:
     n, n_blocks = at.omega.size, len(problem.blocks)
     move = step[: 2 * n].reshape(n, 2)
     omega, zeta = at.omega + move[:, 0], at.zeta + move[:, 1]
-    if np.any(np.abs(zeta) >= MAX_ZETA) or np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega):
+    if np.any(zeta >= MAX_ZETA) or np.any(zeta <= MIN_ZETA) or np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega):
         return None
     if np.any(np.abs(move[:, 1]) > MAX_MOVE):
         return None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.errors import DataError, IdentificationError
 from modallab.identification.basis import LineBlock
-from modallab.identification.excitation import Grid, ToneExcitation
+from modallab.identification.excitation import Grid, tone
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
@@ -21,7 +21,7 @@ from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.prune import is_mode
-from modallab.identification.search import search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import Tolerance, stable_poles
 from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES, Frf
@@ -37,7 +37,7 @@ LOWEST_LINE = 2
 BEYOND = 2.0
 """A mode above the band, at this multiple of its upper edge, stands for all that follow."""
 STAND_IN_ZETA = 0.005
-START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.2, min_zeta=-0.05, min_run=2)
+START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.2, min_zeta=-0.05, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
 
@@ -71,10 +71,10 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
     frf = stepped_frf([t.signals for t in used], [t.fit for t in used], rig)
     start = _start_poles(frf, options.max_order, band)
-    fit = _refined(used, rig, start, band)
+    fit = _refined(used, rig, start, band, FIRST_LOOK)
     keep = is_mode(fit, band)
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
-    if np.any(keep) and not np.array_equal(keep, inside):
+    if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
         at = fit.point.parameters
         fit = _refined(used, rig, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep], band)
         keep = is_mode(fit, band)
@@ -124,14 +124,20 @@ def _start_poles(frf: Frf, max_order: int | None, band: tuple[float, float]) -> 
     return np.array(inside)
 
 
-def _refined(tones: Sequence[Tone], rig: Rig, start: NDArray[np.complex128], band: tuple[float, float]) -> Fit:
+def _refined(
+    tones: Sequence[Tone],
+    rig: Rig,
+    start: NDArray[np.complex128],
+    band: tuple[float, float],
+    max_iterations: int = MAX_ITERATIONS,
+) -> Fit:
     first = tones[0].signals
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     blocks = [
         LineBlock(
-            ToneExcitation(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0])),
+            tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0])),
             np.fft.rfft(t.signals.responses)[:, chosen],
             0,
         )
@@ -143,18 +149,21 @@ def _refined(tones: Sequence[Tone], rig: Rig, start: NDArray[np.complex128], ban
     prior[-1] = STAND_IN_ZETA, STAND_IN_ZETA
     force = np.array([np.abs(t.fit.amplitude[0]) for t in tones])
     noise = np.array([t.fit.residual_rms[0] for t in tones]) * np.sqrt(2 / n)
+    # A decay can be as large as the steady state, whose modal state is force / distance from the resonance.
+    state_sigma = np.repeat(force[:, None], omega.size, axis=1)
+    # What stands in for the modes above the band has died out long before the block.
+    state_sigma[:, -1] *= 1e-9
     problem = Problem(
         blocks=blocks,
         powers=(0, 2, 4),
         n_inputs=1,
-        # A decay can be as large as the steady state, whose modal state is force / distance from the resonance.
-        state_sigma=np.repeat(force[:, None], omega.size, axis=1),
+        state_sigma=state_sigma,
         drive_sigma=np.maximum(noise / force, 1e-9),
         zeta_prior=prior,
     )
     nothing = np.zeros((len(blocks), omega.size), complex)
     parameters = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
-    return Fit(problem, search(problem, parameters), (first.block.drive_point,))
+    return Fit(problem, search(problem, parameters, max_iterations), (first.block.drive_point,))
 
 
 def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:

@@ -18,6 +18,7 @@ class Tolerance:
     max_zeta: float = 0.1
     min_zeta: float = -2e-3
     min_run: int = 5
+    min_share: float = 0.25
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,7 +37,10 @@ class StablePole:
 
 
 def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = None) -> list[StablePole]:
-    """Poles that hold over at least `min_run` orders in a row, each once, by rising frequency.
+    """Poles that hold over enough orders in a row, each once, by rising frequency.
+
+    Enough is `min_run`, and `min_share` of all the orders: noise holds for some orders by chance, the more the more
+    orders there are.
 
     Args:
         orders: poles by rising order.
@@ -57,7 +61,8 @@ def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = Non
                 continued.append([*run, match])
         open_runs = continued + [[pole] for pole in free]
     closed += open_runs
-    return _distinct([_summary(run) for run in closed if len(run) >= limits.min_run], limits)
+    enough = max(limits.min_run, int(limits.min_share * len(orders)))
+    return _distinct([_summary(run) for run in closed if len(run) >= enough], limits)
 
 
 def _plausible(poles: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.complex128]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.excitation import BlowExcitation, ToneExcitation
+from modallab.identification.excitation import BlowExcitation, ToneExcitation, tone
 from modallab.identification.fit import Fit
 from modallab.identification.model_of_fit import receptance
 from modallab.schema.block import Signals
@@ -49,7 +49,11 @@ def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
     every = np.arange(1, (n + 1) // 2)
     if not isinstance(excitation, BlowExcitation | ToneExcitation):
         raise TypeError(f"a block driven by {type(excitation).__name__} has no time record")
-    whole = replace(excitation, grid=replace(excitation.grid, omega=2 * np.pi * every * rate / n))
+    grid = replace(excitation.grid, omega=2 * np.pi * every * rate / n)
+    if isinstance(excitation, ToneExcitation):
+        whole = tone(grid, excitation.frequency_hz, excitation.amplitude)
+    else:
+        whole = replace(excitation, grid=grid)
     spectrum = np.zeros((signals.responses.shape[0], n // 2 + 1), complex)
     spectrum[:, every] = fit.regenerated(block, whole)
     return replace(signals, responses=np.fft.irfft(spectrum, n))
