@@ -18,7 +18,8 @@ from scipy.fft import irfft, rfft
 
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.hold import REACH, TAPS, difference_taps, step_taps
+from modallab_simulators.cantilever.hold import REACH, TAPS, difference_taps
+from modallab_simulators.cantilever.lift import modal_taps, state_taps
 from modallab_simulators.cantilever.scan import Complex, Scan
 
 Floats = NDArray[np.float64]
@@ -99,9 +100,9 @@ class Structure:
         self._lowpass = lowpass(oversample)
         self._scan = Scan(basis.poles, oversample * self._step_s, BLOCK)
         self._phi = basis.shapes(self._x) * self._moving[:, None]
-        self._modal_taps, tail = _modal_taps(basis.poles, self._step_s, self._lowpass)
+        self._modal_taps, tail = modal_taps(basis.poles, self._step_s, self._lowpass)
         self._seen = self._seen_states(tail)
-        self._drive_taps = _lifted_taps(basis.poles, self._step_s, oversample)
+        self._drive_taps = state_taps(basis.poles, self._step_s, oversample)
         self._inputs: dict[tuple[float, float], tuple[Floats, Complex]] = {}
 
     @property
@@ -178,31 +179,6 @@ class Structure:
         padded[:, self.oversample - REACH : self.oversample - REACH + taps.shape[1]] = taps
         phases = padded.reshape(len(taps), _COLUMNS, self.oversample)[:, ::-1].transpose(0, 2, 1)
         return rfft(np.ascontiguousarray(phases), _FFT, axis=2)
-
-
-def _modal_taps(poles: Complex, step_s: float, lowpass_taps: Floats) -> tuple[Floats, Complex]:
-    """What a filtered mode owes to each force sample, (3 orders, modes, taps), and to the state before, (modes,)."""
-    step = np.exp(poles * step_s)
-    length = len(lowpass_taps) - 1
-    after = np.empty((length, len(poles)), dtype=np.complex128)
-    total = np.full(len(poles), lowpass_taps[0], dtype=np.complex128)
-    for s in range(length - 1, -1, -1):
-        after[s] = total
-        total = total * step + lowpass_taps[length - s]
-    holds = step_taps(poles, step_s)
-    modal = np.array([np.convolve(after[:, r], holds[r]) for r in range(len(poles))]).reshape(len(poles), -1)
-    orders = np.stack([(poles**d / poles.imag)[:, None] * modal for d in range(3)]).imag
-    return orders, total
-
-
-def _lifted_taps(poles: Complex, step_s: float, oversample: int) -> Complex:
-    """Weights of the force samples in the state after one delivered sample, (taps, modes)."""
-    step = np.exp(poles * step_s)
-    holds = step_taps(poles, step_s)
-    taps = np.zeros((oversample + TAPS - 1, len(poles)), dtype=np.complex128)
-    for s in range(oversample):
-        taps[s : s + TAPS] += (holds * step[:, None] ** (oversample - 1 - s)).T
-    return taps
 
 
 def _flushed(state: Complex) -> Complex:
