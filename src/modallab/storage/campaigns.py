@@ -38,6 +38,12 @@ def campaign_of(store: Store, runs: Sequence[str], *, invalid: bool = False) -> 
     )
 
 
+def refused_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
+    """The blocks of a run that were not accepted, each with its reason."""
+    reasons = {row.note.name: row.note.reason for row in store.catalogue.blocks(run) if not row.note.accepted}
+    return [(block, reasons[block.name]) for block in store.iterate(run, refused=True) if block.name in reasons]
+
+
 def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
     if not records:
         raise StorageError("no runs were named", where=where, remedy="name at least one run")

@@ -1,0 +1,78 @@
+"""`modallab demo`: both tests on the simulated bench, from the first blow to the report."""
+
+import argparse
+from importlib.resources import files
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from modallab.campaign.demo_plan import demo_plans
+from modallab.campaign.session import record_campaign
+from modallab.cli.identify import print_remarks
+from modallab.exchange.campaign_hdf5 import write_campaign
+from modallab.exchange.rig_file import parse_rig, write_rig
+from modallab.figures.report import write_report
+from modallab.figures.table import modal_table
+from modallab.identification.options import Options
+from modallab.schema import events
+from modallab.schema.block import Block, Campaign
+from modallab.schema.rig import Rig
+from modallab.storage import Store
+from modallab.storage.campaigns import refused_blocks
+from modallab.tasks.identify import identify_campaign
+from modallab.tasks.model_file import write_models
+from modallab.tasks.report import report_content, truth_of
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run both tests, identify, verify, and leave everything in one folder."""
+    folder: Path = arguments.out
+    folder.mkdir(parents=True, exist_ok=True)
+    rig = demo_rig()
+    console = Console()
+    url = f"sim://cantilever?seed={arguments.seed}"
+    console.print(f"bench {url}: {rig.name}, both tests", markup=False)
+    campaign = _record(console, url, rig, folder)
+    console.print("identifying ...")
+    identified = identify_campaign(campaign, Options())
+    write_rig(rig, folder / "rig.yaml")
+    write_campaign(campaign, folder / "campaign.h5")
+    write_models(folder / "models.json", campaign, identified)
+    content = report_content(campaign, identified, f"Modal test of {rig.name}", _refused(folder, campaign))
+    write_report(folder / "report.html", content)
+    console.print(modal_table([item.model for item in identified], truth_of(campaign)))
+    print_remarks(console, identified)
+    console.print("\nwritten:")
+    for name in ("report.html", "campaign.h5", "models.json", "rig.yaml"):
+        console.print(f"  {folder / name}", markup=False, highlight=False)
+    return 0
+
+
+def demo_rig() -> Rig:
+    """The paper's link as a rig."""
+    resource = files("modallab.campaign").joinpath("link_rig.yaml")
+    return parse_rig(resource.read_text(encoding="utf-8"), "the demo's rig")
+
+
+def _record(console: Console, url: str, rig: Rig, folder: Path) -> Campaign:
+    bar = Progress(
+        TextColumn("{task.description:<28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), console=console
+    )
+    with bar:
+        tasks = {}
+
+        def tell(event: events.Event) -> None:
+            if isinstance(event, events.Progress):
+                if event.run not in tasks:
+                    tasks[event.run] = bar.add_task(event.what, total=event.total)
+                bar.update(tasks[event.run], completed=event.done, description=event.what)
+            elif isinstance(event, events.HitRefused):
+                console.print(f"  hit at point {event.point} refused: {event.reason}", markup=False)
+
+        return record_campaign(url, rig, demo_plans(), folder / "data", tell)
+
+
+def _refused(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
+    with Store(folder / "data") as store:
+        return [pair for run_id in campaign.provenance["runs"].split() for pair in refused_blocks(store, run_id)]

@@ -1,0 +1,92 @@
+"""A campaign and its models as the content of a report."""
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab import __version__
+from modallab.figures.choose import example_block
+from modallab.figures.content import Hit, Outcome, ReportContent, Truth
+from modallab.schema.block import Block, Campaign, Signals
+from modallab.schema.frf import Frf
+from modallab.schema.rig import Rig
+from modallab.schema.units import Test
+from modallab.spectra.bandpass import bandpass
+from modallab.spectra.frf import convert, group_by_point, impact_frf
+from modallab.spectra.scale import remove_mean, to_signals, to_signals_of
+from modallab.tasks.identify import Identified
+
+PAPER_BAND = (3.0, 110.0)
+"""The paper's band-pass: its three lowest bending modes."""
+
+
+def report_content(
+    campaign: Campaign, identified: Sequence[Identified], title: str, refused: Sequence[tuple[Block, str]] = ()
+) -> ReportContent:
+    """Everything the report says of a campaign.
+
+    Args:
+        campaign: blocks and rig.
+        identified: a model for every test.
+        title: heading.
+        refused: blows that were not accepted, each with its reason.
+    """
+    return ReportContent(
+        title=title,
+        campaign=campaign,
+        outcomes=tuple(_outcome(campaign, item, refused) for item in identified),
+        truth=truth_of(campaign),
+        provenance={"modallab": __version__},
+    )
+
+
+def truth_of(campaign: Campaign) -> Truth | None:
+    """The modes a simulated bench says it was built with, if it was one."""
+    frequency = campaign.provenance.get("bench.frequency_hz")
+    damping = campaign.provenance.get("bench.damping_ratio")
+    if frequency is None or damping is None:
+        return None
+    bench = campaign.provenance.get("bench", "the bench")
+    return Truth(np.array(json.loads(frequency)), np.array(json.loads(damping)), f"the simulated bench {bench}")
+
+
+def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block, str]]) -> Outcome:
+    if item.source == "frf":
+        return Outcome(test=None, model=item.model, verification=item.verification)
+    test: Test = item.source
+    block = example_block(campaign, test)
+    example = None if block is None else to_signals(block, campaign.rig)
+    return Outcome(
+        test=test,
+        model=item.model,
+        frf=_measured(campaign, item),
+        verification=item.verification,
+        example=example,
+        filtered=None if example is None else _filtered(example),
+        hits=_hits(campaign, refused) if test == "impact" else (),
+    )
+
+
+def _filtered(signals: Signals) -> NDArray[np.float64] | None:
+    if PAPER_BAND[1] >= signals.rate_hz / 2 or signals.force.size < PAPER_BAND[0] * 100:
+        return None
+    return bandpass(remove_mean(signals.responses), signals.rate_hz, PAPER_BAND)
+
+
+def _measured(campaign: Campaign, item: Identified) -> Frf | None:
+    if item.source != "impact":
+        return None if item.verification is None else item.verification.measured
+    groups = group_by_point(to_signals_of(campaign.of("impact"), campaign.rig))
+    return convert(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
+
+
+def _hits(campaign: Campaign, refused: Sequence[tuple[Block, str]]) -> tuple[Hit, ...]:
+    good = [_hit(block, campaign.rig, "") for block in campaign.of("impact")]
+    return (*good, *(_hit(block, campaign.rig, reason) for block, reason in refused))
+
+
+def _hit(block: Block, rig: Rig, reason: str) -> Hit:
+    force = to_signals(block, rig).force
+    return Hit(block.name, block.drive_point, force, block.rate_hz, accepted=not reason, reason=reason)
