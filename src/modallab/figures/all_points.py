@@ -58,7 +58,9 @@ def draw(axes: Axes, check: Verification, output: int, input_: int, part: Part) 
     for frf, name, options in curves:
         values = part(frf.values[output, input_])
         axes.plot(frf.frequency_hz, positive(values) if part is np.abs else values, label=name, **options)
-    axes.set_xlim(check.measured.frequency_hz[0], check.measured.frequency_hz[-1])
+    low, high = check.measured.frequency_hz[[0, -1]]
+    edge = 0.012 * (high - low)
+    axes.set_xlim(low - edge, high + edge)
 
 
 def _measured(few: bool) -> dict[str, Any]:

@@ -10,11 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from modallab.figures import style
-from modallab.figures.compare import SAME_MODE, Mode
+from modallab.figures.compare import SAME_MODE, Mode, Reading
 from modallab.figures.digits import plain
 
 PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
 """Table 1 of the paper: frequency in Hz and what it calls modal damping, as ratios."""
+MANY = 6
+"""More modes than this stand closer together."""
 _PAPER: dict[str, Any] = {
     "color": style.THIRD,
     "markerfacecolor": style.PAPER,
@@ -26,16 +28,17 @@ _MARKS = {"impact": "o", "sine": "s", None: "o"}
 
 
 def damping(modes: Sequence[Mode]) -> Figure:
-    """One row a mode on a logarithmic scale of damping.
+    """One row a mode on a logarithmic scale of damping, one bar a test.
 
-    The grey bar reaches up to the floor of the half-power rule: no reading can lie in it, whatever the beam does. The
-    readings stand at its edge, the identified damping inside it.
+    The grey bar reaches up to the floor of the half-power rule: what it reads for a mode inside lies at the bar's end,
+    whatever the beam does.
 
     Args:
         modes: matched over the tests, with the truth where it is known.
     """
+    height = 62 if len(modes) <= MANY else 42
     with style.look():
-        figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + 62 * max(len(modes), 1)))
+        figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + height * max(len(modes), 1)))
         values: list[float] = []
         for row, mode in enumerate(modes):
             values += _row(axes, -row, mode)
@@ -54,17 +57,13 @@ def paper_value(mode: Mode) -> float | None:
 
 
 def _row(axes: Axes, y: float, mode: Mode) -> list[float]:
-    floors = [r.half_power_floor for r in mode.readings if isfinite(r.half_power_floor)]
-    if floors:
-        axes.barh(y, 100 * max(floors), height=0.56, left=1e-9, color=style.SHADE, zorder=1)
-        axes.vlines(100 * max(floors), y - 0.28, y + 0.28, color=style.SOFT, linewidth=2, zorder=2)
-    values = [100 * f for f in floors]
-    offsets = [0.0] if len(mode.readings) == 1 else [0.12, -0.12, 0.0]
-    for reading, offset in zip(mode.readings, offsets, strict=False):
-        values += _identified(axes, y + offset, reading.damping, reading.damping_sigma, _MARKS[reading.test])
-        if isfinite(reading.half_power) and reading.half_power > 0:
-            values.append(100 * reading.half_power)
-            axes.plot(100 * reading.half_power, y + offset, "D", color=style.WARNING, markersize=6.5, zorder=4)
+    values: list[float] = []
+    n = len(mode.readings)
+    for place, reading in enumerate(mode.readings):
+        height = 0.56 / n
+        centre = y + 0.28 - height * (place + 0.5)
+        values += _bar(axes, centre, height * (0.9 if n > 1 else 1.0), reading)
+        values += _identified(axes, centre, reading.damping, reading.damping_sigma, _MARKS[reading.test])
     paper = paper_value(mode)
     if paper is not None:
         values += [50 * paper, 100 * paper]
@@ -72,6 +71,19 @@ def _row(axes: Axes, y: float, mode: Mode) -> list[float]:
     if isfinite(mode.true_damping):
         values.append(100 * mode.true_damping)
         axes.vlines(100 * mode.true_damping, y - 0.36, y + 0.36, color=style.SECOND, linewidth=2.2, zorder=3)
+    return values
+
+
+def _bar(axes: Axes, y: float, height: float, reading: Reading) -> list[float]:
+    values: list[float] = []
+    floor = 100 * reading.half_power_floor
+    if isfinite(floor) and floor > 0:
+        values.append(floor)
+        axes.barh(y, floor, height=height, left=1e-9, color=style.SHADE, zorder=1)
+        axes.vlines(floor, y - height / 2, y + height / 2, color=style.SOFT, linewidth=2, zorder=2)
+    if isfinite(reading.half_power) and reading.half_power > 0:
+        values.append(100 * reading.half_power)
+        axes.plot(100 * reading.half_power, y, "D", color=style.WARNING, markersize=6.5, zorder=4)
     return values
 
 
@@ -115,7 +127,7 @@ def _key(modes: Sequence[Mode]) -> list[Line2D | Patch]:
         for test in tests
     ]
     handles.append(Line2D([], [], linestyle="none", marker="D", color=style.WARNING, label="half-power reading"))
-    handles.append(Patch(facecolor=style.SHADE, label="below the block's resolution"))
+    handles.append(Patch(facecolor=style.SHADE, label="below the resolution"))
     if any(paper_value(m) is not None for m in modes):
         handles.append(Line2D([], [], marker="^", label="the paper's Table 1, read both ways", **_PAPER))
     if any(isfinite(m.true_damping) for m in modes):

@@ -37,6 +37,7 @@ def one_point(check: Verification, output: int, input_: int = 0) -> Figure:
                 _frame(panel, part, check, output, input_)
             style.label(panel, f"{where}, {name}", "frequency [Hz]", axis)
         axes[1].set_yticks(range(-180, 181, 90))
+        axes[1].set_ylim(-195, 195)
         style.legend(figure, axes[0].lines)
     return figure
 

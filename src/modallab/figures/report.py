@@ -1,10 +1,9 @@
 """The report: one HTML file that holds everything it shows."""
 
-import os
 from importlib.resources import files
 from pathlib import Path
 
-from modallab.errors import StorageError
+from modallab.exchange.atomic import replacing
 from modallab.figures import style
 from modallab.figures.compare import modes
 from modallab.figures.content import ReportContent
@@ -21,17 +20,8 @@ def write_report(path: Path, content: ReportContent) -> None:
         StorageError: the file can't be written.
     """
     text = render(content)
-    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with replacing(path) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
-        draft.replace(path)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise StorageError(
-            f"the report can't be written: {error.strerror or error}",
-            where=str(path),
-            remedy="name a folder that exists, may be written to and has room",
-        ) from error
 
 
 def render(content: ReportContent) -> str:

@@ -3,37 +3,41 @@
 from math import nan, pi
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from modallab.figures import style
-from modallab.figures.compare import Mode
+from modallab.figures.compare import Mode, Reading
 from modallab.figures.damping import paper_value
 from modallab.figures.digits import short
 from modallab.identification.half_power import reading_near
 
-_ZETA = np.geomspace(5e-4, 0.3, 60)
+LIGHTEST, HEAVIEST = 5e-4, 0.3
 _SAMPLES_A_PERIOD = 16
 
 
-def resolution(mode: Mode, block_s: float, before_s: float) -> Figure:
+def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float) -> Figure:
     """The half-power reading against the damping the beam has; a flat curve is a rule that does not see the beam.
 
     Args:
-        mode: the mode whose block is played, with its reading.
+        mode: the mode whose block is played.
+        reading: what the rule read for it.
         block_s: length of the block.
         before_s: time in the block before the blow.
     """
+    floor = reading.half_power_floor
+    zeta = np.geomspace(min(LIGHTEST, floor / 10) if floor > 0 else LIGHTEST, HEAVIEST, 60)
     with style.look():
         figure, (axes,) = style.grid(1, 1, style.Cell(420, 290))
-        axes.plot(100 * _ZETA, 100 * _ZETA, color=style.SOFT, linewidth=1.0, label="a rule that reads the beam")
+        axes.plot(100 * zeta, 100 * zeta, color=style.SOFT, linewidth=1.0, label="a rule that reads the beam")
         for hann, line, name in ((False, "-", "half-power, no window"), (True, "--", "half-power, Hann window")):
-            read = readings(mode.frequency_hz, _ZETA, block_s, before_s, hann)
-            axes.plot(100 * _ZETA, 100 * read, line, color=style.WARNING, linewidth=2.2, label=name)
-        _marks(figure, mode)
+            read = readings(mode.frequency_hz, zeta, block_s, before_s, hann)
+            axes.plot(100 * zeta, 100 * read, line, color=style.WARNING, linewidth=2.2, label=name)
+        _marks(axes, mode, reading)
+        axes.set_xlim(100 * zeta[0], 100 * zeta[-1])
         style.logarithmic(axes, "x")
         style.logarithmic(axes)
-        axes.set_xlim(100 * _ZETA[0], 100 * _ZETA[-1])
         title = f"Mode {mode.number} in a block of {short(block_s)} s"
         style.label(axes, title, "damping ratio of the beam [%]", "half-power reading ζ [%]")
         style.legend(figure, [line for line in axes.lines if not str(line.get_label()).startswith("_")])
@@ -59,11 +63,9 @@ def readings(
     return np.array([reading_near(lines, a, frequency_hz) for a in np.abs(np.fft.rfft(velocity))])
 
 
-def _marks(figure: Figure, mode: Mode) -> None:
-    axes = figure.axes[0]
-    best, reading = mode.best, mode.readings[0]
+def _marks(axes: Axes, mode: Mode, reading: Reading) -> None:
     axes.plot(
-        [100 * best.damping],
+        [100 * mode.best.damping],
         [100 * reading.half_power if reading.half_power > 0 else nan],
         "D",
         color=style.INK,

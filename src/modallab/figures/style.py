@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from modallab.figures.digits import superscript
 
 PX_PER_INCH = 72
-LEFT, RIGHT, BOTTOM, TOP = 62, 14, 44, 28
+LEFT, RIGHT, BOTTOM, TOP = 62, 18, 44, 28
 """What axes keep free within their cell for ticks, labels and title."""
 LEGEND = 30
 """Height of the strip above the cells that holds the legend."""

@@ -4,10 +4,10 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.figures.compare import Mode
+from modallab.figures.compare import Mode, Reading
 from modallab.figures.content import ReportContent
 from modallab.figures.damping import damping, paper_value
-from modallab.figures.digits import plain
+from modallab.figures.digits import plain, short
 from modallab.figures.markup import Markup, join, tag
 from modallab.figures.resolution import resolution
 from modallab.figures.sections.section import Section, paragraph, plate
@@ -22,13 +22,21 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
     anchor, heading = "half-power", "What the half-power rule can see"
     if not modes:
         return Section(anchor, heading, None)
-    known = [m for m in modes if isfinite(m.readings[0].half_power_floor)]
-    if not known:
-        why = "The half-power rule could not be applied, so its reading is not shown."
-        return Section(anchor, heading, None, (why,))
-    texts = [_rule(content), _mode(known[0], content.models[0].method), _paper(modes)]
-    figures = tag("div", _overview(modes), _curve(content, known[0]), class_="pair")
+    if not any(isfinite(r.half_power_floor) for m in modes for r in m.readings):
+        return Section(anchor, heading, None, ("What the half-power rule can see is not known for these data.",))
+    seen = next((m for m in modes if _of_block(m) is not None), None)
+    texts = [_rule(content)]
+    if seen is not None:
+        texts += [_mode(seen, content.models[0].method), _paper(modes)]
+    curve = _curve(content, seen) if seen is not None else None
+    figures = tag("div", _overview(modes), curve, class_="pair")
     return Section(anchor, heading, join([*(paragraph(t) for t in texts if t), figures]))
+
+
+def _of_block(mode: Mode) -> Reading | None:
+    """What the rule read off a block: the sine test's reading comes from few frequencies, no block's spectrum."""
+    fit = (r for r in mode.readings if r.test != "sine" and isfinite(r.half_power_floor) and isfinite(r.half_power))
+    return next(fit, None)
 
 
 def _overview(modes: tuple[Mode, ...]) -> Markup:
@@ -42,21 +50,22 @@ def _overview(modes: tuple[Mode, ...]) -> Markup:
         damping(modes),
         "damping",
         _alt(modes),
-        "Damping of each mode. The grey bar is the resolution of the block: a mode inside it gives a half-power "
-        f"reading at the edge of the bar, whatever the beam does.{triangles}",
+        "Damping of each mode. The grey bar is the resolution. In it, a half-power reading tells the width of one line "
+        f"or step of the spectrum, not the damping of the beam: it stands near the bar's end in any case.{triangles}",
         1,
     )
 
 
 def _curve(content: ReportContent, mode: Mode) -> Markup | None:
     length = _block_s(content)
-    if not length:
+    reading = _of_block(mode)
+    if not length or reading is None:
         return None
     return plate(
-        resolution(mode, length, _before_s(content)),
+        resolution(mode, reading, length, _before_s(content)),
         "resolution",
-        f"Half-power reading of mode {mode.number} over the damping of the beam: the curves are flat, so the reading "
-        "does not depend on the beam until its damping is several percent",
+        f"Half-power reading of mode {mode.number} over the damping of the beam, with no window and with a Hann "
+        "window; each curve is flat up to the resolution of the block and rises only then",
         f"What the half-power rule would read for mode {mode.number} if the beam had this or that damping. Where a "
         "curve is flat, the rule reads the block and not the beam.",
         1,
@@ -70,17 +79,23 @@ def _before_s(content: ReportContent) -> float:
 
 def _rule(content: ReportContent) -> str:
     length = _block_s(content)
-    of = f"a block of {plain(length)} s" if length else "a short block"
+    of = f"a block of {short(length)} s" if length else "a short block"
     step = f" ({plain(1 / length, 3)} Hz)" if length else ""
+    sine = (
+        " In a sine test it can't be narrower than the step from one drive frequency to the next."
+        if any(o.test == "sine" for o in content.outcomes)
+        else ""
+    )
     return (
-        f"The half-power rule reads damping off the width of a peak. In {of} no peak can be narrower than about one "
-        f"line of the spectrum{step}. If the structure still rings when the block ends, the rule measures the block."
+        "The half-power rule reads damping off the width of a peak. "
+        f"In {of} no peak can be narrower than about one line of the spectrum{step}. "
+        f"If the structure still rings when the block ends, the rule measures the block.{sine}"
     )
 
 
 def _mode(mode: Mode, method: Method) -> str:
-    reading, best = mode.readings[0], mode.best
-    if not (isfinite(reading.half_power) and isfinite(best.damping)):
+    reading, best = _of_block(mode), mode.best
+    if reading is None:
         return ""
     read, floor, found = (plain(100 * v, 2) for v in (reading.half_power, reading.half_power_floor, best.damping))
     if reading.half_power > BLURRED * reading.half_power_floor:
@@ -113,7 +128,8 @@ def _paper(modes: tuple[Mode, ...]) -> str:
 
 
 def _block_s(content: ReportContent) -> float:
-    return content.campaign.blocks[0].duration_s if content.campaign.blocks else 0.0
+    blocks = content.campaign.of("impact") or content.campaign.blocks
+    return blocks[0].duration_s if blocks else 0.0
 
 
 def _alt(modes: tuple[Mode, ...]) -> str:

@@ -38,8 +38,7 @@ def _model(model: ModalModel) -> list[Markup]:
         folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
     if model.residual_powers:
         folds.append(_fold("What modes outside the band add", _residuals(model)))
-    notes = tag("ul", *(tag("li", n) for n in model.notes)) if model.notes else None
-    return [tag("h3", head), *folds, *([notes] if notes else [])]
+    return [tag("h3", head), *folds]
 
 
 def _fold(summary: str, *tables: Markup) -> Markup:

@@ -4,8 +4,8 @@ from math import isfinite
 
 from modallab.figures.compare import Mode, Reading, deviation, verdict
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import UNKNOWN, plain, relative, with_sigma
-from modallab.figures.markup import Markup, join, table
+from modallab.figures.digits import UNKNOWN, glued, plain, relative, with_sigma
+from modallab.figures.markup import Markup, join, table, tag
 from modallab.figures.sections.section import Section, paragraph
 from modallab.figures.sections.summary import compare_tests
 
@@ -26,10 +26,18 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
             "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too."
         ),
+        _notes(content),
         _agreement(modes),
     ]
-    absent = missing + (() if content.truth else ("The true modes are not known: this is no simulated bench.",))
+    absent = missing + (
+        () if content.truth else ("The true modes are not known; only a simulated bench can tell them.",)
+    )
     return Section("modes", "The modes", join(parts), absent)
+
+
+def _notes(content: ReportContent) -> Markup | None:
+    notes = [f"{(m.test or 'FRFs').capitalize()}: {note}" for m in content.models for note in m.notes]
+    return tag("ul", *(tag("li", glued(n)) for n in notes)) if notes else None
 
 
 def _none(content: ReportContent) -> str:
@@ -50,7 +58,7 @@ def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
         reading.test or "FRFs",
         with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
         with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
-        plain(100 * reading.half_power, 3),
+        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "not readable",
     ]
     return cells + (_truth(mode, reading) if true else [])
 

@@ -1,7 +1,7 @@
 """How it was measured: the bench, its channels, its blocks."""
 
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import counted, day, listed, plain, short
+from modallab.figures.digits import counted, day, glued, listed, plain, short
 from modallab.figures.markup import Markup, join, table
 from modallab.figures.sections.section import Section, paragraph
 from modallab.schema.block import Block, Campaign
@@ -64,8 +64,8 @@ def _recordings(test: Test, blocks: tuple[Block, ...]) -> tuple[str, ...]:
     return (
         test,
         str(len(blocks)),
-        f"{listed([short(v) for v in lengths])} s",
-        f"{listed([short(v) for v in sorted({b.rate_hz for b in blocks})])} Hz",
+        glued(f"{listed([short(v) for v in lengths])} s"),
+        glued(f"{listed([short(v) for v in sorted({b.rate_hz for b in blocks})])} Hz"),
         f"{'point' if len(points) == 1 else 'points'} {listed([str(p) for p in points])}" if points else "not given",
         _excitation(test, blocks),
     )

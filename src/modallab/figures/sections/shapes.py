@@ -14,7 +14,7 @@ def section(content: ReportContent) -> Section:
     """Animated shapes of the first test that has them; below, all shapes with sigma bars."""
     anchor, heading = "shapes", "The mode shapes"
     absent = tuple(
-        f"{_called(m.test)}: no mode shapes and no modal mass. {m.shapes_unavailable}"
+        f"{_called(m.test)} has no mode shapes at unit modal mass ({m.shapes_unavailable})."
         for m in content.models
         if m.shapes is None and m.n_modes
     )
@@ -30,8 +30,9 @@ def section(content: ReportContent) -> Section:
         figure,
         "shapes",
         "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
-        "Mode shapes at unit modal mass with bars of one sigma; a bar smaller than its mark can't be seen. The free "
-        "end, or where the beam moves most, points up. The curve between the points is only drawn through them.",
+        "Mode shapes at unit modal mass with bars of one standard deviation; a bar smaller than its mark can't be "
+        "seen. The free end, or where the beam moves most, points up. The curve between the points is only drawn "
+        "through them.",
         min(3, drawn.n_modes),
     )
     text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."

@@ -54,8 +54,19 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
     where = place(check.measured.outputs[output], check.measured.output_points[output])
     named = where[0].lower() + where[1:]
     spread = f"FRAC from {share(known.min())} to {share(known.max())}"
+    alone = len(check.measured.outputs) == 1
+    one = plate(
+        one_point(check, output, worst),
+        f"one-{test}-{i}",
+        f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated. {spread}",
+        f"Mobility at {named}{at}, in full. {spread + '. ' if alone else ''}In the real and the imaginary part the "
+        "peaks of the thin line are cut off.",
+    )
+    heading = tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}")
+    if alone:
+        return [heading, one]
     return [
-        tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}"),
+        heading,
         plate(
             all_points(check, worst),
             f"all-{test}-{i}",
@@ -63,13 +74,7 @@ def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) 
             f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
             min(3, len(check.measured.outputs)),
         ),
-        plate(
-            one_point(check, output, worst),
-            f"one-{test}-{i}",
-            f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated",
-            f"The same for {named}{at}, in full. In the real and the imaginary part the peaks of the thin line are "
-            "cut off.",
-        ),
+        one,
         _fracs(check),
     ]
 
@@ -80,10 +85,12 @@ def _fracs(check: Verification) -> Markup:
         (place(name, point), *(share(float(value)) for value in check.frac[i]))
         for i, (name, point) in enumerate(zip(check.measured.outputs, check.measured.output_points, strict=True))
     ]
+    points = [str(p) for p in check.measured.input_points if p is not None]
+    driven = f", force at {'point' if len(points) == 1 else 'points'} {listed(points)}" if points else ""
     whole = table(
         "FRAC of measured against regenerated mobility", ("response", *drives), rows, range(1, len(drives) + 1)
     )
-    return tag("details", tag("summary", f"FRAC at every point, {listed(drives)}"), whole)
+    return tag("details", tag("summary", f"FRAC at every point{driven}"), whole)
 
 
 def _called(outcome: Outcome) -> str:
