@@ -4,14 +4,16 @@ import re
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import FormatError, ModallabError
+from modallab.exchange.hdf5_heaps import check_heaps
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
 COPY_AGAIN = "copy the file again from where it was recorded"
@@ -19,7 +21,7 @@ COPY_AGAIN = "copy the file again from where it was recorded"
 # Deflate packs at most 1032 to 1: a file that claims more holds nothing of the kind.
 _MOST_PACKED = 1100
 _SPARE_BYTES = 1 << 20
-_T = TypeVar("_T")
+_PLAIN_TYPES = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING)
 
 
 @contextmanager
@@ -30,6 +32,7 @@ def open_hdf5(file: Path) -> Generator[h5py.File]:
         FormatError: missing, a folder, empty, no HDF5, cut off or damaged.
     """
     _check_magic(file)
+    check_heaps(file, COPY_AGAIN)
     try:
         with h5py.File(file, "r") as source:
             yield source
@@ -55,6 +58,7 @@ def read_array(dataset: h5py.Dataset, where: str) -> NDArray[Any]:
     held = int(dataset.file.id.get_filesize())
     if claimed > _MOST_PACKED * held + _SPARE_BYTES:
         raise FormatError(f"claims {claimed} bytes in a file of {held}", where=where, remedy=COPY_AGAIN)
+    _check_chunks(dataset, where)
     values = np.asarray(dataset[()])
     return values.astype(dtype.newbyteorder("="), copy=False)
 
@@ -73,6 +77,24 @@ def datasets(group: h5py.Group, where: str) -> Iterator[tuple[str, h5py.Dataset]
         yield name, member
 
 
+def _check_chunks(dataset: h5py.Dataset, where: str) -> None:
+    # HDF5 takes a lost chunk for one never written, and reads it as zeros.
+    if dataset.chunks is None:
+        return
+    found: set[tuple[int, ...]] = set()
+
+    def note(chunk: Any) -> None:
+        found.add(tuple(chunk.chunk_offset))
+
+    dataset.id.chunk_iter(note)
+    spans = [range(0, n, step) for n, step in zip(dataset.shape, dataset.chunks, strict=True)]
+    expected = set(product(*spans))
+    if found != expected:
+        raise FormatError(
+            f"{len(expected - found)} of {len(expected)} pieces of its samples are lost", where=where, remedy=COPY_AGAIN
+        )
+
+
 @dataclass(frozen=True)
 class Facts:
     """The attributes of an object, each with its type.
@@ -86,7 +108,10 @@ class Facts:
     @classmethod
     def of(cls, target: h5py.Group | h5py.Dataset, where: str) -> "Facts":
         """The attributes of a group or dataset; `where` names it in messages."""
-        return cls({str(key): value for key, value in target.attrs.items()}, where)
+        names = [str(key) for key in target.attrs]
+        for name in names:
+            _check_type(target, name, where)
+        return cls({name: target.attrs[name] for name in names}, where)
 
     def text(self, name: str) -> str:
         """A text."""
@@ -128,6 +153,13 @@ class Facts:
         if name not in self.values:
             raise FormatError(f"has no attribute {name!r}", where=self.where, remedy="write it as the format says")
         return self.values[name]
+
+
+def _check_type(target: h5py.Group | h5py.Dataset, name: str, where: str) -> None:
+    # Reading an attribute whose type was damaged crashes the HDF5 library, so its type is looked at first.
+    attribute = h5py.h5a.open(target.id, name.encode("utf-8"))
+    if attribute.get_type().get_class() not in _PLAIN_TYPES:
+        raise FormatError(f"attribute {name!r} is neither text nor number", where=where, remedy=COPY_AGAIN)
 
 
 def _text(value: object) -> str:
