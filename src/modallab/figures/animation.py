@@ -1,63 +1,71 @@
-"""Mode shapes that move: one small SVG a mode, moved by the style sheet alone, still for those who want it still."""
+"""Mode shapes that move: one small SVG a mode, still for those who want it still."""
 
-from modallab.figures.digits import plain
+import json
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.figures.digits import glued, plain
 from modallab.figures.markup import Markup, tag, trusted
 from modallab.figures.shape_data import Shape, line, shape
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 
-_WIDTH, _HALF, _LEFT = 300.0, 54.0, 22.0
+_WIDTH, _HALF, _LEFT, _RIGHT = 300.0, 54.0, 22.0, 12.0
 _PERIOD_S = (2.4, 1.7, 1.3, 1.1)
 """Time of one swing on the page: higher modes faster, yet all slow enough to follow."""
 
 
 def animated_shapes(model: ModalModel, rig: Rig) -> Markup | None:
-    """All shapes of a model, moving, with a switch to stop them; None if there are none to draw.
+    """All shapes of a model, moving, with a button to stop them; None if there are none to draw.
 
-    A real shape moves as a whole: every point by the same cosine, which is a mere scaling of the picture. So no script
-    is needed; paper and a reader who asked for less motion get the two extremes.
+    Points out of step move out of step. On paper, without scripts, and for a reader who asked for less motion there
+    are the two extremes.
     """
     found = [shape(model, mode, rig) for mode in range(model.n_modes)]
-    pictures = [
-        _picture(i, float(model.frequency_hz[i]), s, rig.model == "cantilever")
-        for i, s in enumerate(found)
-        if s is not None
-    ]
+    clamped = rig.model == "cantilever"
+    pictures = [_picture(i, float(model.frequency_hz[i]), s, clamped) for i, s in enumerate(found) if s is not None]
     if not pictures:
         return None
-    switch = tag("label", tag("input", type="checkbox", class_="still"), " Hold still")
-    return tag("div", switch, tag("div", *pictures, class_="beams"), class_="motion")
+    button = tag("button", "Hold still", type="button", hidden=True)
+    script = files("modallab.figures").joinpath("motion.js").read_text(encoding="utf-8")
+    moving = tag("div", button, tag("div", *pictures, class_="beams"), class_="motion")
+    return trusted(moving + tag("script", trusted(script)))
 
 
 def _picture(mode: int, frequency_hz: float, found: Shape, clamped: bool) -> Markup:
     period = _PERIOD_S[min(mode, len(_PERIOD_S) - 1)]
     slower = frequency_hz * period
     name = f"Mode {mode + 1}, {plain(frequency_hz)} Hz"
-    caption = tag("figcaption", tag("b", name), tag("br"), f"shown {plain(slower, 2)} times slower")
+    caption = tag("figcaption", tag("b", glued(name)), tag("br"), f"shown {plain(slower, 2)} times slower")
     return tag("figure", _drawing(found, clamped, period, f"{name}: the beam swings to and fro"), caption)
 
 
 def _drawing(found: Shape, clamped: bool, period_s: float, alt: str) -> Markup:
-    curve = line(found.x_m, found.phi, clamped)
-    length, reach = float(curve[0, -1] - curve[0, 0]) or 1.0, float(abs(curve[1]).max()) or 1.0
-    start = float(curve[0, 0])
-
-    def xy(x: float, y: float) -> str:
-        return f"{_LEFT + (x - start) / length * (_WIDTH - _LEFT - 12):.1f} {-y / reach * _HALF:.1f}"
-
-    beam = "M" + "L".join(xy(x, y) for x, y in curve.T)
-    # A dot is a line of no length with round ends: unlike a circle it stays round when the picture is scaled.
-    dots = "".join(f"M{xy(x, y)}h0" for x, y in zip(found.x_m, found.phi, strict=True))
-    moving = f'<path class="beam" d="{beam}"/><path class="dots" d="{dots}"/>'
-    rest = f'<path class="rest" d="M{_LEFT} 0H{_WIDTH - 12}"/>'
-    ghost = f'<g transform="scale(1 -1)" class="ghost"><path class="beam" d="{beam}"/></g>'
+    real, skew = line(found.x_m, found.phi, clamped), line(found.x_m, found.quadrature, clamped)
+    start, reach = float(real[0, 0]), float(np.abs(real[1]).max()) or 1.0
+    across = (_WIDTH - _LEFT - _RIGHT) / (float(real[0, -1]) - start or 1.0)
+    beam = np.array([_LEFT + (real[0] - start) * across, -real[1] / reach * _HALF, -skew[1] / reach * _HALF])
+    dots = np.array(
+        [_LEFT + (found.x_m - start) * across, -found.phi / reach * _HALF, -found.quadrature / reach * _HALF]
+    )
+    course = "M" + "L".join(f"{x:.1f} {y:.2f}" for x, y, _ in beam.T)
+    # A dot is a line of no length with round ends.
+    marks = "".join(f"M{x:.1f} {y:.2f}h0" for x, y, _ in dots.T)
+    ghost = f'<path class="ghost" transform="scale(1 -1)" d="{course}"/>'
+    rest = f'<path class="rest" d="M{_LEFT} 0H{_WIDTH - _RIGHT}"/>'
     wall = f'<path class="wall" d="{_wall()}"/>' if clamped else ""
     view = f"0 {-_HALF - 8:.0f} {_WIDTH:.0f} {2 * _HALF + 16:.0f}"
-    label = tag("title", alt)
     return trusted(
-        f'<svg viewBox="{view}" role="img">{label}{rest}{wall}{ghost}'
-        f'<g class="swing" style="animation-duration:{period_s / 2:g}s">{moving}</g></svg>'
+        f'<svg viewBox="{view}" role="img" data-period="{period_s:g}">{tag("title", alt)}{rest}{wall}{ghost}'
+        f'<path class="beam" data-p="{_points(beam)}" d="{course}"/>'
+        f'<path class="dots" data-p="{_points(dots)}" d="{marks}"/></svg>'
     )
+
+
+def _points(course: NDArray[np.float64]) -> str:
+    return json.dumps(course.T.round(2).tolist(), separators=(",", ":"))
 
 
 def _wall() -> str:

@@ -1,6 +1,7 @@
 """The mode shapes with their uncertainty (figure 6 of the paper)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -54,7 +55,7 @@ def _partner(first: ModalModel, mode: int, model: ModalModel, rig: Rig) -> Shape
 def _aligned(found: Shape, reference: Shape) -> Shape:
     # Two nearly equal extremes can give two tests opposite signs: the first test's sign holds.
     product = np.interp(reference.x_m, found.x_m, found.phi) @ reference.phi
-    return found if product >= 0 else Shape(found.x_m, -found.phi, found.sigma, found.skew_deg)
+    return found if product >= 0 else replace(found, phi=-found.phi, quadrature=-found.quadrature)
 
 
 def _draw(axes: Axes, found: Shape, mark: tuple[str, str], rig: Rig) -> None:

@@ -18,12 +18,14 @@ class Shape:
     Attributes:
         x_m: (n,) places of the sensors, ascending.
         phi: (n,) real part at unit modal mass in kg^-1/2, after a turn of the phase that makes it as real as can be.
+        quadrature: (n,) imaginary part after that turn: what moves a quarter of a period late.
         sigma: (n,) standard deviation, NaN where not known.
         skew_deg: mean angle, weighted by the squared amplitude, by which points move out of step.
     """
 
     x_m: NDArray[np.float64]
     phi: NDArray[np.float64]
+    quadrature: NDArray[np.float64]
     sigma: NDArray[np.float64]
     skew_deg: float
 
@@ -40,7 +42,7 @@ def shape(model: ModalModel, mode: int, rig: Rig) -> Shape | None:
         return None
     sigma = np.full(phi.shape, np.nan) if model.shape_sigma is None else model.shape_sigma[mode]
     turned = straighten(phi[known])
-    return Shape(x[known], turned.real, sigma[known], _skew_deg(turned))
+    return Shape(x[known], turned.real, turned.imag, sigma[known], _skew_deg(turned))
 
 
 def straighten(phi: NDArray[np.complex128]) -> NDArray[np.complex128]:

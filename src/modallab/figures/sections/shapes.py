@@ -49,8 +49,9 @@ def _skew(content: ReportContent) -> str | None:
         ]
         if loose:
             return paragraph(
-                f"In the {model.test or 'FRF'} test the points do not move quite in step: {', '.join(loose)}. Light, "
-                "evenly spread damping would have them in step. The pictures show the part that is."
+                f"In the {model.test or 'FRF'} test the points do not move quite in step: {', '.join(loose)}. With "
+                "light, evenly spread damping they would. The moving pictures show it; the figure below shows the part "
+                "in step."
             )
     return None
 
