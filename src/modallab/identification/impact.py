@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
 from modallab.identification.basis import LineBlock
+from modallab.identification.beyond import with_stand_ins
 from modallab.identification.excitation import BlowExcitation, Grid
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
@@ -33,6 +34,8 @@ ANTI_ALIAS_SHARE = 0.4
 """Up to this share of the rate the chain's anti-alias filters are flat."""
 FORCE_DROP_DB = 40.0
 """Default upper edge: where the blow's spectrum has fallen by this much for good."""
+STAND_INS = (1.05, 1.4)
+"""Multiples of the upper edge where poles begin that stand for the modes above."""
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 
@@ -57,7 +60,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     blocks, state_sigma, notes = line_blocks(groups, rig, band)
     fit = _refined(blocks, state_sigma, poles, groups, band, FIRST_LOOK)
     keep = is_mode(fit, band)
-    if np.any(keep) and not (np.all(keep) and fit.refined.settled):
+    if np.any(keep) and not (np.sum(keep) == poles.size and fit.refined.settled):
         at = fit.point.parameters
         fit = _refined(blocks, state_sigma, _poles(at.omega[keep], at.zeta[keep]), groups, band)
         keep = is_mode(fit, band)
@@ -119,7 +122,7 @@ def line_blocks(
             blow = find_blow(signals.force)
             force = windowed_force(signals.force, blow)
             impulse = float(np.sum(np.abs(force))) / rate
-            noise = blow.noise * np.sqrt(blow.stop - blow.first) / rate
+            noise = blow.noise * np.sqrt((blow.stop - blow.first) / 2) / rate
             sigmas.append(impulse if ringing else max(noise, 1e-9 * impulse))
             response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
             blocks.append(LineBlock(BlowExcitation(grid, force, 0 if ringing else blow.peak), response, index))
@@ -159,18 +162,17 @@ def _refined(
     band: tuple[float, float],
     max_iterations: int = MAX_ITERATIONS,
 ) -> Fit:
-    omega = np.abs(poles)
-    zeta = np.clip(-poles.real / omega, 1e-4, 0.1)
+    begin = with_stand_ins(poles, band[1], STAND_INS, (1e-4, 0.1))
     problem = Problem(
         blocks=blocks,
         powers=residual_powers(band, groups),
         n_inputs=len(groups),
-        state_sigma=np.repeat(state_sigma[:, None], omega.size, axis=1),
+        state_sigma=np.repeat(state_sigma[:, None], begin.omega.size, axis=1),
         drive_sigma=None,
-        zeta_prior=np.tile([0.0, np.inf], (omega.size, 1)),
+        zeta_prior=begin.zeta_prior,
     )
-    nothing = np.zeros((len(blocks), omega.size), complex)
-    start = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
+    nothing = np.zeros((len(blocks), begin.omega.size), complex)
+    start = Parameters(begin.omega, begin.zeta, nothing, np.zeros(len(blocks), complex))
     return Fit(problem, search(problem, start, max_iterations), tuple(g[0].block.drive_point for g in groups))
 
 

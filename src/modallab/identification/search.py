@@ -31,7 +31,11 @@ class Refined:
 
 
 def search(
-    problem: Problem, start: Parameters, max_iterations: int = MAX_ITERATIONS, tolerance: float = 0.01
+    problem: Problem,
+    start: Parameters,
+    max_iterations: int = MAX_ITERATIONS,
+    tolerance: float = 0.01,
+    states_first: int = 0,
 ) -> Refined:
     """Minimise the cost from `start`.
 
@@ -39,13 +43,25 @@ def search(
     cost, a sum of squares in noise units, by less than `tolerance`: every parameter then stands within
     sqrt(tolerance) of its sigma.
 
+    Args:
+        problem: data and structure.
+        start: where to begin.
+        max_iterations: at most so many steps.
+        tolerance: gain at which it ends.
+        states_first: so many steps move only what each block has to itself, while the poles stay: rough poles would
+            else be led astray by states that are rougher still.
+
     Raises:
         IdentificationError: the model's columns cannot be told apart in these data.
     """
-    point, damping = solve_at(problem, start), 1e-3
+    point = solve_at(problem, start)
+    held = 2 * start.omega.size
+    for _ in range(states_first):
+        trial, _ = _descend(problem, point, 1e-3, held)
+        point = point if trial is None else solve_at(problem, trial.parameters)
+    damping = 1e-3
     for done in range(max_iterations):
-        matrix, gradient = normal_equations(problem, point)
-        trial, damping = _descend(problem, point, matrix, gradient, damping)
+        trial, damping = _descend(problem, point, damping)
         gain = 0.0 if trial is None else point.cost - trial.cost
         if trial is not None:
             point = solve_at(problem, trial.parameters)
@@ -54,10 +70,11 @@ def search(
     return Refined(point, _covariance(problem, point), max_iterations, settled=False)
 
 
-def _descend(
-    problem: Problem, point: Point, matrix: Real, gradient: Real, damping: float
-) -> tuple[Point | None, float]:
+def _descend(problem: Problem, point: Point, damping: float, held: int = 0) -> tuple[Point | None, float]:
+    """One step, with the first `held` parameters held; the point it leads to, or None if none is better."""
+    matrix, gradient = normal_equations(problem, point)
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scale[:held] = 0
     scaled = matrix * np.outer(scale, scale)
     for _ in range(10):
         damped = scaled + damping * np.eye(len(scaled))
@@ -83,10 +100,8 @@ def _solved(problem: Problem, trial: Parameters | None, noise: Real) -> Point | 
 def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters | None:
     n, n_blocks = at.omega.size, len(problem.blocks)
     move = step[: 2 * n].reshape(n, 2)
-    omega, zeta = at.omega + move[:, 0], at.zeta + move[:, 1]
-    if np.any(zeta >= MAX_ZETA) or np.any(zeta <= MIN_ZETA) or np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega):
-        return None
-    if np.any(np.abs(move[:, 1]) > MAX_MOVE):
+    omega, zeta = at.omega + move[:, 0], np.clip(at.zeta + move[:, 1], MIN_ZETA, MAX_ZETA)
+    if np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega) or np.any(np.abs(move[:, 1]) > MAX_MOVE):
         return None
     local = step[2 * n :].reshape(n_blocks, problem.n_local // 2, 2) if problem.n_local else np.zeros((n_blocks, 0, 2))
     parts = local[..., 0] + 1j * local[..., 1]

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError, IdentificationError
-from modallab.identification.basis import LineBlock
+from modallab.identification.basis import LineBlock, poles_of
+from modallab.identification.beyond import with_stand_ins
 from modallab.identification.excitation import Grid, tone
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
@@ -34,9 +35,11 @@ from modallab.spectra.stepped import stepped_frf
 Real = NDArray[np.float64]
 
 LOWEST_LINE = 2
-BEYOND = 2.0
-"""A mode above the band, at this multiple of its upper edge, stands for all that follow."""
-STAND_IN_ZETA = 0.005
+STAND_INS = (2.0,)
+"""A pole that begins at this multiple of the upper edge stands for all modes above the band."""
+SETTLED_FROM = 1.2
+"""Modes above this multiple of the upper edge have died out before a block begins."""
+STATES_FIRST = 4
 START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.2, min_zeta=-0.05, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
@@ -135,35 +138,32 @@ def _refined(
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    settled = 2 * np.pi * SETTLED_FROM * band[1]
+    excitations = [tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0]), settled) for t in tones]
     blocks = [
-        LineBlock(
-            tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0])),
-            np.fft.rfft(t.signals.responses)[:, chosen],
-            0,
-        )
-        for t in tones
+        LineBlock(e, np.fft.rfft(t.signals.responses)[:, chosen], 0) for e, t in zip(excitations, tones, strict=True)
     ]
-    omega = np.append(np.abs(start), 2 * np.pi * BEYOND * band[1])
-    zeta = np.append(np.clip(-start.real / np.abs(start), 1e-3, 0.05), STAND_IN_ZETA)
-    prior = np.tile([0.0, np.inf], (omega.size, 1))
-    prior[-1] = STAND_IN_ZETA, STAND_IN_ZETA
+    begin = with_stand_ins(start, band[1], STAND_INS, (1e-3, 0.05))
     force = np.array([np.abs(t.fit.amplitude[0]) for t in tones])
     noise = np.array([t.fit.residual_rms[0] for t in tones]) * np.sqrt(2 / n)
-    # A decay can be as large as the steady state, whose modal state is force / distance from the resonance.
-    state_sigma = np.repeat(force[:, None], omega.size, axis=1)
+    # As good as free: force / (2 zeta omega) is the most a mode's state can be, a few times the force in N s.
+    state_sigma: Real = np.repeat(100 * force[:, None], begin.omega.size, axis=1)
     # What stands in for the modes above the band has died out long before the block.
-    state_sigma[:, -1] *= 1e-9
+    state_sigma[:, -begin.stand_ins :] = 1e-9
     problem = Problem(
         blocks=blocks,
         powers=(0, 2, 4),
         n_inputs=1,
         state_sigma=state_sigma,
         drive_sigma=np.maximum(noise / force, 1e-9),
-        zeta_prior=prior,
+        zeta_prior=begin.zeta_prior,
     )
-    nothing = np.zeros((len(blocks), omega.size), complex)
-    parameters = Parameters(omega, zeta, nothing, np.zeros(len(blocks), complex))
-    return Fit(problem, search(problem, parameters, max_iterations), (first.block.drive_point,))
+    poles = poles_of(begin.omega, begin.zeta)
+    steady = np.stack([e.steady_state(poles)[0] for e in excitations])
+    parameters = Parameters(begin.omega, begin.zeta, steady, np.zeros(len(blocks), complex))
+    return Fit(
+        problem, search(problem, parameters, max_iterations, states_first=STATES_FIRST), (first.block.drive_point,)
+    )
 
 
 def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:

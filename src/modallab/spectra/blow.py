@@ -43,7 +43,11 @@ def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
     # A double hit would be one long blow: both contacts are force that acted, and stay.
     margin = max(4, int(loud[-1] - loud[0]) // 2)
     first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
-    return Blow(first, stop, peak, offset, noise)
+    quiet = np.concatenate([force[:first], force[stop:]])
+    if quiet.size < 16:
+        return Blow(first, stop, peak, offset, noise)
+    # A median of few counts is coarse; the silence itself gives offset and noise.
+    return Blow(first, stop, peak, float(quiet.mean()), float(quiet.std()))
 
 
 def windowed_force(force: NDArray[np.float64], blow: Blow) -> NDArray[np.float64]:
