@@ -100,6 +100,12 @@ class BenchTimeoutError(BenchError):
     code = "bench-timeout"
 
 
+class OutputLostError(BenchError):
+    """The device could not keep its output going; the output was brought to 0 V."""
+
+    code = "bench-output"
+
+
 class UnsupportedError(BenchError):
     """The device cannot do this at all, such as an output on a replayed campaign."""
 

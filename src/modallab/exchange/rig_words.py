@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.schema.frozen import Frozen
+from modallab.schema.hardware import Calibration, Excitation
 from modallab.schema.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
 from modallab.schema.rig_checks import INVALID, Problem, cross_problems
 
@@ -20,6 +21,8 @@ SECTIONS: dict[str, type[Frozen]] = {
     "channels": Channel,
     "converter": Converter,
     "limits": Limits,
+    "excitation": Excitation,
+    "history": Calibration,
 }
 """The document that stands at each place of a rig file."""
 

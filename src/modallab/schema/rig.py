@@ -8,6 +8,7 @@ from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from modallab.errors import RigError
 from modallab.schema.frozen import Frozen
+from modallab.schema.hardware import Calibration, Excitation
 from modallab.schema.rig_checks import Problem, channel_problems, cross_problems
 from modallab.schema.units import Quantity, Test
 from modallab.schema.versions import RIG
@@ -55,7 +56,28 @@ class Point(Frozen):
 
 
 class Channel(Frozen):
-    """One channel of the chain: transducer, preamplifier, input."""
+    """One channel of the chain: transducer, preamplifier, input.
+
+    Attributes:
+        index: place in the rig, from 0.
+        name: unique.
+        quantity: what is measured.
+        unit: of the sensitivity.
+        point: where on the beam.
+        direction: of positive readings.
+        mass_kg: of the sensor.
+        sensitivity_v_per_unit: one, or one per test.
+        coupling: of the input; IEPE and bridge also feed the sensor.
+        range_v: of the input, if it is not the converter's.
+        serial: of the sensor.
+        calibrated_on: day of its calibration.
+        input: the device's own name of the input, such as `cDAQ1Mod1/ai0`; empty: the next one in order.
+        excitation_v: feeds a bridge sensor.
+        excitation_a: feeds an IEPE sensor.
+        ac_corner_hz: corner of the first-order AC coupling; 0 for DC.
+        delay_s: by how much the samples lag what the sensor felt, as a converter's digital filter does.
+        skew_s: by how much later than channel 0 a multiplexer reads this channel.
+    """
 
     index: Annotated[int, Field(ge=0)]
     name: Annotated[str, Field(min_length=1)]
@@ -69,6 +91,12 @@ class Channel(Frozen):
     range_v: Positive | None = None
     serial: str = ""
     calibrated_on: date | None = None
+    input: str = ""
+    excitation_v: Positive | None = None
+    excitation_a: Positive | None = None
+    ac_corner_hz: NonNegative = 0.0
+    delay_s: NonNegative = 0.0
+    skew_s: NonNegative = 0.0
 
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""
@@ -129,6 +157,8 @@ class Rig(Frozen):
     converter: Converter | None = None
     shaker_point: PositiveInt | None = None
     limits: Limits | None = None
+    excitation: Excitation | None = None
+    history: tuple[Calibration, ...] = ()
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -72,6 +72,8 @@ def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str,
 def _channel_set_problems(channels: Sequence[Mapping[str, object]]) -> list[Problem]:
     names = [channel.get("name") for channel in channels]
     problems = _repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
+    inputs = [channel.get("input") for channel in channels]
+    problems += _repeated("channels", "input", [name if isinstance(name, str) and name else None for name in inputs])
     for place, channel in enumerate(channels):
         index = _number(channel.get("index"))
         if index is not None and index != place:

@@ -1,0 +1,81 @@
+"""The benches the contract is held against, one after the other."""
+
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from modallab.backend.loader import open_bench
+from modallab.backend.protocol import Bench, Request
+from modallab.exchange.campaign_hdf5 import write_campaign
+from modallab.exchange.rig_file import parse_rig
+from modallab.schema.block import Block, Campaign
+from modallab.schema.rig import Rig
+from modallab.schema.units import Test
+
+SIMULATED = "sim://cantilever?seed=1&bad_hits=0"
+RECORDED_S = 12.0
+BENCHES = ["sim", "replay"]
+
+
+@pytest.fixture(scope="session")
+def rig() -> Rig:
+    path = files("modallab.campaign") / "link_rig.yaml"
+    return parse_rig(path.read_text(encoding="utf-8"), str(path))
+
+
+@pytest.fixture(scope="session")
+def recording(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A campaign with one long block of each test, as the simulated bench delivered it."""
+    bench = open_bench(SIMULATED, rig)
+    blocks = tuple(_recorded(bench, rig, Request(test, rate)) for test, rate in (("impact", 2000.0), ("sine", 1000.0)))
+    bench.close()
+    folder = tmp_path_factory.mktemp("recording")
+    write_campaign(Campaign(rig, blocks), folder / "campaign.h5")
+    return folder
+
+
+@pytest.fixture
+def addresses(request: pytest.FixtureRequest) -> dict[str, str]:
+    """Address of each kind of bench; what a kind needs is made on first use."""
+    kind = request.node.callspec.params["kind"]
+    return {kind: _ADDRESS[kind](request)}
+
+
+@pytest.fixture(params=BENCHES)
+def kind(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+@pytest.fixture
+def bench(kind: str, addresses: dict[str, str], rig: Rig) -> Iterator[Bench]:
+    opened = open_bench(addresses[kind], rig)
+    yield opened
+    opened.close()
+
+
+def _recorded(bench: Bench, rig: Rig, request: Request) -> Block:
+    test: Test = request.test
+    delivery = bench.configure(request)
+    bench.start()
+    bench.prompt_hit(rig.points[-1].id)
+    count = round(RECORDED_S * delivery.rate_hz)
+    samples = bench.read(count, RECORDED_S).samples
+    bench.stop()
+    return Block(
+        name=f"{test}_1",
+        test=test,
+        order=0 if test == "impact" else 1,
+        rate_hz=delivery.rate_hz,
+        samples=samples,
+        scale=delivery.scale,
+        units=delivery.units,
+        channels=tuple(c.name for c in rig.channels),
+    )
+
+
+_ADDRESS = {
+    "sim": lambda request: SIMULATED,
+    "replay": lambda request: f"replay://{request.getfixturevalue('recording')}?speed=0",
+}
