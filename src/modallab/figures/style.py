@@ -64,6 +64,7 @@ RC: dict[Any, Any] = {
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     "axes.titlepad": 7.0,
+    "axes.titley": 1.0,  # else matplotlib measures all ticks to find it a place
     "axes.labelsize": 10.5,
     "axes.linewidth": 0.8,
     "axes.spines.top": False,

@@ -1,0 +1,40 @@
+import io
+from math import nan
+
+import figure_data
+from rich.console import Console
+
+from modallab.figures.content import Truth
+from modallab.figures.table import modal_table
+
+
+def printed(*arguments, encoding: str = "utf-8") -> str:
+    raw = io.BytesIO()
+    stream = io.TextIOWrapper(raw, encoding=encoding, newline="")
+    Console(file=stream, width=80).print(modal_table(*arguments))
+    stream.flush()
+    return raw.getvalue().decode(encoding)
+
+
+def test_the_table_says_what_the_models_say_and_fits_into_80_columns():
+    models = [figure_data.model(), figure_data.model("sine", 4, 4)]
+    text = printed(models, Truth(figure_data.FREQUENCY, figure_data.DAMPING))
+    assert all(len(line) <= 80 for line in text.splitlines())
+    assert "…" not in text
+    rows = [line.split() for line in text.splitlines() if "±" in line and line.split()[0].isdigit()]
+    assert [r[:2] for r in rows] == [[str(i), t] for i in (1, 2, 3) for t in ("impact", "sine")]
+    assert rows[0][2:] == ["4.8028", "±", "0.0002", "0.514", "±", "0.006", "6.73", "4.8030", "0.510"]
+
+
+def test_without_truth_there_are_no_columns_for_it():
+    assert "true" not in printed([figure_data.model()])
+
+
+def test_a_western_windows_terminal_can_print_it():
+    assert "4.8028 ± 0.0002" in printed([figure_data.model()], encoding="cp1252")
+
+
+def test_unknown_numbers_and_no_modes_are_said():
+    text = printed([figure_data.model(half_power=[nan] * 3, damping_sigma=[nan] * 3)])
+    assert "(± unknown)" in text
+    assert "No test could be identified." in printed([])
