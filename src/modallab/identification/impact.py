@@ -34,8 +34,8 @@ ANTI_ALIAS_SHARE = 0.4
 """Up to this share of the rate the chain's anti-alias filters are flat."""
 FORCE_DROP_DB = 40.0
 """Default upper edge: where the blow's spectrum has fallen by this much for good."""
-STAND_INS = (1.05, 1.4)
-"""Multiples of the upper edge where poles begin that stand for the modes above."""
+STAND_INS = (1.05,)
+"""A pole that begins at this multiple of the upper edge stands for the modes above."""
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 
