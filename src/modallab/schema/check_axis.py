@@ -8,6 +8,7 @@ from modallab.errors import DataError
 _any_number = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 """Axes of absurd numbers are refused, without a warning from NumPy on the way."""
 
+_SAME = 1e-9
 _EVEN = 0.01
 """Share of a step by which a sample may stand off an even grid: half a degree of phase at a tenth of the rate."""
 
@@ -41,9 +42,15 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: float = 0.0)
     _check_ascending(times, "time", "s", where, resolution_s)
     _check_even(times, "time", "s", where, resolution_s)
     rate = (len(times) - 1) / (times[-1] - times[0])
-    slack = rate * max(1e-9, 2.0 * resolution_s / (times[-1] - times[0]))
-    whole = np.ceil(rate - slack)
-    return check_rate(float(whole if whole > 0 and whole == np.floor(rate + slack) else rate), where)
+    slack = rate * max(_SAME, 2.0 * resolution_s / (times[-1] - times[0]))
+    return check_rate(whole_rate(float(rate), float(slack)), where)
+
+
+def whole_rate(rate_hz: float, slack_hz: float) -> float:
+    """The whole number of Hz within `slack_hz` of a rate, if there is just one; else the rate itself."""
+    slack_hz = max(slack_hz, _SAME * rate_hz)
+    whole = np.ceil(rate_hz - slack_hz)
+    return float(whole if whole > 0 and whole == np.floor(rate_hz + slack_hz) else rate_hz)
 
 
 @_any_number
