@@ -10,6 +10,7 @@ from modallab.acquisition.rest import Floor, Rest, fading, floor_of, rest_of
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream, Watch
 from modallab.backend.protocol import Bench
+from modallab.errors import SamplesLostError
 from modallab.schema.events import BlockAcknowledged, Progress
 from modallab.schema.rig import Rig
 from modallab.storage import BlockNote, Recorder
@@ -18,6 +19,9 @@ MotionWindow = NDArray[np.float64]
 
 FLOOR_WINDOWS = 4
 """Windows the noise floor is taken from."""
+
+MAX_RESTARTS = 3
+"""Gaps a run survives; a machine that loses samples more often is not fit for the rate."""
 
 WINDOW_BLOCKS = 2
 """Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
@@ -61,9 +65,21 @@ class Context:
         """(motion channels, count) counts from a remembered stretch."""
         return self.stream.cut(first, count)[list(self.chain.motion)].astype(float)
 
-    def rest_at(self, end: int, floor: Floor) -> Rest:
-        """What the window that ends at sample `end` says."""
-        return rest_of(self.motion(end - self.window, self.window), floor)
+    def rest_now(self, floor: Floor, watch: Watch | None = None) -> Rest:
+        """What the last window says; after a restart it must first be read."""
+        self.stream.advance_to(self.window, watch)
+        return rest_of(self.motion(self.stream.next - self.window, self.window), floor)
+
+    def restart(self, after: SamplesLostError, restarts: int) -> None:
+        """Bring the output to zero and start the bench anew after a gap; what came before it is never spliced.
+
+        Raises:
+            SamplesLostError: `after`, once it happened too often.
+        """
+        self.bench.zero()
+        if restarts > MAX_RESTARTS:
+            raise after
+        self.stream.restart()
 
     def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
         """Keep the block from sample `first` and tell that it is kept."""

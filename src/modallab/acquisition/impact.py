@@ -1,15 +1,19 @@
 """The impact test: at every point, wait for rest, ask for a blow, keep it, say whether it counts."""
 
 from dataclasses import dataclass
+from itertools import count
 
 from modallab.acquisition.context import Context, measure_floor
 from modallab.acquisition.hits import blow_of, refusals
 from modallab.acquisition.rest import Floor, Rest, residual_ratio
 from modallab.acquisition.trigger import Trigger
-from modallab.errors import BenchError, BenchTimeoutError
+from modallab.errors import BenchError, BenchTimeoutError, SamplesLostError
 from modallab.schema.events import HitRefused, HitWanted
 from modallab.schema.plan import ImpactPlan
 from modallab.storage import BlockNote
+
+TELL_BLOCKS = 5
+"""While the beam rings down, say so once in so many blocks."""
 
 
 @dataclass(slots=True)
@@ -21,12 +25,14 @@ class ImpactTest:
         plan: points, hits, trigger, acceptance.
         floor: noise at rest.
         refused: refused blows at the present point.
+        restarts: how often the bench had to be started anew.
     """
 
     context: Context
     plan: ImpactPlan
     floor: Floor
     refused: int = 0
+    restarts: int = 0
 
     def run(self) -> None:
         """All points, all hits.
@@ -34,22 +40,29 @@ class ImpactTest:
         Raises:
             BenchTimeoutError: no blow came in time.
             BenchError: too many blows at one point were refused.
+            SamplesLostError: the device lost samples too often.
         """
         total = len(self.plan.points) * self.plan.hits
         for number, point in enumerate(self.plan.points):
             self.refused = 0
             for hit in range(1, self.plan.hits + 1):
-                self._good_hit(point, hit)
                 done = number * self.plan.hits + hit
+                self._good_hit(point, hit, (done - 1, total))
                 self.context.progress(done, total, f"point {point}, hit {hit} of {self.plan.hits}")
 
-    def _good_hit(self, point: int, hit: int) -> None:
+    def _good_hit(self, point: int, hit: int, progress: tuple[int, int]) -> None:
         refused_before = self.refused
-        while not self._hit(point, hit, self.refused - refused_before):
-            pass
+        good = False
+        while not good:
+            try:
+                good = self._hit(point, hit, self.refused - refused_before, progress)
+            except SamplesLostError as error:
+                self.restarts += 1
+                self.context.restart(error, self.restarts)
+                self._tell_refused(point, f"samples were lost: {error.what}; the bench was started anew")
 
-    def _hit(self, point: int, hit: int, refused: int) -> bool:
-        rest = self._wait_for_rest()
+    def _hit(self, point: int, hit: int, refused: int, progress: tuple[int, int]) -> bool:
+        rest = self._wait_for_rest(progress)
         trigger = self._wait_for_blow(point, hit)
         first = trigger - self._pre_trigger
         self.context.stream.advance_to(first + self.context.block)
@@ -59,15 +72,18 @@ class ImpactTest:
     def _pre_trigger(self) -> int:
         return self.context.stream.samples_of(self.plan.pre_trigger_s)
 
-    def _wait_for_rest(self) -> Rest:
+    def _wait_for_rest(self, progress: tuple[int, int]) -> Rest:
         """Read until the beam rests, block by block; past the plan's patience go on with what there is."""
         context, stream = self.context, self.context.stream
         last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
-        while True:
-            rest = context.rest_at(stream.next, self.floor)
+        for waited in count(1):
+            rest = context.rest_now(self.floor)
             if rest.quiet or stream.next >= last:
                 return rest
+            if waited % TELL_BLOCKS == 0:
+                context.progress(*progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
             stream.advance_to(stream.next + context.block)
+        raise AssertionError("count never ends")
 
     def _wait_for_blow(self, point: int, hit: int) -> int:
         context, plan, stream = self.context, self.plan, self.context.stream
@@ -139,13 +155,16 @@ class ImpactTest:
 
     def _refuse(self, point: int, reason: str) -> None:
         self.refused += 1
-        self.context.emit(HitRefused(run=self.context.recorder.run, point=point, reason=reason))
+        self._tell_refused(point, reason)
         if self.refused > self.plan.max_refusals:
             raise BenchError(
                 f"{self.refused} blows at point {point} were refused, the last one: {reason}",
                 where=self.context.bench.info.url,
                 remedy="change the tip, the place or the acceptance; the blocks are kept",
             )
+
+    def _tell_refused(self, point: int, reason: str) -> None:
+        self.context.emit(HitRefused(run=self.context.recorder.run, point=point, reason=reason))
 
 
 def run_impact(context: Context, plan: ImpactPlan) -> None:

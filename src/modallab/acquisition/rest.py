@@ -19,6 +19,10 @@ FALSE_ALARM_SIGMA = 4.9
 FLOOR_SCATTER = 1.2
 """The floor itself is known to some 10 % only, from a few windows."""
 
+RINGING_EXCESS = 2.0
+"""A line that refuses a blow stands so far above what noise may reach: in a line where the blow itself excites little,
+a chance excess of the noise would else look like a large part of it."""
+
 USED_BAND = 0.4
 """Lines up to this fraction of the rate; above it the anti-alias filter falls."""
 
@@ -121,11 +125,11 @@ def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]
         floor: of the same n.
 
     Returns:
-        The largest ratio of amplitudes over the lines in which `before` stands out of the noise; 0 if none does.
+        The largest ratio of amplitudes over the lines in which `before` stands well out of the noise; 0 if none does.
     """
     n = before.shape[1]
     power = line_power(before, floor.rms)
-    standing = np.flatnonzero(power > floor.lines * noise_limit(len(floor.rms)))
+    standing = np.flatnonzero(power > RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)))
     if standing.size == 0:
         return 0.0, 0
     amplitude = np.sqrt((power - floor.lines)[standing] * _hann_gain(n))

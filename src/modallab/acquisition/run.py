@@ -1,6 +1,7 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 from modallab.acquisition.chain import chain_of
@@ -39,7 +40,13 @@ class OrderedEndError(Exception):
 
 
 def run_plan(
-    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, control: Control = lambda: None
+    bench: Bench,
+    rig: Rig,
+    plan: Plan,
+    recorder: Recorder,
+    emit: Emit,
+    control: Control = lambda: None,
+    chunk_s: float | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -50,16 +57,19 @@ def run_plan(
         recorder: of a run just begun.
         emit: takes the events, in order.
         control: asked before every read whether to end.
+        chunk_s: how much to read at once; nothing that is recorded depends on it.
 
     Raises:
         ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
     """
     life = Lifecycle(recorder, emit)
+    chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     try:
-        _work(bench, rig, plan, recorder, emit, life, control)
-    except OrderedEndError as end:
-        quieten(bench)
-        _end(life, end.order)
+        try:
+            _work(Setup(bench, rig, plan, recorder, emit, life, control, chunk_s))
+        except OrderedEndError as end:
+            quieten(bench)
+            _end(life, end.order)
     except BaseException as error:
         quieten(bench)
         _fail(life, recorder, emit, error)
@@ -83,43 +93,53 @@ def quieten(bench: Bench) -> None:
             continue
 
 
-def _work(
-    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, life: Lifecycle, control: Control
-) -> None:
-    life.enter("arming")
-    require_possible(plan, rig, bench.info)
-    context = _prepare(bench, rig, plan, recorder, emit, life, control)
-    if isinstance(plan, ImpactPlan):
-        run_impact(context, plan)
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What `run_plan` was given, and the state it keeps."""
+
+    bench: Bench
+    rig: Rig
+    plan: Plan
+    recorder: Recorder
+    emit: Emit
+    life: Lifecycle
+    control: Control
+    chunk_s: float
+
+
+def _work(setup: Setup) -> None:
+    setup.life.enter("arming")
+    require_possible(setup.plan, setup.rig, setup.bench.info)
+    context = _prepare(setup)
+    if isinstance(setup.plan, ImpactPlan):
+        run_impact(context, setup.plan)
     else:
-        run_sine(context, plan)
-    bench.zero()
-    bench.stop()
-    life.enter("processing")
-    recorder.close_file()
-    life.enter("done")
+        run_sine(context, setup.plan)
+    setup.bench.zero()
+    setup.bench.stop()
+    setup.life.enter("processing")
+    setup.recorder.close_file()
+    setup.life.enter("done")
 
 
-def _prepare(
-    bench: Bench, rig: Rig, plan: Plan, recorder: Recorder, emit: Emit, life: Lifecycle, control: Control
-) -> Context:
+def _prepare(setup: Setup) -> Context:
+    bench, plan = setup.bench, setup.plan
     bench.zero()
     delivery = bench.configure(Request(plan.kind, plan.rate_hz))
-    chain = chain_of(rig, delivery, plan.kind)
+    chain = chain_of(setup.rig, delivery, plan.kind)
     block = round(plan.block_s * delivery.rate_hz)
-    recorder.open(delivery, block)
-    chunk_s = REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S
+    setup.recorder.open(delivery, block)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
-    chunk = max(1, min(round(chunk_s * delivery.rate_hz), block // 2))
+    chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
 
     def poll() -> None:
-        order = control()
+        order = setup.control()
         if order is not None:
             raise OrderedEndError(order)
 
     stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=poll)
     bench.start()
-    return Context(bench, rig, recorder, emit, life, chain, stream, block)
+    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block)
 
 
 def _end(life: Lifecycle, order: Order) -> None:
@@ -142,7 +162,8 @@ _SAID: dict[Order, str] = {
 def _fail(life: Lifecycle, recorder: Recorder, emit: Emit, error: BaseException) -> None:
     known = error if isinstance(error, ModallabError) else ModallabError(f"unexpected {type(error).__name__}: {error}")
     try:
-        life.enter("stopping", known.what)
+        if life.state != "stopping":
+            life.enter("stopping", known.what)
         life.enter("failed", known.what)
     except ModallabError:
         # A full disk may take not even the state; the next start marks the run as interrupted.

@@ -8,7 +8,7 @@ from modallab.acquisition.limits import watch_of
 from modallab.acquisition.rest import Floor, Rest
 from modallab.acquisition.stream import Watch
 from modallab.backend.protocol import Burst
-from modallab.errors import PlanError, SafetyError
+from modallab.errors import PlanError, SafetyError, SamplesLostError
 from modallab.schema.plan import SinePlan
 from modallab.storage import BlockNote
 
@@ -27,7 +27,7 @@ def block_name(level: str, frequency_hz: float) -> str:
     return f"sine_{level}_{frequency_hz:07.3f}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class SineTest:
     """One sine test on a started bench.
 
@@ -36,30 +36,43 @@ class SineTest:
         plan: frequencies, levels, times.
         floor: noise at rest.
         watch: looks at the limits.
+        restarts: how often the bench had to be started anew.
     """
 
     context: Context
     plan: SinePlan
     floor: Floor
     watch: Watch
+    restarts: int = 0
 
     def run(self) -> None:
         """All levels, all frequencies.
 
         Raises:
             SafetyError: a limit was exceeded.
+            SamplesLostError: the device lost samples too often.
         """
         steps = [(level, volts, f) for level, volts in self.plan.levels_v.items() for f in self.plan.frequencies_hz]
         self.context.life.enter("armed")
         self.context.life.enter("acquiring")
         for done, (level, volts, frequency) in enumerate(steps, start=1):
-            self._step(level, volts, frequency)
+            while not self._try(level, volts, frequency):
+                pass
             self.context.progress(done, len(steps), f"level {level}, {frequency:.3f} Hz")
+
+    def _try(self, level: str, volts: float, frequency_hz: float) -> bool:
+        try:
+            self._step(level, volts, frequency_hz)
+        except SamplesLostError as error:
+            self.restarts += 1
+            self.context.restart(error, self.restarts)
+            return False
+        return True
 
     def _step(self, level: str, volts: float, frequency_hz: float) -> None:
         context, stream = self.context, self.context.stream
-        stream.advance_to(stream.next + max(stream.samples_of(self.plan.rest_s), context.window), self.watch)
-        rest = context.rest_at(stream.next, self.floor)
+        stream.advance_to(stream.next + stream.samples_of(self.plan.rest_s), self.watch)
+        rest = context.rest_now(self.floor, self.watch)
         burst = burst_of(self.plan, frequency_hz, volts)
         start = context.bench.play(burst)
         first = start + stream.samples_of(self.plan.settle_s)

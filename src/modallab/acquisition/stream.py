@@ -37,6 +37,13 @@ class Stream:
         self._filled = 0
         self._overloads: deque[tuple[int, int, NDArray[np.bool_]]] = deque()
 
+    def restart(self) -> None:
+        """Stop and start the bench: the count begins at 0 again, and what was before is forgotten."""
+        self._bench.stop()
+        self._bench.start()
+        self.next = self._filled = 0
+        self._overloads.clear()
+
     def samples_of(self, seconds: float) -> int:
         """Whole number of samples nearest to a duration."""
         return round(seconds * self.rate_hz)

@@ -32,7 +32,7 @@ class Catalogue:
             FormatError: it is of a version this program does not know.
         """
         self._url = url
-        self._engine = _engine(url)
+        self.engine = _engine(url)
         with self._writing() as connection:
             METADATA.create_all(connection)
             version = connection.scalar(select(STORE.c.format_version))
@@ -85,12 +85,12 @@ class Catalogue:
 
     def close(self) -> None:
         """Let go of the database."""
-        self._engine.dispose()
+        self.engine.dispose()
 
     @contextmanager
     def _writing(self) -> Generator[Connection]:
         try:
-            with self._engine.begin() as connection:
+            with self.engine.begin() as connection:
                 yield connection
         except SQLAlchemyError as error:
             raise failure(error, self._url) from error
@@ -98,7 +98,7 @@ class Catalogue:
     @contextmanager
     def _reading(self) -> Generator[Connection]:
         try:
-            with self._engine.connect().execution_options(reading=True) as connection:
+            with self.engine.connect().execution_options(reading=True) as connection:
                 yield connection
         except SQLAlchemyError as error:
             raise StorageError(f"cannot be read: {error}", where=self._url, remedy="look at the disk") from error

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from modallab.backend.protocol import Delivery
-from modallab.errors import StorageError
+from modallab.errors import DiskFullError, StorageError
 from modallab.schema.events import BlockAcknowledged, RunState
 from modallab.schema.versions import STORE
 from modallab.storage.catalogue import Catalogue
@@ -88,7 +88,12 @@ class Recorder:
             utc=utc_now(),
             note=note,
         )
-        self._catalogue.add_block(block)
+        try:
+            self._catalogue.add_block(block)
+        except DiskFullError:
+            # The row of the run's end must still find room.
+            self._writer.free_reserve()
+            raise
         self._n += 1
         return _acknowledge(block)
 

@@ -95,7 +95,7 @@ class SampleWriter:
                 raise failure(error, str(self._path)) from error
         os.close(self._descriptor)
         self._descriptor = -1
-        self._reserve.unlink(missing_ok=True)
+        self.free_reserve()
 
     def _take_reserve(self) -> None:
         # Bytes that no file system can compress or leave out, kept to let HDF5 finish its file on a full disk.
@@ -106,9 +106,13 @@ class SampleWriter:
             file.flush()
             os.fsync(file.fileno())
 
+    def free_reserve(self) -> None:
+        """Give the reserve's room to whatever must still be written."""
+        self._reserve.unlink(missing_ok=True)
+
     def _give_up(self) -> None:
         self._broken = True
-        self._reserve.unlink(missing_ok=True)
+        self.free_reserve()
         try:
             self._data.flush()
             self._file.close()
@@ -169,8 +173,7 @@ def open_samples(path: Path) -> Generator[SampleReader]:
         StorageError: there is no such file, or it is not whole.
     """
     try:
-        # After its writer was killed, a file opens in this mode only.
-        file = h5py.File(path, "r", libver="latest", swmr=True)
+        file = _open(path)
     except (OSError, RuntimeError) as error:
         raise _unreadable(path, error) from error
     with file:
@@ -179,6 +182,16 @@ def open_samples(path: Path) -> Generator[SampleReader]:
         except (KeyError, OSError, RuntimeError) as error:
             raise _unreadable(path, error) from error
         yield SampleReader(path, data)
+
+
+def _open(path: Path) -> h5py.File:
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        if "already open" not in str(error):
+            raise
+    # Only for a file that is being written: in this mode HDF5 reads a damaged spot again and again for ever.
+    return h5py.File(path, "r", libver="latest", swmr=True)
 
 
 def _unreadable(path: Path, error: Exception) -> StorageError:

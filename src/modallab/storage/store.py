@@ -21,6 +21,7 @@ from modallab.storage.lease import Lease
 from modallab.storage.recorder import Recorder, checksum, utc_now
 from modallab.storage.records import ENDED, BlockRecord, RunRecord
 from modallab.storage.samples import SampleReader, open_samples
+from modallab.storage.seal import seal
 
 DATABASE = "modallab.db"
 INTERRUPTED = "interrupted"
@@ -88,6 +89,9 @@ class Store:
                 return False
             self.catalogue.update_run(run, state="failed", reason=INTERRUPTED, ended_utc=utc_now())
             (self._runs / f"{run}.reserve").unlink(missing_ok=True)
+            file = self._runs / f"{run}.h5"
+            if file.exists():
+                seal(file)
             return True
 
     def blocks(self, run: str, *, refused: bool = False) -> tuple[Block, ...]:
