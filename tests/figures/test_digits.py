@@ -6,6 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modallab.figures.digits import (
+    about,
+    alike,
+    concise,
     counted,
     day,
     glued,
@@ -36,6 +39,26 @@ from modallab.figures.digits import (
 )
 def test_a_value_has_the_digits_that_its_sigma_bears(value, sigma, text):
     assert with_sigma(value, sigma, "Hz") == text
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "text"),
+    [
+        (4.80213, 0.00031, "4.8021(3)"),
+        (4.80213, 0.00014, "4.80213(14)"),
+        (4392.3, 12.0, "4392(12)"),
+        (43.9, 1.4, "43.9(1.4)"),
+        (30.86, nan, "30.86(?)"),
+        (nan, 1.0, "unknown"),
+    ],
+)
+def test_the_concise_form_counts_in_the_last_places(value, sigma, text):
+    assert concise(value, sigma) == text
+
+
+def test_a_truth_is_written_to_the_places_of_the_reading():
+    assert (alike(4.8029912, 0.0003), alike(4.8029912, nan), alike(nan, 1.0)) == ("4.8030", "4.8030", "unknown")
+    assert (about(2.44128), about(799.9), about(4997.0)) == ("2.44", "800", "5000")
 
 
 @settings(derandomize=True)

@@ -12,7 +12,7 @@ from page_reader import Page
 
 from modallab.errors import StorageError
 from modallab.figures.content import Hit, Outcome, ReportContent
-from modallab.figures.digits import with_sigma
+from modallab.figures.digits import alike, relative, with_sigma
 from modallab.figures.report import render, write_report
 
 EVIL = "</title><script>alert(1)</script>\"'&$x^2$"
@@ -74,8 +74,9 @@ def test_the_table_holds_the_numbers_of_the_models(content, parsed):
         assert row[2] == with_sigma(model.frequency_hz[mode], model.frequency_sigma_hz[mode])
         assert row[3] == with_sigma(100 * model.damping_ratio[mode], 100 * model.damping_sigma[mode])
         assert float(row[4]) == pytest.approx(100 * model.half_power[mode], rel=5e-3)
-        assert float(row[5]) == pytest.approx(figure_data.FREQUENCY[mode], rel=1e-4)
-        assert float(row[7]) == pytest.approx(100 * figure_data.DAMPING[mode], rel=5e-3)
+        assert row[5].startswith(alike(figure_data.FREQUENCY[mode], model.frequency_sigma_hz[mode]))
+        assert row[6].startswith(alike(100 * figure_data.DAMPING[mode], 100 * model.damping_sigma[mode]))
+        assert relative(model.damping_ratio[mode], figure_data.DAMPING[mode]) in row[6]
 
 
 def test_the_summary_is_one_sentence_with_the_modes_and_the_verdict(parsed):
@@ -90,6 +91,13 @@ def test_tests_that_disagree_are_said_to(slim):
     text = Page(render(replace(slim, outcomes=(impact, replace(sine, model=off))))).text
     assert "the impact test and the sine test disagree" in text
     assert "agree within their uncertainty" not in text
+
+
+def test_a_sigma_that_the_truth_refutes_is_named(slim, parsed):
+    assert "uncertainty is too small" not in parsed.text
+    sure = figure_data.model(frequency_sigma_hz=[2e-4, 1e-3, 1e-9])
+    text = Page(render(replace(slim, outcomes=(replace(slim.outcomes[0], model=sure),)))).text
+    assert "More than 3 σ off the truth: mode 3 (impact)." in text
 
 
 def test_the_half_power_reading_is_called_the_resolution_of_the_block(parsed):

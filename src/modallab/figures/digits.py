@@ -22,6 +22,24 @@ def with_sigma(value: float, sigma: float, unit: str = "") -> str:
     return f"{_fixed(value, places)} ± {_fixed(sigma, places)}{tail}"
 
 
+def concise(value: float, sigma: float) -> str:
+    """`4.8021(3)`: the sigma in brackets counts in the last places of the value; where it is not known, `4.802(?)`."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    if not (math.isfinite(sigma) and sigma > 0):
+        return f"{plain(value)}(?)"
+    places = _places(sigma)
+    return f"{_fixed(value, places)}({round(sigma * 10**places) if sigma < 1 else _fixed(sigma, places)})"
+
+
+def alike(value: float, sigma: float) -> str:
+    """A value without uncertainty of its own, to the places of one that has the sigma."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    known = math.isfinite(sigma) and sigma > 0
+    return _fixed(value, _places(sigma)) if known else plain(value, 5)
+
+
 def plain(value: float, digits: int = 4) -> str:
     """A number to so many significant digits, without exponent where it reads better."""
     if not math.isfinite(value):
@@ -89,6 +107,11 @@ def _places(sigma: float) -> int:
 def short(value: float) -> str:
     """A round number as one would say it: 3, 110, 1.024."""
     return f"{value:.6g}".replace("-", "−") if math.isfinite(value) else UNKNOWN
+
+
+def about(value: float) -> str:
+    """A number to three digits, said shortly: 2.44, 800."""
+    return short(float(f"{value:.3g}")) if math.isfinite(value) else UNKNOWN
 
 
 def _fixed(value: float, places: int) -> str:

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from modallab.figures.compare import Mode, Reading, modes
 from modallab.figures.content import Truth
-from modallab.figures.digits import UNKNOWN, plain, with_sigma
+from modallab.figures.digits import UNKNOWN, alike, concise, plain
 from modallab.schema.model import ModalModel
 
 # No Greek letters: a terminal that knows only its country's letters would stop at them.
@@ -26,12 +26,14 @@ def modal_table(models: Sequence[ModalModel], truth: Truth | None = None) -> Tab
     Returns:
         a table to be printed by rich; it fits into 80 columns.
     """
-    table = Table(title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = Table(
+        title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False
+    )
     table.title_justify = table.caption_justify = "left"
     for heading in ("mode", "test"):
-        table.add_column(heading, no_wrap=True)
+        table.add_column(heading, no_wrap=True, min_width=6 if heading == "test" else 4)
     for heading in (*VALUES, *(TRUTH if truth else ())):
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(heading, justify="right", no_wrap=True, min_width=max(map(len, heading.split())))
     found = modes(models, truth)
     for mode in found:
         for reading in mode.readings:
@@ -43,15 +45,19 @@ def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
     cells = [
         str(mode.number),
         reading.test or "FRFs",
-        with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
-        with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
+        concise(reading.frequency_hz, reading.frequency_sigma_hz),
+        concise(100 * reading.damping, 100 * reading.damping_sigma),
         plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "-",
     ]
     if not true:
         return cells
     if not isfinite(mode.true_frequency_hz):
         return [*cells, UNKNOWN, UNKNOWN]
-    return [*cells, plain(mode.true_frequency_hz, 5), plain(100 * mode.true_damping, 3)]
+    return [
+        *cells,
+        alike(mode.true_frequency_hz, reading.frequency_sigma_hz),
+        alike(100 * mode.true_damping, 100 * reading.damping_sigma),
+    ]
 
 
 def _caption(models: Sequence[ModalModel]) -> str:
@@ -59,4 +65,7 @@ def _caption(models: Sequence[ModalModel]) -> str:
         return "No test could be identified."
     if not any(m.n_modes for m in models):
         return "No mode was found in the band."
-    return "± is one standard deviation. If the beam still rings at its end, half-power reads the block, not the beam."
+    return (
+        "4.80(3) stands for 4.80 ± 0.03, one standard deviation. "
+        "If the beam still rings at its end, half-power reads the block, not the beam."
+    )

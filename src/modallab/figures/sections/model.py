@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.figures.choose import place
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import plain, scientific, short
+from modallab.figures.digits import about, plain, scientific
 from modallab.figures.markup import Markup, join, table, tag
 from modallab.figures.sections.section import Section, paragraph
 from modallab.schema.model import ModalModel
@@ -32,7 +32,7 @@ def section(content: ReportContent) -> Section:
 
 def _model(model: ModalModel) -> list[Markup]:
     low, high = model.band_hz
-    head = f"{(model.test or 'FRFs').capitalize()}: {_METHODS[model.method]}, {short(low)} to {short(high)} Hz"
+    head = f"{(model.test or 'FRFs').capitalize()}: {_METHODS[model.method]}, {about(low)} to {about(high)} Hz"
     folds = [_fold("Modal constants", _constants(model))]
     if model.shapes is not None:
         folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))

@@ -4,13 +4,13 @@ from math import isfinite
 
 from modallab.figures.compare import Mode, Reading, deviation, verdict
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import UNKNOWN, glued, plain, relative, with_sigma
+from modallab.figures.digits import UNKNOWN, alike, glued, listed, plain, relative, with_sigma
 from modallab.figures.markup import Markup, join, table, tag
 from modallab.figures.sections.section import Section, paragraph
 from modallab.figures.sections.summary import compare_tests
 
 HEADER = ("mode", "test", "frequency [Hz]", "damping ζ [%]", "half-power ζ [%]")
-TRUTH = ("true frequency [Hz]", "error", "true ζ [%]", "error")
+TRUTH = ("true frequency [Hz], error", "true ζ [%], error")
 
 
 def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
@@ -26,6 +26,7 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
             "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too."
         ),
+        _too_sure(modes),
         _notes(content),
         _agreement(modes),
     ]
@@ -65,18 +66,33 @@ def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
 
 def _truth(mode: Mode, reading: Reading) -> list[str]:
     if not isfinite(mode.true_frequency_hz):
-        return [UNKNOWN, "", UNKNOWN, ""]
+        return [UNKNOWN, UNKNOWN]
     return [
-        plain(mode.true_frequency_hz, 5),
-        _error(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz),
-        plain(100 * mode.true_damping, 3),
-        _error(reading.damping, reading.damping_sigma, mode.true_damping),
+        _true(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz),
+        _true(100 * reading.damping, 100 * reading.damping_sigma, 100 * mode.true_damping),
     ]
 
 
-def _error(value: float, sigma: float, truth: float) -> str:
+def _true(value: float, sigma: float, truth: float) -> Markup:
     gap = deviation(value, sigma, truth, 0.0)
-    return relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
+    error = relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
+    return join([alike(truth, sigma), tag("br"), tag("small", error)])
+
+
+def _too_sure(modes: tuple[Mode, ...]) -> Markup | None:
+    """Where the truth shows that a stated uncertainty is too small."""
+    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _off(m, r)]
+    if not off:
+        return None
+    return paragraph(f"More than 3 σ off the truth: {listed(off)}. There the stated uncertainty is too small.")
+
+
+def _off(mode: Mode, reading: Reading) -> bool:
+    gaps = (
+        deviation(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz, 0.0),
+        deviation(reading.damping, reading.damping_sigma, mode.true_damping, 0.0),
+    )
+    return any(verdict(gap) == "disagree" for gap in gaps)
 
 
 def _agreement(modes: tuple[Mode, ...]) -> Markup | None:

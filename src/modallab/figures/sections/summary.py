@@ -4,7 +4,7 @@ from math import isfinite
 
 from modallab.figures.compare import Mode, deviation, verdict
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import counted, glued, listed, plain, short
+from modallab.figures.digits import about, counted, glued, listed, plain
 
 
 def sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
@@ -17,9 +17,9 @@ def _sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
         return "No modal model could be identified; what went wrong is said below."
     if not modes:
         low, high = content.models[0].band_hz
-        return f"No mode was found between {short(low)} and {short(high)} Hz."
+        return f"No mode was found between {about(low)} and {about(high)} Hz."
     low, high = (f(m.band_hz[i] for m in content.models) for i, f in enumerate((min, max)))
-    head = f"{counted(len(modes), 'mode')} between {short(low)} and {short(high)} Hz"
+    head = f"{counted(len(modes), 'mode')} between {about(low)} and {about(high)} Hz"
     return f"{head}: {_modes(modes)}{_agreement(modes)}."
 
 
