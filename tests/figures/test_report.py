@@ -93,6 +93,35 @@ def test_tests_that_disagree_are_said_to(slim):
     assert "agree within their uncertainty" not in text
 
 
+def test_a_model_that_misses_its_measurement_is_said_to_at_the_top(content, slim):
+    impact = slim.outcomes[0]
+    check = content.outcomes[0].verification
+    poor = replace(check, frac=np.where(np.arange(10)[:, None] == 4, 0.31, check.frac))
+    lead = Page(render(replace(slim, outcomes=(replace(impact, verification=poor),)))).text
+    assert "the model does not repeat the impact test (FRAC down to 0.3100) at all points." in lead
+
+
+def test_a_mode_that_a_test_missed_in_its_band_is_named(slim):
+    impact, sine = slim.outcomes
+    lost = {"band_hz": (20.0, 110.0)} | {
+        name: getattr(sine.model, name)[2:]
+        for name in (
+            "frequency_hz",
+            "damping_ratio",
+            "frequency_sigma_hz",
+            "damping_sigma",
+            "modal_constants",
+            "modal_constant_sigma",
+            "shapes",
+            "shape_sigma",
+            "half_power",
+            "half_power_floor",
+        )
+    }
+    text = Page(render(replace(slim, outcomes=(impact, replace(sine, model=sine.model.model_copy(update=lost)))))).text
+    assert "The sine test did not find mode 2, though in its band." in text
+
+
 def test_a_sigma_that_the_truth_refutes_is_named(slim, parsed):
     assert "uncertainty is too small" not in parsed.text
     sure = figure_data.model(frequency_sigma_hz=[2e-4, 1e-3, 1e-9])

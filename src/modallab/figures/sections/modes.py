@@ -27,6 +27,7 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
             "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too."
         ),
         _too_sure(modes),
+        _unseen(content, modes),
         _notes(content),
         _agreement(modes),
     ]
@@ -34,6 +35,19 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
         () if content.truth else ("The true modes are not known; only a simulated bench can tell them.",)
     )
     return Section("modes", "The modes", join(parts), absent)
+
+
+def _unseen(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
+    """Modes that lie in the band of a test that did not find them."""
+    lines: list[Markup] = []
+    for model in content.models:
+        low, high = model.band_hz
+        inside = [m for m in modes if low <= m.frequency_hz <= high]
+        lost = [f"mode {m.number}" for m in inside if all(r.test != model.test for r in m.readings)]
+        if lost:
+            name = f"The {model.test} test" if model.test else "The FRFs' model"
+            lines.append(paragraph(f"{name} did not find {listed(lost)}, though in its band."))
+    return join(lines) if lines else None
 
 
 def _notes(content: ReportContent) -> Markup | None:

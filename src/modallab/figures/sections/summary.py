@@ -2,9 +2,14 @@
 
 from math import isfinite
 
+import numpy as np
+
 from modallab.figures.compare import Mode, deviation, verdict
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import about, counted, glued, listed, plain
+from modallab.figures.digits import about, counted, glued, listed, plain, share
+
+MATCH = 0.9
+"""A point with a lower FRAC is not matched by the model."""
 
 
 def sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
@@ -20,7 +25,7 @@ def _sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
         return f"No mode was found between {about(low)} and {about(high)} Hz."
     low, high = (f(m.band_hz[i] for m in content.models) for i, f in enumerate((min, max)))
     head = f"{counted(len(modes), 'mode')} between {about(low)} and {about(high)} Hz"
-    return f"{head}: {_modes(modes)}{_agreement(modes)}."
+    return f"{head}: {_modes(modes)}{_agreement(modes)}{_mismatch(content)}."
 
 
 def compare_tests(modes: tuple[Mode, ...]) -> list[tuple[Mode, float, float]]:
@@ -34,6 +39,15 @@ def compare_tests(modes: tuple[Mode, ...]) -> list[tuple[Mode, float, float]]:
         )
         for m, a, b in pairs
     ]
+
+
+def _mismatch(content: ReportContent) -> str:
+    """Where the model does not repeat what was measured."""
+    checks = [(o, float(np.nan_to_num(o.verification.frac, nan=0.0).min())) for o in content.outcomes if o.verification]
+    bad = [
+        f"{f'the {o.test} test' if o.test else 'the FRFs'} (FRAC down to {share(f)})" for o, f in checks if f < MATCH
+    ]
+    return f"; the model does not repeat {listed(bad)} at all points" if bad else ""
 
 
 def _modes(modes: tuple[Mode, ...]) -> str:
