@@ -35,6 +35,10 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help="UFF 58/58b, NPY, CSV or HDF5")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
+    command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
+    command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
+    command.add_argument("--drive-point", type=int, metavar="N", help="point of the blow or of the shaker")
+    command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     command.set_defaults(module="import_")
 
 

@@ -48,7 +48,8 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=options.drive_point,
     )
-    return Campaign(rig, (block,), source=where)
+    note = f"{path.name}: the last line has no end; if the file was cut off there, its last number is wrong"
+    return Campaign(rig, (block,), provenance={} if table.ended else {"notes": note}, source=where)
 
 
 def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) -> tuple[str, ...]:

@@ -26,12 +26,14 @@ class Table:
         units: unit of each column, "" where none is written.
         values: (rows, columns).
         resolution: half of the last digit of the first column.
+        ended: whether the last line has its end.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
     values: NDArray[np.float64]
     resolution: float
+    ended: bool
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,11 @@ def read_table(path: Path) -> Table:
     if not body:
         raise FormatError("holds no numbers", where=where, remedy="give a header line and then rows of numbers")
     names, units = _headings(heads, delimiter)
-    if not text.endswith(("\n", "\r")):
+    ended = text.endswith(("\n", "\r"))
+    if not ended:
         _check_end(body, delimiter, where)
     values = _numbers(body, delimiter, names, where)
-    return Table(names, units, values, _resolution(body, delimiter))
+    return Table(names, units, values, _resolution(body, delimiter), ended)
 
 
 def _decode(path: Path) -> str:
@@ -120,9 +123,11 @@ def _headings(heads: list[_Line], delimiter: str) -> tuple[tuple[str, ...], tupl
 
 
 def _check_end(body: list[_Line], delimiter: str, where: str) -> None:
-    # Without its line end the last number may have lost digits; it has, if no other in its column is as short.
+    # Without its line end the last number may have lost digits. It has, if no other of its column has so few after
+    # the decimal mark.
     ends = [line.text.rpartition(delimiter)[2].strip() for line in body]
-    if len(ends) > 1 and len(ends[-1]) < min(len(end) for end in ends[:-1]):
+    places = [len(after) if mark else -1 for _, mark, after in (end.replace(",", ".").partition(".") for end in ends)]
+    if len(ends) > 1 and places[-1] < min(places[:-1]):
         raise FormatError(
             f"is cut off: line {body[-1].number} ends within a number, {ends[-1]!r}",
             where=where,

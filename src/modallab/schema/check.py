@@ -159,7 +159,7 @@ def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> 
         return [_Finding(found, "check that the inputs are connected and switched on, and record again")]
     quiet = min(len(np.unique(row)) for row in samples[~constant]) <= _QUIET_LEVELS
     return [
-        _Finding(f"channel {channels[i]} is dead: all {samples.shape[1]} samples are {samples[i, 0]:g}", _MEND)
+        _Finding(f"channel {channels[i]} is dead: all {samples.shape[1]} samples are {samples[i, 0] + 0:g}", _MEND)
         for i in map(int, np.flatnonzero(constant))
         if not quiet or channels[i] == force
     ]

@@ -9,6 +9,7 @@ _any_number = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 """Axes of absurd numbers are refused, without a warning from NumPy on the way."""
 
 _SAME = 1e-9
+_SIGMAS = 6.0
 _EVEN = 0.01
 """Share of a step by which a sample may stand off an even grid: half a degree of phase at a tenth of the rate."""
 
@@ -41,8 +42,12 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: float = 0.0)
     times = np.asarray(time_s, dtype=np.float64)
     _check_ascending(times, "time", "s", where, resolution_s)
     _check_even(times, "time", "s", where, resolution_s)
-    rate = (len(times) - 1) / (times[-1] - times[0])
-    slack = rate * max(_SAME, 2.0 * resolution_s / (times[-1] - times[0]))
+    n, places = len(times), np.arange(len(times)) - (len(times) - 1) / 2
+    step = float(places @ (times - times[0]) / (places @ places))
+    # Rounding is even within the last digit: sigma is its half over root 3, and that of a slope 12 / n^3 in square.
+    step_sigma = resolution_s / np.sqrt(3.0) * np.sqrt(12.0 / n**3)
+    rate = 1.0 / step if step > 0 else 0.0
+    slack = _SIGMAS * rate * rate * step_sigma
     return check_rate(whole_rate(float(rate), float(slack)), where)
 
 
