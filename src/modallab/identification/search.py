@@ -86,9 +86,7 @@ def _descend(problem: Problem, point: Point, damping: float, held: int = 0) -> t
     return None, damping
 
 
-def _solved(problem: Problem, trial: Parameters | None, noise: Real) -> Point | None:
-    if trial is None:
-        return None
+def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             return solve_at(problem, trial, noise)
@@ -97,12 +95,12 @@ def _solved(problem: Problem, trial: Parameters | None, noise: Real) -> Point | 
         return None
 
 
-def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters | None:
+def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     n, n_blocks = at.omega.size, len(problem.blocks)
     move = step[: 2 * n].reshape(n, 2)
-    omega, zeta = at.omega + move[:, 0], np.clip(at.zeta + move[:, 1], MIN_ZETA, MAX_ZETA)
-    if np.any(np.abs(move[:, 0]) > MAX_MOVE * at.omega) or np.any(np.abs(move[:, 1]) > MAX_MOVE):
-        return None
+    # Each pole is held back by itself: one that hardly matters must not slow the others down.
+    omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
+    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_MOVE, MAX_MOVE), MIN_ZETA, MAX_ZETA)
     local = step[2 * n :].reshape(n_blocks, problem.n_local // 2, 2) if problem.n_local else np.zeros((n_blocks, 0, 2))
     parts = local[..., 0] + 1j * local[..., 1]
     n_state = 0 if problem.state_sigma is None else n

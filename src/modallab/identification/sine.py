@@ -22,6 +22,7 @@ from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.prune import is_mode
+from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import Tolerance, stable_poles
 from modallab.schema.block import Signals
@@ -40,7 +41,8 @@ STAND_INS = (2.0,)
 SETTLED_FROM = 1.2
 """Modes above this multiple of the upper edge have died out before a block begins."""
 STATES_FIRST = 4
-START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.2, min_zeta=-0.05, min_run=2, min_share=0.15)
+BAND_MARGIN = 1.05
+START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
 
@@ -108,23 +110,22 @@ def fit_tone(signals: Signals) -> Tone:
 
 
 def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
-    """From just below the lowest to just above the highest drive frequency."""
+    """From below the lowest to above the highest drive frequency: a mode there still answers, and still rings."""
     driven = [t.fit.frequency_hz for t in tones]
-    first = tones[0].signals
-    resolution = first.rate_hz / first.force.size
-    return min(driven) - 0.5 * resolution, max(driven) + 0.5 * resolution
+    return min(driven) / BAND_MARGIN, max(driven) * BAND_MARGIN
 
 
 def _start_poles(frf: Frf, max_order: int | None, band: tuple[float, float]) -> NDArray[np.complex128]:
     order = max_order or max(2, frf.frequency_hz.size // 2 - 1)
     found = [p.pole for p in stable_poles(plscf(frf, order), START)]
-    inside = [p for p in found if band[0] < abs(p) / (2 * np.pi) < band[1]]
-    if not inside:
+    inside = np.array([p for p in found if band[0] < abs(p) / (2 * np.pi) < band[1]], dtype=np.complex128)
+    start = with_missing(frf, inside, band)
+    if start.size == 0:
         raise IdentificationError(
             f"no stable pole among {frf.frequency_hz.size} drive frequencies from {band[0]:.4g} to {band[1]:.4g} Hz",
             remedy="drive at more frequencies, closer together about each resonance",
         )
-    return np.array(inside)
+    return start
 
 
 def _refined(
