@@ -16,12 +16,21 @@ LEVEL_FACTOR = 1.5
 FALSE_ALARM_SIGMA = 4.9
 """A line counts from a noise probability of 5e-7 on: one false alarm in about a thousand windows of 2000 lines."""
 
-FLOOR_SCATTER = 1.2
-"""The floor itself is known to some 10 % only, from a few windows."""
+FLOOR_SCATTER = 1.1
+"""The floor itself is known to some 5 % only, from a few windows and neighbouring lines."""
+
+SMOOTH_LINES = 9
+TONE_FACTOR = 1.8
+"""A line so far above its neighbours, over ten channels and four windows, is a tone and no noise."""
 
 RINGING_EXCESS = 2.0
 """A line that refuses a blow stands so far above what noise may reach: in a line where the blow itself excites little,
 a chance excess of the noise would else look like a large part of it."""
+
+PEAK_LINES = 3
+PEAK_RANGE = 0.01
+"""A peak is the highest of so many lines on either side, and at most 20 dB below the highest of all: what is beside or
+below it is its skirt, and no motion of its own, but may be large where the blow excites little."""
 
 USED_BAND = 0.4
 """Lines up to this fraction of the rate; above it the anti-alias filter falls."""
@@ -94,9 +103,16 @@ def floor_of(windows: list[Real]) -> Floor:
     level = np.array([centred(window).std(axis=1) for window in windows])
     rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12))
     power = np.mean([line_power(window, rms) for window in windows], axis=0)
-    # Five lines together know the noise better than one; a line of the mains stands out of both.
-    smooth = np.convolve(power, np.full(5, 0.2), mode="same")
-    return Floor(rms, np.maximum(np.maximum(power, smooth), 1e-3))
+    # Neighbours know the noise better than one line alone; a steady tone, such as the mains', keeps its own.
+    smooth = _neighbours(power)
+    return Floor(rms, np.maximum(np.where(power > TONE_FACTOR * smooth, power, smooth), 1e-3))
+
+
+def _neighbours(power: Real) -> Real:
+    counted = np.ones(len(power))
+    counted[0] = 0  # line 0 is the mean, which was taken out
+    kernel = np.ones(SMOOTH_LINES)
+    return np.convolve(power, kernel, mode="same") / np.convolve(counted, kernel, mode="same")
 
 
 def fading(windows: list[Real], floor: Floor) -> bool:
@@ -125,21 +141,23 @@ def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]
         floor: of the same n.
 
     Returns:
-        The largest ratio of amplitudes over the lines in which `before` stands well out of the noise; 0 if none does.
+        The largest ratio of amplitudes over the peaks in which `before` stands well out of the noise; 0 if none does.
     """
     n = before.shape[1]
     power = line_power(before, floor.rms)
-    standing = np.flatnonzero(power > RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)))
-    if standing.size == 0:
+    limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
+    peaks = np.flatnonzero((power > limit) & (power == _highest(power, PEAK_LINES)))
+    if peaks.size == 0:
         return 0.0, 0
-    amplitude = np.sqrt((power - floor.lines)[standing] * _hann_gain(n))
-    spectrum = np.fft.rfft(centred(block), n, axis=1)[:, standing]
-    own = np.sqrt((np.abs(2 * spectrum / block.shape[1]) ** 2).T @ (1 / floor.rms**2) / len(floor.rms))
-    ratio = amplitude / np.maximum(own, 1e-300)
-    worst = int(np.argmax(ratio))
-    return float(ratio[worst]), int(standing[worst])
-
-
-def _hann_gain(n: int) -> float:
     # A tone of amplitude a has the line power a^2 (sum w)^2 / (4 sum w^2) = a^2 n / 6.
-    return 6 / n
+    amplitude = np.sqrt((power - floor.lines)[peaks] * 6 / n)
+    spectrum = 2 * np.abs(np.fft.rfft(centred(block), n, axis=1)) / block.shape[1]
+    own = np.sqrt((spectrum**2).T @ (1 / floor.rms**2) / len(floor.rms))
+    ratio = amplitude / np.maximum(_highest(own, 1)[peaks], 1e-300)
+    worst = int(np.argmax(ratio))
+    return float(ratio[worst]), int(peaks[worst])
+
+
+def _highest(values: Real, reach: int) -> Real:
+    padded = np.pad(values, reach, constant_values=-np.inf)
+    return np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).max(axis=1)

@@ -1,0 +1,61 @@
+"""The rig process's end of the pipe: orders, silence, a broken pipe."""
+
+import multiprocessing
+import time
+
+from modallab.acquisition.link import Link
+from modallab.acquisition.messages import Abort, Beat, Close, Ended, RunPlan, Stop
+from modallab.acquisition.run import Order
+from modallab.schema.plan import ImpactPlan
+
+
+def waited_for(link: Link, order: Order, within_s: float = 5.0) -> bool:
+    end = time.monotonic() + within_s
+    while link.order() != order and time.monotonic() < end:
+        time.sleep(0.01)
+    return link.order() == order
+
+
+def test_orders_come_through_and_a_new_run_forgets_the_last_ones() -> None:
+    mine, theirs = multiprocessing.Pipe()
+    link = Link(theirs)
+    mine.send(Abort())
+    assert waited_for(link, "abort")
+    mine.send(RunPlan(ImpactPlan(points=(1,))))
+    assert link.next_plan() is not None
+    assert link.order() is None
+    mine.send(Stop())
+    assert waited_for(link, "stop")
+    mine.send(Close())
+    assert link.next_plan() is None
+    mine.close()
+
+
+def test_a_broken_pipe_is_a_lost_owner() -> None:
+    mine, theirs = multiprocessing.Pipe()
+    link = Link(theirs)
+    mine.close()
+    assert waited_for(link, "lost")
+    assert link.next_plan() is None
+
+
+def test_silence_is_a_lost_owner_and_a_heartbeat_is_none() -> None:
+    mine, theirs = multiprocessing.Pipe()
+    link = Link(theirs, silence_s=0.5)
+    for _ in range(8):
+        mine.send(Beat())
+        time.sleep(0.1)
+    assert link.order() is None
+    assert waited_for(link, "lost")
+    mine.close()
+
+
+def test_reports_never_wait_for_an_owner_that_does_not_listen() -> None:
+    mine, theirs = multiprocessing.Pipe()
+    link = Link(theirs)
+    begin = time.monotonic()
+    for _ in range(20000):
+        link.send(Ended(None))
+    assert time.monotonic() - begin < 2.0
+    assert mine.recv() == Ended(None)
+    mine.close()

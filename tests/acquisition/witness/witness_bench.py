@@ -1,0 +1,68 @@
+"""A bench in real time that writes what happens to its output into a file, where a test outside its process sees it.
+
+The file is named by the environment variable WITNESS_LOG. It is found as any installed driver is: by its entry point.
+"""
+
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.errors import DeviceGoneError
+from modallab.schema.rig import Rig
+
+
+class WitnessBench:
+    """Noise on every channel, at the pace of the clock."""
+
+    def __init__(self, url: str, rig: Rig) -> None:
+        self._url, self._channels = url, len(rig.channels)
+        self._log = Path(os.environ["WITNESS_LOG"])
+        self._note("open")
+
+    @property
+    def info(self) -> BenchInfo:
+        return BenchInfo(self._url, (("witness", "1"),), True, True, {})
+
+    def configure(self, request: Request) -> Delivery:
+        self._rate = request.rate_hz
+        rate, units = request.rate_hz, ("V",) * self._channels
+        return Delivery(rate, rate, rate, np.dtype(np.int16), np.full(self._channels, 1e-3), units)
+
+    def start(self) -> None:
+        self._began, self._position = time.monotonic(), 0
+        self._noise = np.random.default_rng(1)
+
+    def read(self, count: int, timeout_s: float) -> Chunk:
+        if "unplugged" in self._url and self._position > 200:
+            raise DeviceGoneError("the witness is unplugged", where=self._url, remedy="plug it in")
+        first, self._position = self._position, self._position + count
+        time.sleep(max(0.0, self._began + self._position / self._rate - time.monotonic()))
+        samples = self._noise.normal(0, 2, (self._channels, count)).astype(np.int16)
+        return Chunk(first, samples, np.zeros(self._channels, dtype=bool))
+
+    def play(self, burst: Burst) -> int:
+        self._note("play")
+        return self._position
+
+    def prompt_hit(self, point: int) -> None:
+        self._note("prompt")
+
+    def zero(self) -> None:
+        self._note("zero")
+
+    def stop(self) -> None:
+        self._note("stop")
+
+    def close(self) -> None:
+        self._note("close")
+
+    def _note(self, what: str) -> None:
+        with self._log.open("a") as file:
+            file.write(f"{what} {time.time():.6f}\n")
+
+
+def open_bench(url: str, rig: Rig) -> Bench:
+    return WitnessBench(url, rig)
