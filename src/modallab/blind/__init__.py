@@ -1,0 +1,1 @@
+"""Trials whose truth is sealed, and their score."""

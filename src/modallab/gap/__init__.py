@@ -1,0 +1,1 @@
+"""The gap between twin and bench: how large, where, why, and how far it shrinks."""

@@ -1,0 +1,94 @@
+"""Mains hum: a sine of the mains on every row, with the same amplitudes in every record."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.schema.block import Block
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+MAINS_HZ = (50.0, 60.0)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Hum:
+    """What was found.
+
+    Attributes:
+        hz: the mains.
+        volts: (rows,) amplitude.
+        z: how many deviations of its noise the force row's amplitude has.
+    """
+
+    hz: float
+    volts: Array
+    z: float
+
+
+def find_hum(blocks: Sequence[Block], noise_v: Array) -> Hum | None:
+    """Hum that stands in most records, clear of noise; None if there is none."""
+    best: Hum | None = None
+    for hz in MAINS_HZ:
+        fits = [_amplitudes(b, hz) for b in blocks if b.test == "sine" and _clear(b, hz)]
+        if len(fits) < 4:
+            fits = [_amplitudes(b, hz) for b in blocks if b.test == "impact"]
+        if len(fits) < 3:
+            continue
+        size = np.abs(np.array(fits))
+        volts = np.median(size, axis=0)
+        n = blocks[-1].n_samples
+        z = volts / (noise_v * np.sqrt(2 / n))
+        # Steady: a response to the drive would change from record to record; hum does not.
+        steady = np.median(np.abs(size - volts), axis=0) < 0.2 * volts + 3 * noise_v * np.sqrt(2 / n)
+        clear = np.count_nonzero((z > 6) & steady)
+        if clear >= max(3, 0.6 * len(volts)) and (best is None or float(np.median(z)) > best.z):
+            best = Hum(hz, volts, float(np.median(z)))
+    return best
+
+
+def without_hum(block: Block, hum: Hum) -> Block:
+    """The record less its hum; the phase is the record's own."""
+    volts = block.samples * block.scale[:, None]
+    t = np.arange(block.n_samples) / block.rate_hz
+    phases = _amplitudes(block, hum.hz)
+    # One phase for all rows, weighed by how far each stands out.
+    phase = np.angle(np.sum(phases * hum.volts))
+    if block.test == "impact":
+        phase = _phase_before(block, hum)
+    cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.hz * t + phase)
+    return replace(block, samples=cleaned / block.scale[:, None])
+
+
+def _clear(block: Block, hz: float) -> bool:
+    return abs((block.frequency_hz or 0.0) - hz) > 3.0
+
+
+def _amplitudes(block: Block, hz: float) -> Complex:
+    """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
+    volts = block.samples * block.scale[:, None]
+    before = _before(block)
+    if block.test == "impact" and before > 60:
+        volts = volts[:, :before]
+    t = np.arange(volts.shape[1]) / block.rate_hz
+    columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
+    if block.test == "sine" and block.frequency_hz:
+        drive = round(block.frequency_hz * len(t) / block.rate_hz) * block.rate_hz / len(t)
+        columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
+    window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
+    basis = np.column_stack(columns)
+    a = np.linalg.lstsq(basis * window[:, None], (volts * window).T, rcond=None)[0]
+    return a[0] + 1j * a[1]
+
+
+def _before(block: Block) -> int:
+    return int(np.argmax(np.abs(block.samples[0]))) - 30
+
+
+def _phase_before(block: Block, hum: Hum) -> float:
+    z = _amplitudes(block, hum.hz)
+    return float(np.angle(np.sum(z * hum.volts)))

@@ -1,0 +1,77 @@
+"""What is always free: the beam within its tolerances, the damping of each mode, sensitivities if they are in doubt."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import RigError
+from modallab.schema.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.structure import MODES, Structure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Nuisances:
+    """Free numbers in units of their prior's deviation: E, thickness, density, damping ratios, sensitivities.
+
+    Attributes:
+        rig: the bench as believed.
+        modes: damping ratios that are free; those beyond the band stay at the guess.
+        gains: accelerometers whose sensitivity is free.
+        tolerance: relative deviation of a sensitivity.
+    """
+
+    rig: Rig
+    modes: int
+    gains: tuple[int, ...] = ()
+    tolerance: float = 0.0
+
+    @property
+    def size(self) -> int:
+        """How many."""
+        return 3 + self.modes + len(self.gains)
+
+    def build(self, u: Array) -> Twin:
+        """The twin without effects."""
+        beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
+        assert beam is not None
+        nominal = Structure.of(beam, damping.guess)
+        zeta = nominal.zeta.copy()
+        zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
+        structure = replace(
+            nominal,
+            youngs_modulus_pa=beam.youngs_modulus_pa * np.exp(u[0] * tolerance.youngs_modulus),
+            thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
+            density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
+            zeta=np.minimum(zeta, 0.95),
+        )
+        twin = Twin(structure)
+        if not self.gains:
+            return twin
+        factors = np.exp(u[3 + self.modes :] * self.tolerance)
+        gain = dict(zip(self.gains, factors.tolist(), strict=True))
+        return replace(twin, chain=replace(twin.chain, gain=gain))
+
+
+def nuisances(rig: Rig, top_hz: float) -> Nuisances:
+    """The nuisances of a rig whose data reach up to `top_hz`.
+
+    Raises:
+        RigError: the rig has no beam.
+    """
+    if rig.beam is None:
+        raise RigError(
+            "there is no beam to predict from", where=rig.name, remedy="give the beam's length, section and material"
+        )
+    ratios = np.array([0.5596, 3.507, 9.819, *((np.arange(4, MODES + 1) - 0.5) ** 2 * np.pi / 2)])
+    beam = rig.beam
+    radius = beam.thickness_m / np.sqrt(12)
+    hz = ratios * radius * np.sqrt(beam.youngs_modulus_pa / beam.density_kg_m3) / beam.length_m**2
+    modes = int(min(MODES, 1 + np.count_nonzero(hz < top_hz)))
+    # A tolerance that the rig file does not state is no licence to turn every gain.
+    stated = "sensitivity" in rig.tolerance.model_fields_set and rig.tolerance.sensitivity > 0
+    gains = tuple(c.index for c in rig.responses) if stated else ()
+    return Nuisances(rig, modes, gains, rig.tolerance.sensitivity if stated else 0.0)

@@ -1,0 +1,41 @@
+"""Records of a campaign and what the twin says they read."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.reduce import blow, harmonic, on_line, scaled
+from modallab.schema.block import Block
+from modallab.schema.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.predict import predict_blow, predict_sine
+
+Array = NDArray[np.float64]
+
+
+def blow_only(force: Array) -> Array:
+    """The force with everything but the blow set to zero."""
+    pulse, start = blow(force)
+    windowed = np.zeros_like(force)
+    windowed[start : start + len(pulse)] = pulse[: len(force) - start]
+    return windowed
+
+
+def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio: float = 1.0) -> Array:
+    """(channels, n) in m/s^2 at nominal sensitivities: one record from its measured force.
+
+    Args:
+        twin: the bench.
+        rig: the bench as believed.
+        block: the record; only its force is read.
+        last_order: place in time of its campaign's last record.
+        ratio: seen frequency of the sines over what was set.
+    """
+    force, _ = scaled(block, rig)
+    channels = tuple(c.index for c in rig.responses)
+    x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
+    drive, tau = rig.x_of(block.drive_point or 0), block.order / last_order
+    if block.test == "impact":
+        return predict_blow(twin, blow_only(force), block.rate_hz, drive, channels, x, tau)
+    n, dt = block.n_samples, 1 / block.rate_hz
+    f0 = on_line(block.frequency_hz or 0.0, n, dt) * ratio
+    return predict_sine(twin, harmonic(force, f0, dt), f0, n, block.rate_hz, drive, channels, x, tau)

@@ -1,0 +1,202 @@
+"""Which effects explain the data: each is fitted with the nuisances, several one after another."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.candidates import Candidate, chained, of_channel, structural, swaps
+from modallab.gap.fit import Fit, Problem, all_rows, minimise, softened
+from modallab.gap.forward import forward
+from modallab.gap.nuisances import Nuisances
+from modallab.gap.prefit import starts
+from modallab.gap.reduce import Reduced
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+COARSE = 0.3
+"""Largest relative model error that is forgiven while a fit finds its way."""
+FLAT = 1.12
+"""Rms residual below which nothing is left to explain."""
+WORTH = 0.9
+"""A further effect must leave less than this share of what was left, or the search ends."""
+HOLDS = 0.35
+"""An effect stays if without it more than this share of the gap would come back."""
+MOST = 3
+"""Effects in one diagnosis."""
+LONGER = 6
+"""Candidates of a round that get a second look."""
+WORKERS = 2
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Level:
+    """One round of the search.
+
+    Attributes:
+        base: the fit it began from.
+        fits: the fits that were finished, best first.
+        screened: (candidates, cost) of the others after a short look.
+    """
+
+    base: Fit
+    fits: tuple[Fit, ...]
+    screened: tuple[tuple[tuple[Candidate, ...], float], ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Bench:
+    """What a search works on.
+
+    Attributes:
+        data: all of what may be fitted.
+        thin: the same with fewer lines, for a first look.
+        free: the nuisances.
+        poles: of the ring-down.
+        allowed: whether an effect of this name may be used.
+        flat: rms residual below which nothing is left to explain.
+    """
+
+    data: Reduced
+    thin: Reduced
+    free: Nuisances
+    poles: Complex
+    allowed: Callable[[str], bool]
+    flat: float = FLAT
+
+
+def baseline(bench: Bench) -> Fit:
+    """The twin without effects, as well as it can be made to fit."""
+    begins = [s.u for s in starts((), bench.free, bench.poles, 1)]
+    fit = min((_short(bench, (), u, COARSE) for u in begins), key=lambda f: f.cost)
+    return finish(bench, fit, COARSE / 6)
+
+
+def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit brought to its end on all data."""
+    candidates = fit.problem.candidates
+    for level in (floor, floor / 6):
+        fit = minimise(Problem(bench.data, bench.free, candidates, level), fit.u, 3, 3e-2)
+    return minimise(Problem(bench.data, bench.free, candidates), fit.u, 12, 2e-3)
+
+
+def misfit(fit: Fit) -> float:
+    """Relative model error at which the fit would be excused: where a look for more must begin."""
+    for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
+        r = replace(fit.problem, floor=floor).residual(fit.u)
+        used = r[r != 0]
+        if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
+            return floor
+    return 0.001
+
+
+def _short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+    return minimise(Problem(bench.thin, bench.free, candidates, floor), u, 3, 5e-2)
+
+
+def _begins(bench: Bench, candidates: tuple[Candidate, ...], base: Fit, floor: float) -> list[Array]:
+    """Where to begin: at the fit so far with the best of the new effect's grid, and at the poles of the ring-down."""
+    added = candidates[-1]
+    problem = Problem(bench.thin, bench.free, candidates, floor)
+    begins: list[Array] = []
+    if floor > 0.05 and len(bench.poles) and added.effect in _MOVES_POLES:
+        former = base.u[bench.free.size :]
+        begins = [s.u for s in starts(candidates, bench.free, bench.poles, 2 if len(added.slots) > 1 else 1, former)]
+    scores: list[tuple[float, Array]] = []
+    grids = np.meshgrid(*(np.array(s.starts) for s in added.slots), indexing="ij")
+    for values in np.stack([g.ravel() for g in grids], axis=-1) if added.slots else [np.zeros(0)]:
+        more = np.array([s.coordinate(float(v)) for s, v in zip(added.slots, values, strict=True)])
+        u = np.concatenate([base.u, more])
+        r = problem.residual(u)
+        scores.append((float(np.sum(np.minimum(r**2, 1e4))), u))
+    return [*begins, min(scores, key=lambda s: s[0])[1]]
+
+
+_MOVES_POLES = frozenset(
+    {"clamp_rotation", "clamp_translation", "sensor_mass", "added_mass", "stiffness_loss", "ground_spring"}
+    | {"local_damper", "thermal_drift", "clock_error"}
+)
+
+
+def pool(bench: Bench, fit: Fit) -> list[Candidate]:
+    """The candidates worth a look after a fit: all of the bench, and those of the channels that stand out."""
+    rig = bench.data.rig
+    order = np.argsort(channel_share(fit))[::-1]
+    suspects = [bench.data.channels[i] for i in order[:2]]
+    pairs = swaps(tuple(sorted(bench.data.channels[i] for i in order[:3])))
+    found = structural(rig) + chained(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
+    present = {(c.effect, c.place) for c in fit.problem.candidates}
+    return [
+        c
+        for c in found
+        if bench.allowed(c.effect)
+        and (c.effect, c.place) not in present
+        and not (c.effect in _ONCE and any(p.effect == c.effect for p in fit.problem.candidates))
+        and _testable(c, bench.data)
+    ]
+
+
+_ONCE = frozenset(
+    {"clamp_rotation", "clamp_translation", "sensor_mass", "thermal_drift", "shaker_mass", "stinger_moment"}
+    | {"added_mass", "stiffness_loss", "ground_spring", "local_damper", "swap"}
+)
+
+
+def _testable(candidate: Candidate, data: Reduced) -> bool:
+    if candidate.effect == "hit_position":
+        return bool(data.impacts)
+    if candidate.effect in {"shaker_mass", "stinger_moment", "clock_error"}:
+        return data.sines is not None
+    return True
+
+
+def channel_share(fit: Fit) -> Array:
+    """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
+    twin, floor = fit.problem.twin(fit.u), misfit(fit)
+    total = np.zeros(len(fit.problem.data.channels))
+    for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
+        r = softened(rows, floor / 3).whiten(rows.y - y)
+        total += np.sum(np.minimum(np.abs(r) ** 2, 400.0), axis=1)
+    return total / max(float(np.sum(total)), 1e-300)
+
+
+def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
+    """One round: every candidate has a short look, the better ones a longer one, the best are fitted to the end."""
+    floor = misfit(base)
+    candidates = [(*base.problem.candidates, c) for c in pool(bench, base)]
+
+    def look(c: tuple[Candidate, ...]) -> Fit:
+        return min((_short(bench, c, u, floor) for u in _begins(bench, c, base, floor)), key=lambda f: f.cost)
+
+    def longer(f: Fit) -> Fit:
+        return _short(bench, f.problem.candidates, f.u, floor / 6)
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        looks = sorted(workers.map(look, candidates), key=lambda f: f.cost)
+        better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
+        best = list(workers.map(lambda f: finish(bench, f, floor / 12), better[:finished]))
+    fits = tuple(sorted(best, key=lambda f: f.cost))
+    rest = (*better, *looks[LONGER:])
+    return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def explain(bench: Bench) -> list[Level]:
+    """Round after round until nothing is left, or no further effect helps."""
+    base = baseline(bench)
+    levels: list[Level] = []
+    while base.gap > bench.flat and len(levels) < MOST:
+        level = round_of(bench, base)
+        levels.append(level)
+        if not level.fits or excess(level.fits[0]) > WORTH * excess(base):
+            break
+        base = level.fits[0]
+    return levels or [Level(base, (), ())]
+
+
+def excess(fit: Fit) -> float:
+    """What is left above the floor, in squares of noise units."""
+    return max(fit.gap**2 - 1, 1e-9)

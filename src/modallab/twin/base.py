@@ -1,0 +1,29 @@
+"""How the beam answers to a base that moves."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.elements import ELEMENTS
+from modallab.twin.structure import Structure, matrices, solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+def base_transmission(structure: Structure, x_m: Array, s: Complex) -> Complex:
+    """(points, k) absolute acceleration at places on the beam per acceleration of the base, at s (k,).
+
+    Relative motion is that under the inertia load -M 1 of the moving base.
+    """
+    modes = solve(structure)
+    _, mass = matrices(replace(structure))
+    rigid = np.zeros(2 * ELEMENTS + 2)
+    rigid[0::2] = 1.0
+    load = -(modes.columns.T @ (mass @ rigid))
+    out = modes.at(x_m)
+    relative = (out * load) @ (1 / (s - modes.poles[:, None]))
+    relative = relative + (out * load).conj() @ (1 / (s - modes.poles.conj()[:, None]))
+    return 1 + s**2 * relative

@@ -1,0 +1,102 @@
+"""The whole bench as the twin believes it: structure, excitation, measurement chain, clock."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.structure import Structure
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Mount:
+    """A loose mount under one accelerometer."""
+
+    channel: int
+    hz: float
+    zeta: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chain:
+    """Linear part of the measurement chain. Channels are numbered as in the rig file, 0 is the force.
+
+    Attributes:
+        gain: number -> factor on an accelerometer.
+        force_gain: factor on the force.
+        swap: two accelerometers that are exchanged.
+        shift: number -> m by which an accelerometer sits farther from the clamp.
+        corner_hz: first-order high-pass on every accelerometer; 0 for none.
+        mounts: loose mounts.
+        delay_s: every accelerometer reads what was there that long ago.
+        skew_s: row k is sampled k times that much later than row 0.
+    """
+
+    gain: dict[int, float] = field(default_factory=dict[int, float])
+    force_gain: float = 1.0
+    swap: tuple[int, int] | None = None
+    shift: dict[int, float] = field(default_factory=dict[int, float])
+    corner_hz: float = 0.0
+    mounts: tuple[Mount, ...] = ()
+    delay_s: float = 0.0
+    skew_s: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Twin:
+    """The bench as a model.
+
+    Attributes:
+        structure: the beam.
+        chain: the measurement chain.
+        ei_drift: relative change of EI from the first record to the last.
+        clock: relative error of the converter's rate.
+        hit_shift_m: every blow lands that much farther from the clamp.
+        shaker_mass_kg: mass on the beam at the shaker point, sine test only.
+        stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
+    """
+
+    structure: Structure
+    chain: Chain = Chain()
+    ei_drift: float = 0.0
+    clock: float = 0.0
+    hit_shift_m: float = 0.0
+    shaker_mass_kg: float = 0.0
+    stinger_k_rot: float = 0.0
+
+    def in_sine(self, shaker_x_m: float) -> Structure:
+        """The structure while the shaker hangs on it."""
+        s = self.structure
+        if self.shaker_mass_kg:
+            s = replace(s, masses=(*s.masses, (shaker_x_m, self.shaker_mass_kg)))
+        if self.stinger_k_rot:
+            s = replace(s, rotation_springs=(*s.rotation_springs, (shaker_x_m, self.stinger_k_rot)))
+        return s
+
+
+def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
+    """(channels, ...) what the chain makes of an acceleration per measured force at complex frequencies s (...)."""
+    total = np.ones((len(channels), *s.shape), dtype=np.complex128) / chain.force_gain
+    if chain.corner_hz:
+        total *= s / (s + 2 * np.pi * chain.corner_hz)
+    if chain.delay_s:
+        total *= np.exp(-s * chain.delay_s)
+    for i, channel in enumerate(channels):
+        total[i] *= chain.gain.get(channel, 1.0)
+        if chain.skew_s:
+            total[i] *= np.exp(s * channel * chain.skew_s)
+    for mount in chain.mounts:
+        omega = 2 * np.pi * mount.hz
+        total[channels.index(mount.channel)] *= (2 * mount.zeta * omega * s + omega**2) / (
+            s**2 + 2 * mount.zeta * omega * s + omega**2
+        )
+    return total
+
+
+def is_flat(chain: Chain) -> bool:
+    """Whether the chain is the same on every frequency."""
+    return not (chain.corner_hz or chain.mounts or chain.delay_s or chain.skew_s)

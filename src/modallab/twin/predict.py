@@ -1,0 +1,118 @@
+"""What the accelerometers read, sample by sample, from the measured force of a record that began from rest."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.bench import Chain, Twin, transfer
+from modallab.twin.response import Blows, Sines
+from modallab.twin.structure import Modes, solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+def predict_blow(
+    twin: Twin, force_n: Array, rate_hz: float, drive_x_m: float, channels: tuple[int, ...], x_m: Array, tau: float
+) -> Array:
+    """(channels, n) accelerations in m/s^2 from a blow.
+
+    Args:
+        twin: the bench.
+        force_n: (n,) force in N, zero outside the blow.
+        rate_hz: rate the record states.
+        drive_x_m: point of the blow.
+        channels: rows of the accelerometers.
+        x_m: their places.
+        tau: place of the record in the campaign's time, 0 to 1.
+    """
+    n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
+    modes = drifted(solve(twin.structure), twin.ei_drift, tau)
+    x = min(max(drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
+    struck = np.flatnonzero(force_n)
+    first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
+    spectrum = np.fft.rfft(force_n)
+    lines = np.arange(float(len(spectrum)))
+    one = np.ones((1, len(lines)), dtype=np.complex128)
+    source = Blows(lines, n, dt, force_n[None, first:last], np.array([first]), one)
+    residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(x)[0]
+    forced_sum = np.zeros((len(channels), len(lines)), dtype=np.complex128)
+    total = np.zeros_like(forced_sum)
+    for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
+        forced, tail = source.kernel(poles)
+        forced_sum += r @ forced
+        total += (r * transfer(twin.chain, channels, poles)) @ tail
+    chain = transfer(twin.chain, channels, source.s)
+    # A high-pass has no answer at rest: 0 / 0 there.
+    total += np.nan_to_num(chain) * forced_sum * spectrum
+    return _swapped(twin.chain, channels, np.fft.irfft(total, n=n, axis=1))
+
+
+def predict_sine(
+    twin: Twin,
+    amplitude_n: complex,
+    frequency_hz: float,
+    n: int,
+    rate_hz: float,
+    drive_x_m: float,
+    channels: tuple[int, ...],
+    x_m: Array,
+    tau: float,
+) -> Array:
+    """(channels, n) accelerations in m/s^2 of a sine block, with what rings on from its start.
+
+    Args:
+        twin: the bench.
+        amplitude_n: complex amplitude of the force: f(t) = Re(amplitude exp(j omega t)).
+        frequency_hz: its frequency on the stated clock.
+        n: samples.
+        rate_hz: rate the record states.
+        drive_x_m: point of the shaker.
+        channels: rows of the accelerometers.
+        x_m: their places.
+        tau: place of the record in the campaign's time, 0 to 1.
+    """
+    dt = 1 / rate_hz / (1 + twin.clock)
+    world_hz = frequency_hz * (1 + twin.clock)
+    modes = drifted(solve(twin.in_sine(drive_x_m)), twin.ei_drift, tau)
+    source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]))
+    residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
+    t = np.arange(n) * dt
+    drive = source.drive[0]
+    up = np.zeros(len(channels), dtype=np.complex128)
+    down, rings = np.zeros_like(up), np.zeros((len(channels), n))
+    for poles, r in ((modes.poles, residue), (modes.poles.conj(), residue.conj())):
+        a, b, decay = source.kernel(poles)
+        up += r @ a[:, 0]
+        down += r @ b[:, 0]
+        # The kernel's decay is per n / 2 and per unit of the complex amplitude.
+        weight = r * transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
+        rings += np.real(weight @ np.exp(poles[:, None] * t))
+    steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
+    steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
+    forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
+    return _swapped(twin.chain, channels, forced + rings)
+
+
+def drifted(modes: Modes, ei_drift: float, tau: float) -> Modes:
+    """Modes after EI has changed by its share of the drift."""
+    if not ei_drift:
+        return modes
+    scale = float(np.sqrt(max(1e-3, 1 + ei_drift * tau)))
+    return replace(modes, poles=modes.poles * scale, columns=modes.columns / np.sqrt(scale))
+
+
+def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Complex:
+    x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
+    return modes.at(np.clip(x, 0.0, modes.length_m))
+
+
+def _swapped(chain: Chain, channels: tuple[int, ...], y: Array) -> Array:
+    if chain.swap is None:
+        return y
+    order = np.arange(len(channels))
+    i, j = (channels.index(c) for c in chain.swap)
+    order[[i, j]] = order[[j, i]]
+    return y[order]

@@ -1,0 +1,129 @@
+"""What a pole answers to a measured force, on the lines of a block's DFT, ring-down cut off where the block ends.
+
+For a pole l and the displacement residue R the acceleration of a block that holds the whole force f is, on line k,
+R (F_k s^2 / (s - l) - l^2 F(l) p^N / (1 - p / z)), s = j omega_k, z = exp(s dt), p = exp(l dt), F(l) the Laplace
+transform of the force: the whole response less what rings on after the block. A sine block is its steady state and
+the decay that its start, eight seconds before, has left.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+HISTORY_S = 8.0
+"""Time from the start of a sine to its block."""
+RAMP_S = 1.0
+"""Its linear rise."""
+TAIL_SHARE = 0.45
+"""Poles beyond this share of the rate leave no tail: nothing in the band excites them."""
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Blows:
+    """Blows at one point, taken together: sum conj(F_j) Y_j / sum |F_j|^2 on each line.
+
+    Attributes:
+        lines: (k,) DFT lines.
+        n: samples of a block.
+        dt: seconds.
+        pulses: (hits, m) force in N about each blow, zero elsewhere.
+        first: (hits,) sample at which each pulse begins.
+        weights: (hits, k) conj(F_j) / sum |F_j|^2, F the DFT of the force.
+    """
+
+    lines: Array
+    n: int
+    dt: float
+    pulses: Array
+    first: NDArray[np.int64]
+    weights: Complex
+
+    @property
+    def s(self) -> Complex:
+        """(k,) j omega of the lines."""
+        return 2j * np.pi * self.lines / (self.n * self.dt)
+
+    def kernel(self, poles: Complex) -> tuple[Complex, Complex]:
+        """(p, k) of the forced part and of the tail, per unit residue and unit force."""
+        s = self.s
+        forced = s**2 / (s - poles[:, None])
+        times = (self.first[:, None] + np.arange(self.pulses.shape[1])) * self.dt
+        kept = np.abs(poles) * self.dt < 2 * np.pi * TAIL_SHARE
+        p = poles[kept]
+        laplace = np.einsum("hm,phm->ph", self.pulses, np.exp(-p[:, None, None] * times)) * self.dt
+        decay = np.exp(p * self.dt)
+        tail = np.zeros_like(forced)
+        shape = -(p**2 * np.exp(p * self.n * self.dt))[:, None] / (1 - decay[:, None] * np.exp(-s * self.dt))
+        tail[kept] = shape * (laplace @ self.weights)
+        return forced, tail
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sines:
+    """Sine blocks of one length, each on a few lines about its own; scaled by n / 2 times the force amplitude.
+
+    Attributes:
+        lines: (blocks, k) DFT lines.
+        frequency_hz: (blocks,) what the generator was set to, on the clock of the world.
+        n: samples of a block.
+        dt: seconds between samples, on the clock of the world.
+        force: (blocks,) complex amplitude of the force in N: f(t) = Re(force exp(j omega t)), t from the block's start.
+    """
+
+    lines: Array
+    frequency_hz: Array
+    n: int
+    dt: float
+    force: Complex
+
+    @property
+    def s(self) -> Complex:
+        """(blocks, k) j omega of the lines."""
+        return 2j * np.pi * self.lines / (self.n * self.dt)
+
+    @property
+    def drive(self) -> Complex:
+        """(blocks,) j omega of the force."""
+        return 2j * np.pi * self.frequency_hz
+
+    def shares(self) -> tuple[Complex, Complex]:
+        """(blocks, k) what exp(j omega t) and what its conjugate leave on the lines, of n / 2 times the force."""
+        turned = (np.conj(self.force) / self.force)[:, None]
+        drive = self.drive[:, None]
+        return _geometric(drive - self.s, self.dt, self.n) / self.n, turned * _geometric(
+            -drive - self.s, self.dt, self.n
+        ) / self.n
+
+    def kernel(self, poles: Complex) -> tuple[Complex, Complex, Complex]:
+        """Steady gain at +omega and at -omega and amplitude of the decay, (p, blocks) each, per unit residue and force.
+
+        Poles are (p,) or (p, blocks).
+        """
+        poles = poles if poles.ndim == 2 else np.broadcast_to(poles[:, None], (len(poles), len(self.force)))
+        drive = self.drive
+        turned = np.conj(self.force) / self.force
+        start = (_ramp_up(drive - poles) + turned * _ramp_up(-drive - poles)) / self.n
+        return drive**2 / (drive - poles), drive**2 / (-drive - poles), poles**2 * start
+
+    def decay_shape(self, poles: Complex) -> Complex:
+        """(p, blocks, k) DFT of exp(pole t) over the block; poles (p,) or (p, blocks)."""
+        poles = poles[:, :, None] if poles.ndim == 2 else poles[:, None, None]
+        return _geometric(poles - self.s, self.dt, self.n)
+
+
+def _geometric(a: Complex, dt: float, n: int) -> Complex:
+    """Sum of exp(a dt m) for m = 0 ... n - 1."""
+    ratio = np.exp(a * dt)
+    one = np.abs(ratio - 1) < 1e-12
+    return np.where(one, n, (1 - np.exp(a * dt * n)) / np.where(one, 1, 1 - ratio))
+
+
+def _ramp_up(a: Complex) -> Complex:
+    """What a linear rise of exp(a t) leaves at t = 0, less its steady state: minus the mean of its slope over a."""
+    late, early = np.exp(-(HISTORY_S - RAMP_S) * a), np.exp(-HISTORY_S * a)
+    return -(late - early) / (RAMP_S * a**2)

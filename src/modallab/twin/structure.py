@@ -1,0 +1,168 @@
+"""The cantilever's numbers, and the modes that follow from them."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from modallab.schema.rig import Beam
+from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, slope_rows, weakened
+
+MODES = 15
+"""Modes kept: well past the band."""
+RIGID = 1e-7
+"""Root compliance, in beam compliances, that counts as rigid."""
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+Attached = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Structure:
+    """A cantilever with what may be wrong with it. Places are in m from the clamp.
+
+    Attributes:
+        length_m: length.
+        width_m: width.
+        thickness_m: thickness h; EI = E b h^3 / 12, rhoA = rho b h, rhoI = rhoA h^2 / 12.
+        youngs_modulus_pa: E.
+        density_kg_m3: rho.
+        zeta: (MODES,) damping ratio of each mode.
+        ei_field: (terms,) share of EI in cos(j pi x / L), j = 1, 2, ...
+        mass_field: (terms,) the same for rhoA.
+        root_rotation: compliance of the root in L / EI; 0 is rigid.
+        root_translation: the same across the beam, in L^3 / EI.
+        masses: (x, kg).
+        springs: (x, N/m) to ground.
+        rotation_springs: (x, N m/rad) to ground.
+        dampers: (x, N s/m) to ground.
+        losses: (x, share of EI lost there, half width in m).
+    """
+
+    length_m: float
+    width_m: float
+    thickness_m: float
+    youngs_modulus_pa: float
+    density_kg_m3: float
+    zeta: Array
+    ei_field: Array = field(default_factory=lambda: np.zeros(FIELD_TERMS))
+    mass_field: Array = field(default_factory=lambda: np.zeros(FIELD_TERMS))
+    root_rotation: float = 0.0
+    root_translation: float = 0.0
+    masses: Attached = ()
+    springs: Attached = ()
+    rotation_springs: Attached = ()
+    dampers: Attached = ()
+    losses: tuple[tuple[float, float, float], ...] = ()
+
+    @classmethod
+    def of(cls, beam: Beam, damping_ratio: float) -> "Structure":
+        """The structure a rig file believes in."""
+        return cls(
+            beam.length_m,
+            beam.width_m,
+            beam.thickness_m,
+            beam.youngs_modulus_pa,
+            beam.density_kg_m3,
+            np.full(MODES, damping_ratio),
+        )
+
+    @property
+    def bending_stiffness(self) -> float:
+        """EI in N m^2."""
+        return self.youngs_modulus_pa * self.width_m * self.thickness_m**3 / 12
+
+    @property
+    def mass_per_length(self) -> float:
+        """RhoA in kg/m."""
+        return self.density_kg_m3 * self.width_m * self.thickness_m
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Modes:
+    """Poles and shapes: displacement at a by force at b is sum_p psi_ap psi_bp / (s - pole_p) and its conjugate.
+
+    Attributes:
+        poles: (p,) rad/s, imaginary part >= 0.
+        columns: (n, p) complex shapes over the elements' degrees of freedom, scaled so that the formula holds.
+        length_m: length of the beam.
+    """
+
+    poles: Complex
+    columns: Complex
+    length_m: float
+
+    def at(self, x_m: float | Array) -> Complex:
+        """(points, p) shapes at places on the beam."""
+        return shape_rows(x_m, self.length_m) @ self.columns
+
+    @property
+    def frequency_hz(self) -> Array:
+        """(p,) undamped natural frequencies."""
+        return np.abs(self.poles) / (2 * np.pi)
+
+
+def solve(structure: Structure) -> Modes:
+    """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
+    stiffness, mass = matrices(structure)
+    free = _free(structure)
+    values, vectors = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], check_finite=False)
+    omega, phi = np.sqrt(np.maximum(values[:MODES], 1e-12)), np.zeros((len(stiffness), MODES))
+    phi[free] = vectors[:, :MODES]
+    if structure.dampers:
+        poles, mixing = _coupled(structure, omega, phi)
+        return Modes(poles, phi @ mixing, structure.length_m)
+    zeta = structure.zeta
+    damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
+    return Modes(-zeta * omega + 1j * damped, phi / np.sqrt(2j * damped), structure.length_m)
+
+
+def matrices(structure: Structure) -> tuple[Array, Array]:
+    """Stiffness and mass over all degrees of freedom; those a rigid root takes are still in."""
+    pattern, length = patterns(structure.length_m), structure.length_m
+    ei, rho_a = structure.bending_stiffness, structure.mass_per_length
+    stiffness = ei * (pattern.stiffness[0] + np.tensordot(structure.ei_field, pattern.stiffness[1:], 1))
+    mass = rho_a * (pattern.mass[0] + np.tensordot(structure.mass_field, pattern.mass[1:], 1))
+    mass += rho_a * structure.thickness_m**2 / 12 * pattern.rotary
+    if structure.root_translation > RIGID:
+        stiffness[0, 0] += ei / length**3 / structure.root_translation
+    if structure.root_rotation > RIGID:
+        stiffness[1, 1] += ei / length / structure.root_rotation
+    for x, share, width in structure.losses:
+        stiffness += ei * weakened(x, width, length, share)
+    for x, value in structure.springs:
+        stiffness += value * _square(shape_rows(x, length)[0])
+    for x, value in structure.rotation_springs:
+        stiffness += value * _square(slope_rows(x, length)[0])
+    for x, value in structure.masses:
+        mass += value * _square(shape_rows(x, length)[0])
+    return stiffness, mass
+
+
+def _free(structure: Structure) -> NDArray[np.int64]:
+    held = {i for i, c in enumerate((structure.root_translation, structure.root_rotation)) if c <= RIGID}
+    return np.array([i for i in range(2 * ELEMENTS + 2) if i not in held])
+
+
+def _square(row: Array) -> Array:
+    return np.outer(row, row)
+
+
+def _coupled(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
+    n = len(omega)
+    damping = np.diag(2 * structure.zeta * omega)
+    for x, value in structure.dampers:
+        damping += value * _square((shape_rows(x, structure.length_m) @ phi)[0])
+    state = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(omega**2), -damping]])
+    poles, vectors = (v.astype(np.complex128) for v in np.linalg.eig(state))
+    # Of a conjugate pair one half is kept; a real pole counts half, as the conjugate doubles it.
+    keep = poles.imag >= 0
+    poles, shapes = poles[keep], vectors[:n, keep]
+    norm = np.einsum("ip,ij,jp->p", shapes, damping, shapes) + 2 * poles * np.einsum("ip,ip->p", shapes, shapes)
+    weight = np.where(poles.imag == 0, 0.5, 1.0)
+    order = np.argsort(np.abs(poles))
+    scaled = shapes * np.sqrt(weight / norm)
+    return poles[order].astype(np.complex128), scaled[:, order].astype(np.complex128)
