@@ -46,6 +46,12 @@ def test_every_channel_with_nan_or_infinity_is_named(samples: NDArray[np.float64
     assert "channel a03: 2 of 256 samples are NaN or infinite, the first is sample 0" in message
 
 
+def test_a_number_no_bench_can_hold_is_named(samples: NDArray[np.float64]) -> None:
+    samples[2, 5] = -1e300
+    message = refused(check_signals, samples, NAMES, PLACE)
+    assert "channel a02: 1 of 256 samples are beyond 1e+30, the first is sample 5" in message
+
+
 def test_a_dead_channel_is_named_with_its_value(samples: NDArray[np.float64]) -> None:
     samples[2] = 0.25
     assert "channel a02 is dead: all 256 samples are 0.25" in refused(check_signals, samples, NAMES, PLACE)

@@ -249,6 +249,12 @@ def test_values_that_are_missing_within_a_set_are_counted(tmp_path: Path) -> Non
     assert "set 1 is cut off or damaged: 483 of 603 values are there" in refused(FormatError, path)
 
 
+def test_ordinates_of_an_unknown_type_are_told(tmp_path: Path) -> None:
+    path = write_uff(tmp_path / "a.uff", *frf_sets(), binary=True)
+    path.write_bytes(path.read_bytes().replace(b"         6        64", b"         3        64", 1))
+    assert "set 1 has ordinates of type 3; the format knows 2, 4, 5 and 6" in refused(FormatError, path)
+
+
 def test_a_universal_file_that_is_none_is_told(tmp_path: Path) -> None:
     path = tmp_path / "report.uff"
     path.write_text("Measurement report\n")

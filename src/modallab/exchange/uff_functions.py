@@ -124,6 +124,12 @@ def _read_set(source: Any, index: int, where: str) -> dict[str, Any]:
 
 def _function(source: Any, index: int, where: str) -> Function:
     content = _read_set(source, index, where)
+    if "data" not in content:
+        raise FormatError(
+            f"set {index + 1} has ordinates of type {content.get('ord_data_type')}; the format knows 2, 4, 5 and 6",
+            where=where,
+            remedy=_COPY_AGAIN,
+        )
     values = np.asarray(content["data"])
     if len(values) != content["num_pts"] or len(content["x"]) != len(values) or not len(values):
         raise FormatError(

@@ -18,6 +18,9 @@ __all__ = ["check_frequencies", "check_frf", "check_rate", "check_signals", "che
 _QUIET_LEVELS = 4
 """A living channel that takes no more values than this is at the converter's last count."""
 
+_LARGEST = 1e30
+"""No quantity on a bench is as large, in any unit: such a number comes from a damaged file."""
+
 
 class _Finding(NamedTuple):
     what: str
@@ -58,7 +61,7 @@ def identical_channels(samples: NDArray[Any], channels: Sequence[str]) -> tuple[
     first: dict[bytes, str] = {}
     pairs: list[tuple[str, str]] = []
     for name, row in zip(channels, samples, strict=True):
-        if np.ptp(row) == 0:
+        if (row == row[0]).all():
             continue
         original = first.setdefault(row.tobytes(), name)
         if original != name:
@@ -100,9 +103,10 @@ def check_frf(
 
 
 def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
-    bad = ~np.isfinite(frf)
+    bad = ~((np.abs(frf.real) <= _LARGEST) & (np.abs(frf.imag) <= _LARGEST))
     if bad.any():
-        return [_Finding(f"channel {name}: {int(bad.sum())} lines of its FRF are NaN or infinite", _RECORD_AGAIN)]
+        what = f"beyond {_LARGEST:g}" if np.isfinite(frf).all() else "NaN or infinite"
+        return [_Finding(f"channel {name}: {int(bad.sum())} lines of its FRF are {what}", _RECORD_AGAIN)]
     if not frf.any():
         return [_Finding(f"channel {name}: its FRF is zero at every line", _MEND)]
     # One line may be real by chance, as the line at 0 Hz is.
@@ -138,15 +142,14 @@ def _check_shape(samples: NDArray[Any], channels: Sequence[str], where: str) -> 
 def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding]:
     if samples.dtype.kind != "f":
         return []
-    bad = ~np.isfinite(samples)
-    return [
-        _Finding(
-            f"channel {channels[i]}: {int(bad[i].sum())} of {bad.shape[1]} samples are NaN or infinite, "
-            f"the first is sample {int(bad[i].argmax())}",
-            _RECORD_AGAIN,
-        )
-        for i in map(int, np.flatnonzero(bad.any(axis=1)))
-    ]
+    bad = ~(np.abs(samples) <= _LARGEST)
+    findings: list[_Finding] = []
+    for i in map(int, np.flatnonzero(bad.any(axis=1))):
+        what = f"beyond {_LARGEST:g}" if np.isfinite(samples[i]).all() else "NaN or infinite"
+        count, first = int(bad[i].sum()), int(bad[i].argmax())
+        found = f"channel {channels[i]}: {count} of {bad.shape[1]} samples are {what}, the first is sample {first}"
+        findings.append(_Finding(found, _RECORD_AGAIN))
+    return findings
 
 
 def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> list[_Finding]:
