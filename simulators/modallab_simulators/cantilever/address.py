@@ -1,11 +1,14 @@
-"""The address of the simulated bench: `sim://cantilever?seed=1&bad_hits=0.1`."""
+"""The address of the simulated bench: `sim://cantilever?seed=1&bad_hits=0.1&effect=added_mass,mass=0.05,x=0.4`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import inf, isfinite
 from urllib.parse import parse_qsl, urlsplit
 
 from modallab.errors import ConfigurationError
+from modallab.schema.effects import Effect
+from modallab_simulators.cantilever.effects.read import read_effect
+from modallab_simulators.cantilever.swing import PEAK_N
 
 MAX_ZETA = 0.2
 
@@ -22,6 +25,8 @@ class Settings:
         zeta: damping ratios of the first modes; a single one is that of every mode; empty: drawn.
         n_per_v: shaker and power amplifier, newton per volt of the generator.
         place_m: standard deviation of the place of a blow about its point.
+        peak_n: between which forces the operator's blows peak, before what the sensors bear is known.
+        effects: what else is wrong with the bench; the parameter `effect` may occur many times.
     """
 
     seed: int = 0
@@ -31,13 +36,16 @@ class Settings:
     zeta: tuple[float, ...] = ()
     n_per_v: float = 0.5
     place_m: float = 0.0
+    peak_n: tuple[float, float] = PEAK_N
+    effects: tuple[Effect, ...] = ()
 
 
 def parse(url: str) -> Settings:
     """Read an address strictly.
 
     Raises:
-        ConfigurationError: another bench than `cantilever`, an unknown or repeated parameter, a value not allowed.
+        ConfigurationError: another bench than `cantilever`; or all unknown or repeated parameters and values that are
+            not allowed, in one message.
     """
     parts = urlsplit(url)
     if parts.scheme != "sim" or parts.netloc != "cantilever" or parts.path not in ("", "/") or parts.fragment:
@@ -50,24 +58,43 @@ def parse(url: str) -> Settings:
         raise ConfigurationError(
             f"cannot read the parameters {parts.query!r}: {error}", where=url, remedy="write name=value&name=value"
         ) from error
-    values: dict[str, object] = {}
-    for name, text in pairs:
-        values[name] = _value(url, name, text, repeated=name in values)
+    values, problems = _read(pairs)
+    if problems:
+        raise ConfigurationError(
+            "\n".join(problems), where=url, remedy="correct what is named, or leave it out to have the default"
+        )
     return Settings(**values)  # pyright: ignore[reportArgumentType]  # each reader returns the field's type
 
 
-def _value(url: str, name: str, text: str, *, repeated: bool) -> object:
+def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, object], list[str]]:
+    values: dict[str, object] = {}
+    effects: list[Effect] = []
+    problems: list[str] = []
+    for name, text in pairs:
+        if name == "effect":
+            effect, wrong = read_effect(text)
+            problems += wrong
+            effects += [effect] if effect else []
+        elif name in values:
+            problems.append(f"parameter {name!r} occurs twice; allowed: once")
+        else:
+            values[name] = _value(name, text, problems)
+    if effects:
+        values["effects"] = tuple(effects)
+    return values, problems
+
+
+def _value(name: str, text: str, problems: list[str]) -> object:
     if name not in _READERS:
-        raise ConfigurationError(
-            f"unknown parameter {name!r}", where=url, remedy=f"use only: {', '.join(sorted(_READERS))}"
-        )
-    if repeated:
-        raise ConfigurationError(f"parameter {name!r} occurs twice", where=url, remedy="give it once")
+        names = ", ".join(sorted(f.name if f.name != "effects" else "effect" for f in fields(Settings)))
+        problems.append(f"unknown parameter {name!r}; allowed: {names}")
+        return None
     reader, allowed = _READERS[name]
     try:
         return reader(text)
-    except ValueError as error:
-        raise ConfigurationError(f"{name} is {text!r}", where=url, remedy=f"allowed: {allowed}") from error
+    except ValueError:
+        problems.append(f"{name} is {text!r}; allowed: {allowed}")
+        return None
 
 
 def _number(low: float, high: float, *, above: bool = False) -> Callable[[str], float]:
@@ -101,6 +128,13 @@ def _ratios(text: str) -> tuple[float, ...]:
     return values
 
 
+def _peaks(text: str) -> tuple[float, float]:
+    low, high = (float(part) for part in text.split(","))
+    if not 0 < low <= high < inf:
+        raise ValueError(text)
+    return low, high
+
+
 _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "seed": (_seed, "a whole number from 0"),
     "bad_hits": (_number(0.0, 1.0), "a probability, 0 to 1"),
@@ -109,4 +143,5 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "zeta": (_ratios, f"damping ratios above 0 to {MAX_ZETA}: one for every mode, or a list 0.005,0.004,..."),
     "n_per_v": (_number(0.0, 1e4, above=True), "newton per volt of the generator, above 0 to 1e4"),
     "place_m": (_number(0.0, 0.1), "standard deviation of a blow's place in m, 0 to 0.1"),
+    "peak_n": (_peaks, "lowest and highest peak of a blow in N, such as 50,150"),
 }

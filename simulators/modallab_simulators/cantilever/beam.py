@@ -9,6 +9,7 @@ too high for double precision.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, pi
 from typing import Any
 
@@ -55,16 +56,40 @@ class CantileverBeam:
         sure = int(limit / pi)
         return sure + (_wave_number(sure + 1, self.kappa) < limit)
 
-    def shapes(self, x_m: Floats, count: int) -> Floats:
-        """Mode shapes at unit modal mass in kg^-1/2, (points, count)."""
-        unit = unit_shapes(x_m / self.length_m, wave_numbers(count, self.kappa), self.kappa)
-        return unit / np.sqrt(self.mass_kg_m * self.length_m)
+    @property
+    def total_mass_kg(self) -> float:
+        """Of the beam."""
+        return self.mass_kg_m * self.length_m
 
-    def flexibility(self, x_m: Floats, force_x_m: float) -> Floats:
-        """Static displacement at `x_m` per force at `force_x_m`, in m/N: bending of the beam and turn of the root."""
-        near, far = np.minimum(x_m, force_x_m), np.maximum(x_m, force_x_m)
-        bend = near**2 * (3 * far - near) / (6 * self.bending_stiffness_n_m2)
-        return bend if self.kappa == inf else bend + near * far / self.root_stiffness_nm_rad
+    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+        """Mode shapes, or their derivative of an order along x, at unit modal mass in kg^-1/2, (points, count)."""
+        unit = unit_shapes(x_m / self.length_m, wave_numbers(count, self.kappa), self.kappa, order)
+        return unit / np.sqrt(self.mass_kg_m * self.length_m) / self.length_m**order
+
+    def participation(self, count: int) -> Floats:
+        """Integral of mass times shape, in kg^1/2, (count,): what the shear at the root carries in free vibration."""
+        shear = self.bending_stiffness_n_m2 * self.shapes(np.zeros(1), count, 3)[0]
+        return -shear / self.omega(count) ** 2
+
+    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+        """Static answer at `x_m` to a load at `force_x_m`: bending of the beam and turn of the root, (points,).
+
+        Args:
+            x_m: where it is seen, (points,).
+            force_x_m: where the load stands.
+            seen: 0 the displacement, 1 the slope.
+            put: 0 a force, 1 a moment.
+        """
+        near = np.minimum(x_m, force_x_m)
+        if seen == put == 0:
+            bend = near**2 * (3 * np.maximum(x_m, force_x_m) - near) / (6 * self.bending_stiffness_n_m2)
+        else:
+            # The integral over both moment diagrams, of which at least one is constant.
+            arm = {(0, 1): x_m * near - near**2 / 2, (1, 0): force_x_m * near - near**2 / 2, (1, 1): near}
+            bend = arm[seen, put] / self.bending_stiffness_n_m2
+        if self.kappa == inf:
+            return bend
+        return bend + x_m ** (1 - seen) * force_x_m ** (1 - put) / self.root_stiffness_nm_rad
 
 
 def wave_numbers(count: int, kappa: float) -> Floats:
@@ -72,6 +97,7 @@ def wave_numbers(count: int, kappa: float) -> Floats:
     return np.array([_wave_number(n, kappa) for n in range(1, count + 1)], dtype=np.float64)
 
 
+@lru_cache(maxsize=4096)
 def _wave_number(n: int, kappa: float) -> float:
     # Dividing by kappa or by b keeps the terms of order one for a soft as for a stiff root.
     soft, stiff = (kappa, 1.0) if kappa < 1 else (1.0, 0.0 if kappa == inf else 1.0 / kappa)
@@ -87,16 +113,24 @@ def _sech(b: Any) -> Any:
     return 2 * np.exp(-b) / (1 + np.exp(-2 * b))
 
 
-def unit_shapes(xi: Floats, b: Floats, kappa: float) -> Floats:
-    """Shapes with integral of W^2 over xi of one, positive at the tip, (points, modes)."""
+def unit_shapes(xi: Floats, b: Floats, kappa: float, order: int = 0) -> Floats:
+    """Shapes with integral of W^2 over xi of one, positive at the tip, or a derivative of them, (points, modes)."""
     s, c, t, sech = np.sin(b), np.cos(b), np.tanh(b), _sech(b)
     d = s - c * t
     growing = (1 + (s + c) * np.exp(-b)) / (1 + np.exp(-2 * b))
     falling = (s - c - c * t - sech + s * t) / 2
     z = np.multiply.outer(xi, b)
-    shape = (c + sech + s * t) * np.sin(z) - d * np.cos(z) + growing * np.exp(z - b) + falling * np.exp(-z)
+    sine, cosine = _turned(c + sech + s * t, d, order)
+    shape = sine * np.sin(z) - cosine * np.cos(z) + growing * np.exp(z - b) + (-1) ** order * falling * np.exp(-z)
     tip = (c + sech + s * t) * s - d * c + growing + falling * np.exp(-b)
-    return shape * np.sign(tip) / np.sqrt(_norm(tip, d, c + sech, b, kappa))
+    return shape * np.sign(tip) / np.sqrt(_norm(tip, d, c + sech, b, kappa)) * b**order
+
+
+def _turned(sine: Floats, cosine: Floats, order: int) -> tuple[Floats, Floats]:
+    # The derivative of a sin z - d cos z is d sin z + a cos z.
+    for _ in range(order):
+        sine, cosine = cosine, -sine
+    return sine, cosine
 
 
 def _norm(tip: Floats, d: Floats, turn: Floats, b: Floats, kappa: float) -> Floats:

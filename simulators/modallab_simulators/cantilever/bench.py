@@ -10,49 +10,79 @@ from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, Request
 from modallab.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.schema.rig import Rig
 from modallab_simulators.cantilever.address import Settings
-from modallab_simulators.cantilever.antialias import DELAY
-from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Contact
+from modallab_simulators.cantilever.hammer import Blow
 from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
-from modallab_simulators.cantilever.structure import Drive, Structure
-from modallab_simulators.cantilever.swing import Swing, draw_swing
-from modallab_simulators.cantilever.truth import draw_truth, oversampling
+from modallab_simulators.cantilever.structure import BLOCK
+from modallab_simulators.cantilever.swing import draw_swing
+from modallab_simulators.cantilever.truth import Truth, draw_truth
 
 RATES_HZ = (100.0, 10_000.0)
 OUTPUT_RANGE_V = 10.0
 LATENCY_S = 0.002
 CUT_S = 0.001
-_HEADROOM = 0.8
+KNOCK_S = 1.0
+KNOCK_JITTER_S = (0.0, 0.05)
+KNOCK_SPREAD = (0.75, 1.45)
 
 State = Literal["open", "configured", "running", "stopped", "closed"]
 
 
 class CantileverBench:
-    """A cantilever with hammer, shaker and sensors. Its time goes on only while it is read."""
+    """A cantilever with hammer, shaker and sensors. Its time goes on only while it is read.
 
-    def __init__(self, url: str, rig: Rig, settings: Settings) -> None:
+    Args:
+        url: its address.
+        rig: what stands there.
+        settings: what the address says.
+        first_start: how many starts and blows went before, which counts where noise and blows are drawn.
+    """
+
+    def __init__(self, url: str, rig: Rig, settings: Settings, first_start: int = 0) -> None:
         self._rig, self._settings = rig, settings
-        self._outputs = outputs_of(rig)
         self._truth = draw_truth(settings, rig)
+        self._rows = len(outputs_of(rig, self._truth.effects))
         self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
         self._info = BenchInfo(
             url,
             (("simulated cantilever", f"seed {settings.seed}"),),
             can_drive=self._shaker_x is not None,
             real_time=settings.pace,
-            facts=self._truth.facts(rig),
+            facts=self._truth.facts(),
         )
         self._state: State = "open"
-        self._starts = self._swings = 0
+        self._starts = self._swings = first_start
+        self._blow_s = 0.0
+        self._age_s = 0.0
 
     @property
     def info(self) -> BenchInfo:
         """What this bench is, with the truth in its facts."""
         return self._info
+
+    @property
+    def truth(self) -> Truth:
+        """What the seed has drawn, and what was put into it."""
+        return self._truth
+
+    @property
+    def blow_sample(self) -> int:
+        """Sample at which the force of the blow last prompted begins."""
+        return ceil(self._blow_s * self._site.rate_hz) + self._site.structure.latency
+
+    def rest_until(self, bench_s: float) -> None:
+        """Let bench time pass between stop and start: nothing happens but what a drift does."""
+        self._require("configured", "stopped", to="rest")
+        self._age_s = max(self._age_s, bench_s)
+
+    def skip(self, position: int) -> None:
+        """Go on to a sample count without keeping what lies before."""
+        self._require("running", to="skip")
+        self._stream.skip(position)
 
     def configure(self, request: Request) -> Delivery:
         """Set rate and preamplifiers; any rate from 100 Hz to 10 kHz is delivered as it was asked for."""
@@ -62,21 +92,26 @@ class CantileverBench:
                 f"rate {request.rate_hz:g} Hz", where=self._info.url, remedy="ask for 100 Hz to 10 kHz"
             )
         self._rate = float(request.rate_hz)
-        self._chain = Chain.of(self._rig, request.test)
-        self._structure = Structure(self._truth.basis(self._rate), self._outputs, self._rate, oversampling(self._rate))
+        self._site = Site(self._truth, self._rig, request.test, self._rate)
         self._state = "configured"
-        units = ("V",) * len(self._outputs)
-        return Delivery(
-            self._rate, self._rate, self._rate, self._chain.dtype, self._chain.volts_per_count.copy(), units
-        )
+        chain = self._site.chain
+        units = ("V",) * self._rows
+        return Delivery(self._rate, self._rate, self._rate, chain.dtype, chain.volts_per_count.copy(), units)
 
     def start(self) -> None:
         """Start with the beam at rest and the sample count at 0."""
         self._require("configured", "stopped", to="start")
         self._starts += 1
-        self._excitation = Excitation(self._shaker_x, self._settings.n_per_v)
-        noise = generator(self._settings.seed, Stream.NOISE, self._starts)
-        self._stream = SampleStream(self._structure, self._chain, self._excitation, self._rate, noise)
+        site, began_s = self._site, self._age_s
+        site.age(began_s, exactly=True)
+        self._excitation = Excitation(self._shaker_x, self._settings.n_per_v, site.floor_of_start(self._starts))
+        self._stream = SampleStream(
+            lambda block: site.age(began_s + block * BLOCK / site.rate_hz),
+            site.chain_of_start(self._starts),
+            self._excitation,
+            site.rate_hz,
+            generator(self._settings.seed, Stream.NOISE, self._starts),
+        )
         self._began_s = time.monotonic()
         self._state = "running"
 
@@ -89,7 +124,7 @@ class CantileverBench:
             self._wait(count, timeout_s)
         first = self._stream.position
         samples = self._stream.take(count)
-        return Chunk(first, samples, self._chain.overload(samples))
+        return Chunk(first, samples, self._site.chain.overload(samples))
 
     def play(self, burst: Burst) -> int:
         """Start a burst a few samples from now."""
@@ -100,9 +135,9 @@ class CantileverBench:
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        self._excitation.emit(Emission(burst, start / self._rate, self._truth.clock))
+        self._excitation.emit(Emission(burst, start / self._site.rate_hz, self._truth.clock))
         self._stream.changed()
-        return start + DELAY
+        return start + self._site.structure.latency
 
     def prompt_hit(self, point: int) -> None:
         """The virtual operator will strike `point` after a reaction time; a newer prompt replaces an older one."""
@@ -110,10 +145,12 @@ class CantileverBench:
         x_m = self._rig.x_of(point)
         self._swings += 1
         rng = generator(self._settings.seed, Stream.HITS, self._swings)
-        swing = draw_swing(rng, self._settings.bad_hits, self._settings.place_m)
-        x_m = float(np.clip(x_m + swing.place_m, 0.0, self._truth.true.beam.length_m))
-        blow = swing.blow(self._now_s, x_m, self._bearable_n(swing, x_m))
-        self._excitation.strike(blow, self._now_s)
+        swing = draw_swing(rng, self._settings.bad_hits, self._settings.place_m, self._settings.peak_n)
+        bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
+        x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.number("hit_position", "dx", 0.0))
+        blows = self._with_knock(swing.blow(self._now_s, x_m, bearable_n))
+        self._blow_s = blows[-1].start_s
+        self._excitation.strike(blows, self._now_s)
         self._stream.changed()
 
     def zero(self) -> None:
@@ -127,6 +164,7 @@ class CantileverBench:
         if self._state == "running":
             self.zero()
             self._state = "stopped"
+            self._age_s += self._now_s
 
     def close(self) -> None:
         """Release the bench."""
@@ -135,7 +173,18 @@ class CantileverBench:
 
     @property
     def _now_s(self) -> float:
-        return self._stream.position / self._rate
+        return self._stream.position / self._site.rate_hz
+
+    def _on_beam(self, x_m: float) -> float:
+        return float(np.clip(x_m, 0.0, self._truth.true.beam.length_m))
+
+    def _with_knock(self, blow: Blow) -> list[Blow]:
+        """The blow, and before it what it finds still ringing: a knock the transducer does not feel."""
+        fraction = self._truth.effects.number("residual_ringing", "fraction", 0.0)
+        if not fraction:
+            return [blow]
+        rng = generator(self._settings.seed, Stream.KNOCKS, self._swings)
+        return [blow.knock(fraction * rng.uniform(*KNOCK_SPREAD)), blow.after(KNOCK_S + rng.uniform(*KNOCK_JITTER_S))]
 
     def _require(self, *legal: State, to: str) -> None:
         if self._state not in legal:
@@ -146,7 +195,7 @@ class CantileverBench:
             )
 
     def _wait(self, count: int, timeout_s: float) -> None:
-        due_s = self._began_s + (self._stream.position + count) / self._rate - time.monotonic()
+        due_s = self._began_s + (self._stream.position + count) / self._site.rate_hz - time.monotonic()
         if due_s > timeout_s:
             time.sleep(max(timeout_s, 0.0))
             raise BenchTimeoutError(
@@ -155,16 +204,6 @@ class CantileverBench:
                 remedy="read fewer samples, or wait longer; nothing is lost",
             )
         time.sleep(max(due_s, 0.0))
-
-    def _bearable_n(self, swing: Swing, x_m: float) -> float:
-        """Peak at which the most driven channel is at 0.8 of its rail: a good operator keeps below."""
-        first, count = self._structure.times(0)
-        step_s = 1 / (self._rate * self._structure.oversample)
-        unit = Contact(0.001, swing.width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * step_s)
-        seen, _ = self._structure.advance(self._structure.at_rest, [Drive(x_m, unit)])
-        peaks = np.max(np.abs(seen), axis=1) * np.abs(self._chain.volts_per_si)
-        rails = self._chain.volts_per_count * self._chain.high
-        return _HEADROOM / float(np.max(peaks / rails))
 
 
 def _check(burst: Burst, rate_hz: float) -> None:

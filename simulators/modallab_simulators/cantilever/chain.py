@@ -1,72 +1,117 @@
-"""Preamplifiers and converter: from what a channel sees to counts."""
+"""Preamplifiers and converter: from what a row sees to counts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.schema.rig import Converter, Rig
+from modallab.schema.rig import Channel, Converter, Rig
 from modallab.schema.units import Test, si_factor
+from modallab_simulators.cantilever.channels import sensor_rows
+from modallab_simulators.cantilever.effects.injected import Injected
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Hum:
+    """The mains on every row: volts (0.5 + 0.1 k) in row k."""
+
+    volts: float = 0.0
+    hz: float = 50.0
+    phase: float = 0.0
+
+    def on(self, rows: int, times_s: Floats) -> Floats:
+        """In V, (rows, times)."""
+        wave = np.sin(2 * np.pi * self.hz * times_s + self.phase)
+        return np.multiply.outer(self.volts * (0.5 + 0.1 * np.arange(rows)), wave)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Chain:
-    """The chain of all channels, in rig order.
+    """The chain of all rows, in rig order.
 
     Attributes:
-        volts_per_si: (channels,) sensitivity in V per SI unit, signed by the sensor's direction.
-        volts_per_count: (channels,)
-        noise_rms_v: white noise before the converter.
+        volts_per_si: (rows,) sensitivity in V per SI unit, signed by the sensor's direction.
+        volts_per_count: (rows,)
+        noise_rms_v: (rows,) white noise before the converter.
         low: smallest count.
         high: largest count.
         dtype: of the counts.
+        clip_v: (rows,) beyond which a row goes no further.
+        hum: the mains.
     """
 
-    volts_per_si: NDArray[np.float64]
-    volts_per_count: NDArray[np.float64]
-    noise_rms_v: float
+    volts_per_si: Floats
+    volts_per_count: Floats
+    noise_rms_v: Floats
     low: int
     high: int
     dtype: np.dtype[np.generic]
+    clip_v: Floats
+    hum: Hum = field(default_factory=Hum)
 
     @classmethod
-    def of(cls, rig: Rig, test: Test) -> Self:
-        """The chain of a rig in a test.
+    def of(cls, rig: Rig, test: Test, effects: Injected) -> Self:
+        """The chain of a rig in a test, nothing clipped yet.
 
         Raises:
             RigError: a channel has no sensitivity for this test.
         """
         converter = rig.converter or Converter()
-        volts = [
-            c.sensitivity(test) / si_factor(c.quantity, c.unit, c.name) * _turned(rig, c.direction)
-            for c in rig.channels
-        ]
+        sensors = [rig.channels[sensor] for sensor in sensor_rows(rig, effects)]
         full = 2 ** (converter.bits - 1)
         return cls(
-            np.array(volts),
+            np.array([_volts_per_si(rig, c, test) * _gain(c, effects) for c in sensors]),
             np.array([(c.range_v or converter.range_v) / full for c in rig.channels]),
-            converter.noise_rms_v,
+            np.array([converter.noise_rms_v * _noise(row, effects) for row in range(len(rig.channels))]),
             -full,
             full - 1,
             np.dtype(np.int16 if converter.bits <= 16 else np.int32),
+            np.full(len(rig.channels), inf),
         )
 
-    def convert(self, seen: NDArray[np.float64], noise: NDArray[np.float32]) -> NDArray[np.generic]:
-        """Counts of what the channels see in SI units, both (channels, n); noise is of unit variance."""
+    def clipped(self, row: int, level_v: float) -> Self:
+        """The same, with one row cut at a level."""
+        levels = self.clip_v.copy()
+        levels[row] = level_v
+        return replace(self, clip_v=levels)
+
+    def convert(self, seen: Floats, noise: NDArray[np.float32], times_s: Floats) -> NDArray[np.generic]:
+        """Counts of what the rows see in SI units at some times, both (rows, n); noise is of unit variance."""
         counts = seen * (self.volts_per_si / self.volts_per_count)[:, None]
         counts += noise * (self.noise_rms_v / self.volts_per_count).astype(np.float32)[:, None]
+        if self.hum.volts:
+            counts += self.hum.on(len(seen), times_s) / self.volts_per_count[:, None]
+        for row in np.flatnonzero(np.isfinite(self.clip_v)):
+            level = self.clip_v[row] / self.volts_per_count[row]
+            np.clip(counts[row], -level, level, out=counts[row])
         np.rint(counts, out=counts)
         np.clip(counts, self.low, self.high, out=counts)
         return counts.astype(self.dtype)
 
     def overload(self, samples: NDArray[np.generic]) -> NDArray[np.bool_]:
-        """Which channels stand at a rail anywhere in `samples`, (channels,)."""
+        """Which rows stand at a rail anywhere in `samples`, (rows,)."""
         return np.any((samples == self.high) | (samples == self.low), axis=1)
 
 
-def _turned(rig: Rig, direction: str) -> float:
+def _volts_per_si(rig: Rig, channel: Channel, test: Test) -> float:
+    volts = channel.sensitivity(test) / si_factor(channel.quantity, channel.unit, channel.name)
     # The beam bends in the plane of the drive only: a sensor across it sees no motion.
-    if direction[1] != rig.drive_direction[1]:
+    if channel.direction[1] != rig.drive_direction[1]:
         return 0.0
-    return 1.0 if direction[0] == rig.drive_direction[0] else -1.0
+    return volts if channel.direction[0] == rig.drive_direction[0] else -volts
+
+
+def _gain(channel: Channel, effects: Injected) -> float:
+    if channel.quantity == "force":
+        return effects.number("force_gain", "gain", 1.0)
+    gain, sign = effects.on("gain_error", channel.index), effects.on("polarity", channel.index)
+    return (gain.parameters["gain"] if gain else 1.0) * (sign.parameters["sign"] if sign else 1.0)
+
+
+def _noise(row: int, effects: Injected) -> float:
+    noisy = effects.on("noisy_channel", row)
+    return noisy.parameters["factor"] if noisy else 1.0

@@ -25,6 +25,9 @@ class Stream(IntEnum):
     CLOCK = 3
     NOISE = 4
     HITS = 5
+    HUM = 6
+    FLOOR = 7
+    KNOCKS = 8
 
 
 def generator(seed: int, stream: Stream, *place: int) -> np.random.Generator:

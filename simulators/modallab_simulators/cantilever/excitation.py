@@ -1,7 +1,8 @@
-"""What drives the beam and when: blows struck or meant, bursts on the shaker."""
+"""What drives the beam and when: blows struck or meant, bursts on the shaker, a floor that shakes."""
 
 import numpy as np
 
+from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Blow
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.structure import Drive
@@ -10,16 +11,17 @@ from modallab_simulators.cantilever.structure import Drive
 class Excitation:
     """The timeline of all forces, in seconds since the stream began."""
 
-    def __init__(self, shaker_x_m: float | None, n_per_v: float) -> None:
+    def __init__(self, shaker_x_m: float | None, n_per_v: float, floor: Floor | None = None) -> None:
         self._shaker_x_m = shaker_x_m
         self._n_per_v = n_per_v
+        self._floor = floor
         self._blows: list[Blow] = []
         self._emissions: list[Emission] = []
 
-    def strike(self, blow: Blow, now_s: float) -> None:
-        """Schedule a blow; one that was meant but not yet struck is given up for it."""
+    def strike(self, blows: list[Blow], now_s: float) -> None:
+        """Schedule blows; those that were meant but not yet struck are given up for them."""
         self._blows = [b for b in self._blows if b.start_s <= now_s]
-        self._blows.append(blow)
+        self._blows += blows
 
     def emit(self, emission: Emission) -> None:
         """Put a burst on the shaker."""
@@ -39,15 +41,16 @@ class Excitation:
         self._emissions = [e for e in self._emissions if e.end_s >= before_s]
 
     def drives(self, first: int, count: int, step_s: float) -> list[Drive]:
-        """The forces that act on `count` internal samples from `first`; none where nothing excites."""
+        """The loads that act on `count` internal samples from `first`; none where nothing excites."""
         start_s, end_s = first * step_s, (first + count) * step_s
         blows = [b for b in self._blows if b.start_s < end_s and b.end_s > start_s]
         emissions = [e for e in self._emissions if e.start_s < end_s and e.end_s > start_s]
+        shaking = [Drive(0.0, self._floor.acceleration(first, count), 0.0, "base", False)] if self._floor else []
         if not blows and not emissions:
-            return []
+            return shaking
         times = np.arange(first, first + count, dtype=np.float64) * step_s
-        drives = [Drive(blow.x_m, blow.force(times)) for blow in blows]
+        drives = [Drive(blow.x_m, blow.force(times), seen=blow.seen) for blow in blows]
         if emissions and self._shaker_x_m is not None:
             volts = np.sum([e.volts(times) for e in emissions], axis=0)
             drives.append(Drive(self._shaker_x_m, volts * self._n_per_v, 1 / self._n_per_v))
-        return drives
+        return drives + shaking

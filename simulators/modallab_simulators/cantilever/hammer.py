@@ -1,6 +1,6 @@
 """The hammer's blow: one smooth contact, or two."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,11 @@ class Contact:
 
 @dataclass(frozen=True, slots=True)
 class Blow:
-    """What the hammer does at one place."""
+    """What the hammer does at one place; or, where its transducer does not feel it, something else that knocks."""
 
     x_m: float
     contacts: tuple[Contact, ...]
+    seen: bool = True
 
     @property
     def start_s(self) -> float:
@@ -38,6 +39,15 @@ class Blow:
     def end_s(self) -> float:
         """When it last lets go."""
         return self.contacts[-1].start_s + self.contacts[-1].width_s
+
+    def after(self, wait_s: float) -> "Blow":
+        """The same, later."""
+        return replace(self, contacts=tuple(replace(c, start_s=c.start_s + wait_s) for c in self.contacts))
+
+    def knock(self, share: float) -> "Blow":
+        """A share of the first contact, which the transducer does not feel."""
+        first = self.contacts[0]
+        return Blow(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
 
     def force(self, times_s: Floats) -> Floats:
         """Force in N at the given times."""

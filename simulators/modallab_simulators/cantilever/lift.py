@@ -8,8 +8,8 @@ from modallab_simulators.cantilever.hold import TAPS, step_taps
 
 def modal_taps(
     poles: NDArray[np.complex128], step_s: float, lowpass_taps: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-    """What a filtered mode owes to each force sample, (3 orders, modes, taps), and to the state before, (modes,)."""
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """What a filtered mode owes to each force sample, (modes, taps), and to the state before, (modes,)."""
     step = np.exp(poles * step_s)
     length = len(lowpass_taps) - 1
     after = np.empty((length, len(poles)), dtype=np.complex128)
@@ -19,8 +19,7 @@ def modal_taps(
         total = total * step + lowpass_taps[length - s]
     holds = step_taps(poles, step_s)
     modal = np.array([np.convolve(after[:, r], holds[r]) for r in range(len(poles))]).reshape(len(poles), -1)
-    orders = np.stack([(poles**d / poles.imag)[:, None] * modal for d in range(3)]).imag
-    return orders, total
+    return modal, total
 
 
 def state_taps(poles: NDArray[np.complex128], step_s: float, oversample: int) -> NDArray[np.complex128]:

@@ -1,8 +1,9 @@
 """The beam in time: modal superposition, exact between internal samples, seen through the anti-alias filter.
 
-Each mode is a first-order complex oscillator z' = p z + f with p = -zeta omega + j omega_d, so that at unit modal mass
-q = Im(z) / omega_d, q' = Im(p z) / omega_d and q'' = Im(p^2 z) / omega_d + f. Modes above the internal rate's reach
-answer quasi-statically, with what they add to the static flexibility.
+Each mode is a first-order complex oscillator z' = p z + f (see `basis`): a point moves as Im(sum of c z) with
+c = psi(x) psi(x_f) / s, its velocity is Im(sum of c p z) + Im(sum of c) f, its acceleration Im(sum of c p^2 z) +
+Im(sum of c p) f + Im(sum of c) f'. Modes above the internal rate's reach answer quasi-statically, with what they add
+to the static flexibility. A sensor's own dynamics add their poles to those of the beam.
 
 The filter is linear as the beam is, so both are applied at once: a filtered output is a fixed combination of the state
 at the filter's far end and of the force samples since. The state is all a stretch needs to know of the past.
@@ -10,50 +11,29 @@ at the filter's far end and of the force samples since. The state is all a stret
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, rfft
+from scipy.fft import irfft, next_fast_len, rfft
 
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
-from modallab_simulators.cantilever.beam import CantileverBeam
-from modallab_simulators.cantilever.hold import REACH, TAPS, difference_taps
+from modallab_simulators.cantilever.basis import Basis
+from modallab_simulators.cantilever.hold import REACH, difference_taps
 from modallab_simulators.cantilever.lift import modal_taps, state_taps
 from modallab_simulators.cantilever.scan import Complex, Scan
+from modallab_simulators.cantilever.sensor import Sensor
 
 Floats = NDArray[np.float64]
 
 BLOCK = 960
 """Delivered samples in one stretch: with the filter's length it fills an FFT of 1024."""
 
-_SPAN = 2 * DELAY
-_COLUMNS = _SPAN + 3
-_FFT = BLOCK + _COLUMNS + 1
 _TINY = 1e-150
+_PLAIN = Sensor()
 
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ModalBasis:
-    """The modes that are integrated in time: the first len(omega) of the beam."""
-
-    beam: CantileverBeam
-    omega: Floats
-    zeta: Floats
-
-    @property
-    def poles(self) -> Complex:
-        """p = -zeta omega + j omega sqrt(1 - zeta^2)."""
-        return self.omega * (-self.zeta + 1j * np.sqrt(1 - self.zeta**2))
-
-    def shapes(self, x_m: Floats) -> Floats:
-        """At unit modal mass in kg^-1/2, (points, modes)."""
-        return self.beam.shapes(x_m, len(self.omega))
-
-    def remainder(self, x_m: Floats, force_x_m: float) -> Floats:
-        """Static flexibility of all modes beyond, in m/N, (points,)."""
-        own = self.shapes(x_m) * self.shapes(np.array([force_x_m])) / self.omega**2
-        return self.beam.flexibility(x_m, force_x_m) - own.sum(axis=1)
+Load = Literal["force", "moment", "base"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,56 +44,93 @@ class Output:
         kind: the motion of a point, the force, or the generator's voltage.
         x_m: where, for a motion.
         order: derivative of the displacement: 0, 1 or 2.
+        later_s: how much later than the force it is sampled.
+        sensor: what becomes of the motion before it is volts.
     """
 
     kind: Literal["motion", "force", "voltage"]
     x_m: float = 0.0
     order: int = 0
+    later_s: float = 0.0
+    sensor: Sensor = _PLAIN
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Drive:
-    """A force on the beam.
+    """A load on the beam.
 
     Attributes:
         x_m: where.
-        force_n: on the internal samples of `Structure.times`.
+        force_n: on the internal samples of `Structure.times`; of a moment in N m, of the base in m/s^2.
         volts_per_n: of the generator behind it; 0 for a hammer.
+        load: a force, a moment, or an acceleration of the base.
+        seen: whether the force transducer feels it.
     """
 
     x_m: float
     force_n: Floats
     volts_per_n: float = 0.0
+    load: Load = "force"
+    seen: bool = True
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Filter:
+    """The filter of rows sampled alike, and what a filtered oscillator owes to each force sample."""
+
+    taps: Floats
+    modal: Complex
+    tail: Complex
 
 
 class Structure:
     """Turns forces into what the converter sees, one stretch of BLOCK delivered samples after another."""
 
-    def __init__(self, basis: ModalBasis, outputs: Sequence[Output], rate_hz: float, oversample: int) -> None:
+    def __init__(self, basis: Basis, outputs: Sequence[Output], rate_hz: float, oversample: int) -> None:
         self.oversample = oversample
         self._step_s = 1 / (rate_hz * oversample)
         self._basis = basis
         self._outputs = tuple(outputs)
         self._x = np.array([o.x_m for o in outputs])
-        self._orders = np.array([o.order for o in outputs])
-        self._moving = np.array([o.kind == "motion" for o in outputs])
-        self._lowpass = lowpass(oversample)
-        self._scan = Scan(basis.poles, oversample * self._step_s, BLOCK)
-        self._phi = basis.shapes(self._x) * self._moving[:, None]
-        self._modal_taps, tail = modal_taps(basis.poles, self._step_s, self._lowpass)
-        self._seen = self._seen_states(tail)
-        self._drive_taps = state_taps(basis.poles, self._step_s, oversample)
-        self._inputs: dict[tuple[float, float], tuple[Floats, Complex]] = {}
+        self._wait = max(0, ceil(max(o.later_s for o in outputs) * rate_hz - 1e-9))
+        self._span = 2 * DELAY + self._wait
+        self._columns = self._span + 3
+        self._fft = next_fast_len(BLOCK + self._columns + 1, real=True)
+        owned = [pole for o in outputs for pole in o.sensor.poles]
+        self._poles = np.concatenate([basis.poles, np.array(owned, dtype=np.complex128)])
+        self._scan = Scan(self._poles, oversample * self._step_s, BLOCK)
+        self._filters = self._filters_of()
+        self._gains = self._output_gains()
+        tails = np.stack([self._filters[o.later_s].tail for o in outputs])
+        # Im(g z) = Im(g) Re(z) + Re(g) Im(z), with z stored as pairs.
+        seen = self._gains * tails
+        self._seen = np.stack([seen.imag, seen.real], axis=2).reshape(len(outputs), -1)
+        self._drive_taps = state_taps(self._poles, self._step_s, oversample)
+        self._inputs: dict[tuple[float, float, Load, bool], tuple[Complex, Complex]] = {}
+
+    @property
+    def latency(self) -> int:
+        """Delivered samples by which the force is delayed."""
+        return DELAY + self._wait
 
     @property
     def at_rest(self) -> Complex:
         """The state of a beam that has never moved."""
-        return np.zeros(len(self._basis.omega), dtype=np.complex128)
+        return np.zeros(len(self._poles), dtype=np.complex128)
+
+    def taken_over(self, other: "Structure", state: Complex) -> Complex:
+        """This structure's state where displacement and velocity of every mode are those of another's."""
+        count = len(self._basis.poles)
+        p, q, z = self._basis.poles, other._basis.poles, state[:count]
+        place = z.imag / other._basis.scale
+        taken = state.copy()
+        taken[:count] = z.real + (q.real - p.real) * place + 1j * place * self._basis.scale
+        return taken
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
-        first = (block * BLOCK - _SPAN - 1) * self.oversample
-        return first, (BLOCK + _COLUMNS - 1) * self.oversample
+        first = (block * BLOCK - self._span - 1) * self.oversample
+        return first, (BLOCK + self._columns - 1) * self.oversample
 
     def advance(self, state: Complex, drives: Sequence[Drive]) -> tuple[Floats, Complex]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
@@ -123,62 +140,123 @@ class Structure:
             states, after = self._scan.free(state)
             return self._seen @ states.view(np.float64).T, _flushed(after)
         driving = np.zeros((BLOCK, len(state)), dtype=np.complex128)
-        spectrum = np.zeros((len(self._outputs), _FFT // 2 + 1), dtype=np.complex128)
+        spectrum = np.zeros((len(self._outputs), self._fft // 2 + 1), dtype=np.complex128)
         for drive in drives:
-            phi, kernel = self._input(drive.x_m, drive.volts_per_n)
-            driving += self._modal_drive(drive.force_n, phi)
+            into, kernel = self._input(drive)
+            driving += self._modal_drive(drive.force_n, into)
             spectrum += self._filtered(drive.force_n, kernel)
         states, after = self._scan.driven(state, driving)
-        seen = irfft(spectrum, _FFT, axis=1)[:, _COLUMNS - 1 : _COLUMNS - 1 + BLOCK]
+        seen = irfft(spectrum, self._fft, axis=1)[:, self._columns - 1 : self._columns - 1 + BLOCK]
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
-    def _modal_drive(self, force: Floats, phi: Floats) -> Complex:
+    def _modal_drive(self, force: Floats, into: Complex) -> Complex:
         width = self._drive_taps.shape[0]
         windows = np.lib.stride_tricks.sliding_window_view(force, width)[self.oversample - REACH :: self.oversample]
         driving = np.ascontiguousarray(windows[:BLOCK]) @ self._drive_taps.view(np.float64)
-        return driving.view(np.complex128) * phi
+        return driving.view(np.complex128) * into
 
     def _filtered(self, force: Floats, kernel: Complex) -> Complex:
         phases = np.ascontiguousarray(force.reshape(-1, self.oversample).T)
-        return np.einsum("cjf,jf->cf", kernel, rfft(phases, _FFT, axis=1))
+        return np.einsum("cjf,jf->cf", kernel, rfft(phases, self._fft, axis=1))
 
-    def _seen_states(self, tail: Complex) -> Floats:
-        poles = self._basis.poles
-        gains = self._phi * tail * poles ** self._orders[:, None] / poles.imag
-        # Im(g z) = Im(g) Re(z) + Re(g) Im(z), with z stored as pairs.
-        return np.stack([gains.imag, gains.real], axis=2).reshape(len(self._outputs), -1)
+    def _filters_of(self) -> dict[float, _Filter]:
+        wait = self._wait * self.oversample
+        filters: dict[float, _Filter] = {}
+        for later_s in dict.fromkeys(o.later_s for o in self._outputs):
+            taps = lowpass(self.oversample, later_s / self._step_s, wait)
+            filters[later_s] = _Filter(taps, *modal_taps(self._poles, self._step_s, taps))
+        return filters
 
-    def _input(self, x_m: float, volts_per_n: float) -> tuple[Floats, Complex]:
-        key = (x_m, volts_per_n)
+    def _output_gains(self) -> Complex:
+        """What each output sees of each oscillator of unit input, (outputs, poles)."""
+        poles, scale = self._basis.poles, self._basis.scale
+        psi = self._basis.shapes(self._x)
+        gains = np.zeros((len(self._outputs), len(self._poles)), dtype=np.complex128)
+        place = len(poles)
+        for row, output in enumerate(self._outputs):
+            if output.kind != "motion":
+                continue
+            gains[row, : len(poles)] = psi[row] * poles**output.order / scale * output.sensor.at(poles)
+            for pole, residue in zip(output.sensor.poles, output.sensor.residues, strict=True):
+                gains[row, place] = (2j if pole.imag else 1j) * residue
+                place += 1
+        return gains
+
+    def _input(self, drive: Drive) -> tuple[Complex, Complex]:
+        key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen)
         if key not in self._inputs:
             if len(self._inputs) > 64:
                 self._inputs.clear()
-            phi = self._basis.shapes(np.array([x_m]))[0]
-            self._inputs[key] = (phi, self._kernel(self._impulse_taps(phi, x_m, volts_per_n)))
+            into, feeds = self._coupling(drive)
+            self._inputs[key] = (into, self._kernel(self._impulse_taps(into, feeds)))
         return self._inputs[key]
 
-    def _impulse_taps(self, phi: Floats, x_m: float, volts_per_n: float) -> Floats:
-        """Filtered output per force sample since the filter's far end, (outputs, taps)."""
-        taps = np.zeros((len(self._outputs), len(self._lowpass) + TAPS - 2))
-        rest = self._basis.remainder(self._x, x_m)
-        plain = np.convolve(self._lowpass, difference_taps(0, self._step_s))
+    def _coupling(self, drive: Drive) -> tuple[Complex, Floats]:
+        """What a unit load puts into each oscillator, (poles,), and at once into each output, (outputs, 3)."""
+        basis, at = self._basis, np.array([drive.x_m])
+        if drive.load == "base":
+            psi, rest = basis.participation, basis.base_remainder(self._x)
+        else:
+            put = 1 if drive.load == "moment" else 0
+            psi, rest = basis.shapes(at, put)[0], basis.remainder(self._x, drive.x_m, put)
+        shares = basis.shapes(self._x) * psi / basis.scale
+        into, feeds = [psi.astype(np.complex128)], np.zeros((len(self._outputs), 3))
         for row, output in enumerate(self._outputs):
-            if output.kind != "motion":
-                taps[row] = plain * (1.0 if output.kind == "force" else volts_per_n)
-                continue
-            modal = self._phi[row] * phi
-            taps[row] = modal @ self._modal_taps[output.order]
-            taps[row] += rest[row] * np.convolve(self._lowpass, difference_taps(output.order, self._step_s))
-            if output.order == 2:
-                taps[row] += modal.sum() * plain
-        return taps
+            if output.kind == "motion":
+                plain = _plain_feeds(shares[row], basis.poles, rest[row], output.order, drive.load == "base")
+                feeds[row] = _sensed_feeds(plain, output.sensor)
+                c = shares[row] * basis.poles**output.order
+                into.append(np.array([_transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
+            elif output.kind == "force":
+                feeds[row, 0] = 1.0 if drive.seen else 0.0
+            else:
+                feeds[row, 0] = drive.volts_per_n
+        return np.concatenate(into), feeds
+
+    def _impulse_taps(self, into: Complex, feeds: Floats) -> Floats:
+        """Filtered output per force sample since the filter's far end, (outputs, taps)."""
+        directs = np.stack([difference_taps(order, self._step_s) for order in range(3)])
+        rows: list[Floats] = []
+        for row, output in enumerate(self._outputs):
+            chain = self._filters[output.later_s]
+            rows.append(((self._gains[row] * into) @ chain.modal).imag + np.convolve(chain.taps, feeds[row] @ directs))
+        return np.array(rows)
 
     def _kernel(self, taps: Floats) -> Complex:
-        padded = np.zeros((len(taps), _COLUMNS * self.oversample))
+        padded = np.zeros((len(taps), self._columns * self.oversample))
         padded[:, self.oversample - REACH : self.oversample - REACH + taps.shape[1]] = taps
-        phases = padded.reshape(len(taps), _COLUMNS, self.oversample)[:, ::-1].transpose(0, 2, 1)
-        return rfft(np.ascontiguousarray(phases), _FFT, axis=2)
+        phases = padded.reshape(len(taps), self._columns, self.oversample)[:, ::-1].transpose(0, 2, 1)
+        return rfft(np.ascontiguousarray(phases), self._fft, axis=2)
+
+
+def _plain_feeds(shares: Complex | Floats, poles: Complex, rest: float, order: int, base: bool) -> Floats:
+    """Weights of f, f' and f'' in the derivative of an order of a point's motion, (3,)."""
+    feeds = np.zeros(3)
+    feeds[order] = rest
+    if order:
+        feeds[order - 1] += float(np.sum(shares).imag)
+    if order == 2:
+        feeds[0] += float(np.sum(shares * poles).imag)
+    if base:
+        # An accelerometer feels the base's own acceleration too.
+        feeds[0] += 1.0 if order == 2 else 0.0
+    return feeds
+
+
+def _sensed_feeds(feeds: Floats, sensor: Sensor) -> Floats:
+    """The same behind a sensor: of (w0 + w1 s + w2 s^2) H(s), the part that is a polynomial."""
+    sensed = sensor.direct * feeds
+    for pole, residue in sensor.pairs:
+        sensed[0] += (residue * (feeds[1] + feeds[2] * pole)).real
+        sensed[1] += (residue * feeds[2]).real
+    return sensed
+
+
+def _transfer(c: Complex, poles: Complex, feeds: Floats, s: complex) -> complex:
+    """What a unit load makes of a point's motion at a complex frequency."""
+    modal = (c / (s - poles) - np.conj(c) / (s - np.conj(poles))).sum() / 2j
+    return complex(modal + feeds[0] + feeds[1] * s + feeds[2] * s * s)
 
 
 def _flushed(state: Complex) -> Complex:

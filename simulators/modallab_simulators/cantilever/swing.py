@@ -46,10 +46,12 @@ class Swing:
         return Blow(x_m, tuple(contacts))
 
 
-def draw_swing(rng: np.random.Generator, bad_hits: float, place_m: float) -> Swing:
+def draw_swing(
+    rng: np.random.Generator, bad_hits: float, place_m: float, peaks_n: tuple[float, float] = PEAK_N
+) -> Swing:
     """Draw a blow; with probability `bad_hits` a bad one, as often a double hit as too weak."""
     reaction, width = rng.uniform(*REACTION_S), rng.uniform(*WIDTH_S)
-    peak, place = rng.uniform(*PEAK_N), rng.standard_normal() * place_m
+    peak, place = rng.uniform(*peaks_n), rng.standard_normal() * place_m
     bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5
     weak, gap, share = rng.uniform(*WEAK_N), rng.uniform(*REBOUND_S), rng.uniform(*REBOUND_SHARE)
     if not bad:

@@ -1,16 +1,22 @@
 """The truth of a bench, drawn by its seed, and told as text."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, pi
 
 import numpy as np
 
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Rig
+from modallab.schema.units import Test
 from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.attached import KEPT
+from modallab_simulators.cantilever.basis import Basis, DampedBasis, ModalBasis
+from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
-from modallab_simulators.cantilever.structure import ModalBasis
+from modallab_simulators.cantilever.effects.injected import Injected, inject
+from modallab_simulators.cantilever.effects.structure import dampers_of, modes_of
+from modallab_simulators.cantilever.modes import Modes
 
 BAND_HZ = 1000.0
 MAX_MODES = 200
@@ -21,41 +27,68 @@ _REACH = 0.4
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Truth:
-    """What the seed has drawn for this bench."""
+    """What the seed has drawn for this bench, and what was put into it."""
 
     true: TrueBeam
     clock: float
     zeta: tuple[float, ...]
     seed: int
+    rig: Rig
+    effects: Injected
 
-    def basis(self, rate_hz: float) -> ModalBasis:
+    def modes(self, test: Test, progress: float = 0.0) -> Modes:
+        """The undamped structure in a test, at a share of the campaign's time."""
+        return modes_of(self._beam_at(progress), self.effects, self.rig, test)
+
+    def basis(self, rate_hz: float, test: Test, progress: float, oversample: int) -> Basis:
         """The modes that are integrated in time at a delivered rate: those to 0.4 of the internal rate."""
-        internal_hz = rate_hz * oversampling(rate_hz)
-        beam = self.true.beam
-        count = beam.count_below(2 * pi * _REACH * internal_hz)
-        if count > MAX_MODES:
+        internal_hz = rate_hz * oversample
+        reach = 2 * pi * _REACH * internal_hz
+        modes = self.modes(test, progress)
+        count = modes.count_below(reach)
+        limit = MAX_MODES if not self.effects.effects else KEPT // 2
+        if count > limit:
             raise ConfigurationError(
-                f"the beam has {count} modes below {_REACH * internal_hz:g} Hz, more than {MAX_MODES}",
+                f"the beam has {count} modes below {_REACH * internal_hz:g} Hz, more than {limit}",
                 remedy="choose a shorter or thicker beam in the rig file, or a lower rate",
             )
-        return ModalBasis(beam, beam.omega(count), draw_damping(self.seed, count, self.zeta))
+        dampers = dampers_of(self.effects, modes.length_m)
+        if dampers:
+            return DampedBasis(modes, draw_damping(self.seed, KEPT, self.zeta), dampers, reach)
+        return ModalBasis(modes, modes.omega(count), draw_damping(self.seed, count, self.zeta))
 
-    def facts(self, rig: Rig) -> dict[str, str]:
-        """What was drawn, as text: numbers in SI units, arrays as JSON, modes to 1 kHz, shapes (modes, points)."""
-        beam = self.true.beam
-        count = beam.count_below(2 * pi * BAND_HZ)
-        shapes = beam.shapes(np.array([p.x_m for p in rig.points]), count).T
+    @property
+    def drift(self) -> float:
+        """The relative change of EI over the campaign."""
+        return self.effects.number("thermal_drift", "EI_drift", 0.0)
+
+    def _beam_at(self, progress: float) -> CantileverBeam:
+        beam, change = self.true.beam, 1 + self.drift * progress
+        if change == 1:
+            return beam
+        # The root's spring stays what it is in N m/rad.
+        return replace(beam, bending_stiffness_n_m2=beam.bending_stiffness_n_m2 * change, kappa=beam.kappa / change)
+
+    def facts(self) -> dict[str, str]:
+        """What was drawn, as text: numbers in SI units, arrays as JSON, modes to 1 kHz, shapes (modes, points).
+
+        Modes are those of the impact test before any drift; without local dampers.
+        """
+        modes, beam = self.modes("impact"), self.true.beam
+        count = modes.count_below(2 * pi * BAND_HZ)
+        shapes = modes.shapes(np.array([p.x_m for p in self.rig.points]), count).T
         return {
             "seed": str(self.seed),
-            "frequency_hz": json.dumps((beam.omega(count) / (2 * pi)).tolist()),
+            "frequency_hz": json.dumps((modes.omega(count) / (2 * pi)).tolist()),
             "damping_ratio": json.dumps(draw_damping(self.seed, count, self.zeta).tolist()),
-            "points": json.dumps([p.id for p in rig.points]),
+            "points": json.dumps([p.id for p in self.rig.points]),
             "shapes_per_sqrt_kg": json.dumps(shapes.tolist()),
             "youngs_modulus_pa": repr(self.true.youngs_modulus_pa),
             "thickness_m": repr(self.true.thickness_m),
             "density_kg_m3": repr(self.true.density_kg_m3),
             "root_stiffness_nm_per_rad": repr(beam.root_stiffness_nm_rad),
             "generator_ppm": repr(self.clock * 1e6),
+            "effects": self.effects.told(),
         }
 
 
@@ -72,7 +105,8 @@ def draw_truth(settings: Settings, rig: Rig) -> Truth:
     """Draw the truth of a rig's bench.
 
     Raises:
-        ConfigurationError: the rig describes no cantilever, or none that bends below 1 kHz.
+        ConfigurationError: the rig describes no cantilever, or none that bends below 1 kHz; or it has no place for an
+            effect.
     """
     if rig.model != "cantilever" or rig.beam is None:
         raise ConfigurationError(
@@ -85,4 +119,4 @@ def draw_truth(settings: Settings, rig: Rig) -> Truth:
             f"the beam's first mode is at {first:.0f} Hz, above {BAND_HZ:g} Hz",
             remedy="choose a longer or thinner beam",
         )
-    return Truth(true, draw_clock(settings.seed), settings.zeta, settings.seed)
+    return Truth(true, draw_clock(settings.seed), settings.zeta, settings.seed, rig, inject(settings.effects, rig))

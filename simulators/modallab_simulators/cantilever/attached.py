@@ -1,0 +1,159 @@
+"""Modes of a structure with masses and springs attached, and with a root that shifts.
+
+Rayleigh-Ritz on the first modes of the bare structure, joined by what the others answer statically to a load at each
+attachment and, for a root that shifts, by the shift itself. With W the first N modes and s_a the static answer of all
+beyond to a unit load at attachment a, both mass and stiffness are known in closed form: s_a is orthogonal to W in both,
+its stiffness is the residual flexibility, its mass the sum of phi_a phi_b / omega^4 over the modes beyond. So the error
+falls with a high power of N (Craig and Kurdila, Fundamentals of Structural Dynamics, ch. 17), for a rotational spring
+as for a mass.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from modallab_simulators.cantilever.modes import Modes
+
+Floats = NDArray[np.float64]
+
+KEPT = 80
+BEYOND = 160
+"""Modes of the bare structure that are kept, and up to which those beyond are summed."""
+
+_NOTHING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """A mass and a spring to ground on the displacement (order 0) or the slope (1) at `x_m`."""
+
+    x_m: float
+    order: int = 0
+    mass: float = 0.0
+    stiffness: float = 0.0
+
+
+class AttachedModes:
+    """A structure with attachments, behind the interface of its modes.
+
+    Args:
+        bare: the structure without.
+        attachments: at places off the root; one on the root changes nothing.
+        root_n_m: spring against which the root shifts; inf is held.
+    """
+
+    def __init__(self, bare: Modes, attachments: Sequence[Attachment], root_n_m: float = inf) -> None:
+        self._bare, self._root = bare, root_n_m
+        self._at = tuple(a for a in attachments if a.x_m > _NOTHING * bare.length_m)
+
+    @property
+    def length_m(self) -> float:
+        """Of the beam."""
+        return self._bare.length_m
+
+    @property
+    def total_mass_kg(self) -> float:
+        """Of the beam and the masses on it."""
+        return self._bare.total_mass_kg + sum(a.mass for a in self._at if a.order == 0)
+
+    def omega(self, count: int) -> Floats:
+        """Natural frequencies in rad/s, (count,)."""
+        return self._solved[0][:count]
+
+    def count_below(self, omega: float) -> int:
+        """How many modes lie below `omega` in rad/s."""
+        return int(np.searchsorted(self._solved[0], omega))
+
+    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+        """Displacement or slope of the modes, (points, count)."""
+        return self._basis(x_m, order) @ self._solved[1][:, :count]
+
+    def participation(self, count: int) -> Floats:
+        """Integral of mass times shape, in kg^1/2, (count,)."""
+        own = np.concatenate([self._bare.participation(KEPT), self._shift_mass, self._residual_moment])
+        total = own @ self._solved[1][:, :count]
+        for attachment in self._at:
+            if attachment.order == 0:
+                total += attachment.mass * self.shapes(np.array([attachment.x_m]), count)[0]
+        return total
+
+    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+        """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
+        plain = self._held(x_m, force_x_m, seen, put)
+        springs = [a for a in self._at if a.stiffness]
+        if not springs:
+            return plain
+        to = np.stack([self._held(x_m, a.x_m, seen, a.order) for a in springs], axis=1)
+        load = np.array([self._held(np.array([a.x_m]), force_x_m, a.order, put)[0] for a in springs])
+        among = np.array(
+            [[self._held(np.array([a.x_m]), b.x_m, a.order, b.order)[0] for b in springs] for a in springs]
+        )
+        return plain - to @ np.linalg.solve(np.diag([1 / a.stiffness for a in springs]) + among, load)
+
+    def _held(self, x_m: Floats, force_x_m: float, seen: int, put: int) -> Floats:
+        shift = 1 / self._root if seen == put == 0 else 0.0
+        return self._bare.flexibility(x_m, force_x_m, seen, put) + shift
+
+    @property
+    def _shifts(self) -> bool:
+        return self._root != inf
+
+    @property
+    def _shift_mass(self) -> Floats:
+        return np.array([self._bare.total_mass_kg]) if self._shifts else np.zeros(0)
+
+    @cached_property
+    def _beyond(self) -> Floats:
+        """What the modes beyond do at each attachment, over omega^2, (attachments, modes)."""
+        omega = self._bare.omega(BEYOND)[KEPT:]
+        rows = [self._bare.shapes(np.array([a.x_m]), BEYOND, a.order)[0, KEPT:] / omega**2 for a in self._at]
+        return np.array(rows).reshape(len(self._at), BEYOND - KEPT)
+
+    @property
+    def _residual_moment(self) -> Floats:
+        return self._beyond @ self._bare.participation(BEYOND)[KEPT:]
+
+    def _basis(self, x_m: Floats, order: int) -> Floats:
+        """The Ritz vectors at some points, (points, vectors)."""
+        modes = self._bare.shapes(x_m, KEPT, order)
+        columns = [modes]
+        if self._shifts:
+            columns.append(np.full((len(x_m), 1), 1.0 if order == 0 else 0.0))
+        over = modes / self._bare.omega(KEPT) ** 2
+        for a in self._at:
+            there = self._bare.shapes(np.array([a.x_m]), KEPT, a.order)[0]
+            columns.append((self._bare.flexibility(x_m, a.x_m, order, a.order) - over @ there)[:, None])
+        return np.concatenate(columns, axis=1)
+
+    @cached_property
+    def _solved(self) -> tuple[Floats, Floats]:
+        mass, stiffness = self._bare_matrices()
+        for a in self._at:
+            row = self._basis(np.array([a.x_m]), a.order)[0]
+            mass += a.mass * np.outer(row, row)
+            stiffness += a.stiffness * np.outer(row, row)
+        # At unit mass each, vectors of very different size can share one factorisation.
+        scale = np.diag(mass) ** -0.5
+        values, vectors = eigh(stiffness * np.outer(scale, scale), mass * np.outer(scale, scale))
+        return np.sqrt(np.maximum(values, 0.0)), vectors * scale[:, None]
+
+    def _bare_matrices(self) -> tuple[Floats, Floats]:
+        shifts, n = len(self._shift_mass), KEPT + len(self._shift_mass) + len(self._at)
+        mass, stiffness = np.eye(n), np.zeros((n, n))
+        stiffness[:KEPT, :KEPT] = np.diag(self._bare.omega(KEPT) ** 2)
+        beyond = slice(KEPT + shifts, n)
+        mass[beyond, beyond] = self._beyond @ self._beyond.T
+        for column, a in enumerate(self._at):
+            rows = [self._basis(np.array([b.x_m]), b.order)[0, KEPT + shifts + column] for b in self._at]
+            stiffness[beyond, KEPT + shifts + column] = rows
+            assert a.x_m > 0
+        if shifts:
+            mass[KEPT, KEPT], stiffness[KEPT, KEPT] = self._bare.total_mass_kg, self._root
+            mass[KEPT, :KEPT] = mass[:KEPT, KEPT] = self._bare.participation(KEPT)
+            mass[KEPT, beyond] = mass[beyond, KEPT] = self._residual_moment
+        return mass, stiffness

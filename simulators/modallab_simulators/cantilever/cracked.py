@@ -1,0 +1,113 @@
+"""Modes of the beam where its bending stiffness is locally less.
+
+A cantilever is statically determinate: the bending moment of a load does not depend on EI. With the inertia load of a
+mode taken as a sum of those of the intact modes, the flexibility of the weaker beam is therefore that of the intact
+one plus an integral over their moments, exactly:
+(diag(1 / omega^2) + D) a = a / omega'^2 with D_ij = int (1 / EI'(s) - 1 / EI) M_i M_j ds, M_i = EI W_i'' / omega_i^2.
+Moments stay smooth where the curvature does not, so few modes are enough even for a deep loss.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from modallab_simulators.cantilever.beam import CantileverBeam
+
+Floats = NDArray[np.float64]
+
+HALF_WIDTH = 0.04
+"""Of a loss, over L: it falls as exp(-((x - x0) / (0.04 L))^2)."""
+
+_REACH = 5.0
+_PANELS = 100
+_BASE = 160
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """The share of EI that is gone at `x_m`."""
+
+    x_m: float
+    share: float
+
+
+class CrackedBeam:
+    """A beam with losses of bending stiffness, behind the interface of its modes."""
+
+    def __init__(self, beam: CantileverBeam, losses: Sequence[Loss]) -> None:
+        self._beam = beam
+        self._s, weights = _nodes(beam.length_m, losses)
+        left = np.ones_like(self._s)
+        for loss in losses:
+            left *= 1 - loss.share * np.exp(-(((self._s - loss.x_m) / (HALF_WIDTH * beam.length_m)) ** 2))
+        self._compliance = weights * (1 / left - 1) / beam.bending_stiffness_n_m2
+
+    @property
+    def length_m(self) -> float:
+        """Of the beam."""
+        return self._beam.length_m
+
+    @property
+    def total_mass_kg(self) -> float:
+        """Of the beam."""
+        return self._beam.total_mass_kg
+
+    def omega(self, count: int) -> Floats:
+        """Natural frequencies in rad/s, (count,)."""
+        return self._solved[0][:count]
+
+    def count_below(self, omega: float) -> int:
+        """How many modes lie below `omega` in rad/s."""
+        return int(np.searchsorted(self._solved[0], omega))
+
+    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+        """Displacement or slope of the modes: that of their inertia load on the weaker beam, (points, count)."""
+        omega, vectors = self._solved
+        bent = self._beam.shapes(x_m, _BASE, order) / self._beam.omega(_BASE) ** 2
+        turned = (_moments(x_m, self._s, order) * self._compliance) @ self._modal_moments
+        return (bent + turned) @ vectors[:, :count] * omega[:count] ** 2
+
+    def participation(self, count: int) -> Floats:
+        """Integral of mass times shape, in kg^1/2, (count,)."""
+        return self._beam.participation(_BASE) @ self._solved[1][:, :count]
+
+    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+        """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
+        more = _moments(np.array([force_x_m]), self._s, put)[0] * self._compliance
+        return self._beam.flexibility(x_m, force_x_m, seen, put) + _moments(x_m, self._s, seen) @ more
+
+    @cached_property
+    def _modal_moments(self) -> Floats:
+        beam = self._beam
+        return beam.shapes(self._s, _BASE, 2) * (beam.bending_stiffness_n_m2 / beam.omega(_BASE) ** 2)
+
+    @cached_property
+    def _solved(self) -> tuple[Floats, Floats]:
+        moments = self._modal_moments
+        flexibility = np.diag(self._beam.omega(_BASE) ** -2.0) + moments.T @ (moments * self._compliance[:, None])
+        values, vectors = eigh(flexibility)
+        return values[::-1] ** -0.5, vectors[:, ::-1]
+
+
+def _nodes(length_m: float, losses: Sequence[Loss]) -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes and weights in fine panels wherever EI is less."""
+    half = _REACH * HALF_WIDTH * length_m
+    edges = np.unique(
+        np.concatenate([np.clip(np.linspace(c.x_m - half, c.x_m + half, _PANELS + 1), 0, length_m) for c in losses])
+    )
+    mid = (edges[1:] + edges[:-1]) / 2
+    inside = np.any([np.abs(mid - loss.x_m) < half for loss in losses], axis=0)
+    at, weights = np.polynomial.legendre.leggauss(4)
+    width = np.diff(edges)[inside] / 2
+    nodes = mid[inside, None] + width[:, None] * at
+    return nodes.ravel(), np.multiply.outer(width, weights).ravel()
+
+
+def _moments(x_m: Floats, s: Floats, order: int) -> Floats:
+    """Bending moment at s of a unit force (order 0) or moment (1) at x, (points, nodes)."""
+    arm = np.subtract.outer(x_m, s)
+    return np.maximum(arm, 0.0) if order == 0 else (arm > 0).astype(np.float64)

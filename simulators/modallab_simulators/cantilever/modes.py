@@ -1,0 +1,42 @@
+"""What every set of undamped modes can be asked, whatever the structure behind it."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Modes(Protocol):
+    """Modes at unit modal mass, ascending, and the statics they add up to. `count` may not exceed `limit`."""
+
+    @property
+    def length_m(self) -> float:
+        """Of the beam."""
+        ...
+
+    @property
+    def total_mass_kg(self) -> float:
+        """Of all that moves."""
+        ...
+
+    def omega(self, count: int) -> Floats:
+        """Natural frequencies in rad/s, (count,)."""
+        ...
+
+    def count_below(self, omega: float) -> int:
+        """How many modes lie below `omega` in rad/s."""
+        ...
+
+    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+        """Displacement (order 0) or slope (1) of the modes in kg^-1/2, (points, count)."""
+        ...
+
+    def participation(self, count: int) -> Floats:
+        """Integral of mass times shape, in kg^1/2, (count,)."""
+        ...
+
+    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+        """Static displacement (seen = 0) or slope (1) at `x_m` per force (put = 0) or moment (1), (points,)."""
+        ...

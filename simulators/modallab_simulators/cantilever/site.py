@@ -1,0 +1,109 @@
+"""What stays the same from start to start of one test: structure, chain, rate, and how hard one may strike."""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from modallab.schema.rig import Rig
+from modallab.schema.units import Test
+from modallab_simulators.cantilever.chain import Chain, Hum
+from modallab_simulators.cantilever.channels import outputs_of
+from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.effects.injected import Injected
+from modallab_simulators.cantilever.floor import Floor
+from modallab_simulators.cantilever.hammer import Contact
+from modallab_simulators.cantilever.structure import Drive, Floats, Structure
+from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
+from modallab_simulators.cantilever.truth import Truth, oversampling
+
+DRIFT_S = 1800.0
+"""Bench time over which a drift runs, unless it says otherwise."""
+
+DRIFT_STEP = 1 / 200
+_HEADROOM = 0.8
+
+
+class Site:
+    """The bench as it stands for one test at one delivered rate."""
+
+    def __init__(self, truth: Truth, rig: Rig, test: Test, rate_hz: float) -> None:
+        self._truth, self._rig = truth, rig
+        self._test: Test = test
+        self.rate_hz = rate_hz * (1 + truth.effects.number("clock_error", "relative", 0.0))
+        self.oversample = oversampling(rate_hz)
+        self._progress = 0.0
+        self.structure = self._built(truth, self._progress)
+        self.chain = self._clipped(Chain.of(rig, test, truth.effects))
+
+    @property
+    def step_s(self) -> float:
+        """Between internal samples."""
+        return 1 / (self.rate_hz * self.oversample)
+
+    def age(self, bench_s: float, *, exactly: bool = False) -> Structure:
+        """The structure after some bench time: anew at a start, and else where a drift has gone on a good deal."""
+        if not self._truth.drift:
+            return self.structure
+        over_s = self._truth.effects.number("thermal_drift", "over_s", DRIFT_S)
+        progress = min(1.0, bench_s / over_s)
+        if progress != self._progress and (exactly or abs(progress - self._progress) >= DRIFT_STEP):
+            self._progress, self.structure = progress, self._built(self._truth, progress)
+        return self.structure
+
+    def chain_of_start(self, start: int) -> Chain:
+        """The chain with the mains at the phase of this start."""
+        mains = self._truth.effects.one("mains_hum")
+        if mains is None:
+            return self.chain
+        phase = float(generator(self._truth.seed, Stream.HUM, start).uniform(0, 2 * np.pi))
+        return replace(self.chain, hum=Hum(mains.parameters["volts"], mains.parameters["hz"], phase))
+
+    def floor_of_start(self, start: int) -> Floor | None:
+        """The floor's motion in this start."""
+        rms = self._truth.effects.number("floor_vibration", "rms_acc", 0.0)
+        return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR, start)) if rms else None
+
+    def bearable_n(self, width_s: float, x_m: float) -> float:
+        """Peak of a blow at which the most driven channel of a sound bench is at 0.8 of its rail."""
+        peaks = self._peaks(self._sound, self._sound_chain, width_s, x_m)
+        rails = self._sound_chain.volts_per_count * self._sound_chain.high
+        return _HEADROOM / float(np.max(peaks / rails))
+
+    def _peaks(self, structure: Structure, chain: Chain, width_s: float, x_m: float) -> Floats:
+        """Of a blow of 1 N, in V, (rows,)."""
+        first, count = structure.times(0)
+        unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
+        seen, _ = structure.advance(structure.at_rest, [Drive(x_m, unit)])
+        return np.max(np.abs(seen), axis=1) * np.abs(chain.volts_per_si)
+
+    @cached_property
+    def _sound(self) -> Structure:
+        if not self._truth.effects.effects:
+            return self.structure
+        return self._built(replace(self._truth, effects=Injected()), 0.0)
+
+    @cached_property
+    def _sound_chain(self) -> Chain:
+        return Chain.of(self._rig, self._test, Injected())
+
+    def _built(self, truth: Truth, progress: float) -> Structure:
+        basis = truth.basis(self.rate_hz, self._test, progress, self.oversample)
+        return Structure(basis, outputs_of(self._rig, truth.effects), self.rate_hz, self.oversample)
+
+    def _clipped(self, chain: Chain) -> Chain:
+        for effect in self._truth.effects.of("clipping"):
+            row = effect.place["channel"]
+            assert isinstance(row, int)
+            peak = effect.parameters.get("peak_v") or self._hardest_v(chain, row)
+            chain = chain.clipped(row, effect.parameters["fraction_of_peak"] * peak)
+        return chain
+
+    def _hardest_v(self, chain: Chain, row: int) -> float:
+        """What a row would reach in the hardest good blow, at whatever point of the rig."""
+        width = sum(WIDTH_S) / 2
+        reached: list[float] = []
+        for point in self._rig.points:
+            peak = min(PEAK_N[1], self.bearable_n(width, point.x_m))
+            reached.append(peak * self._peaks(self.structure, chain, width, point.x_m)[row].item())
+        return max(reached)

@@ -1,0 +1,177 @@
+"""A whole campaign in a moment, with its truth: what blind trials of a diagnosis are made of.
+
+The plan is one visit of a practised operator: six hits each at points 6, 10 and 3, then 24 frequencies at a low and a
+high level from the shaker. Every block begins with the beam at rest: a hit 0.05 s before the blow, a sine 8 s after
+the shaker has begun to rise.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.backend.protocol import Burst, Delivery, Request
+from modallab.errors import ConfigurationError
+from modallab.schema.block import Block, Campaign
+from modallab.schema.effects import Effect
+from modallab.schema.plan import BLOCK_S, PAPER_LINES
+from modallab.schema.rig import Rig
+from modallab.schema.units import Test
+from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.bench import CantileverBench
+from modallab_simulators.cantilever.draw import draw_damping
+from modallab_simulators.cantilever.effects.injected import inject, told
+from modallab_simulators.cantilever.truth import Truth
+
+HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
+"""Where the operator strikes six times each, and how hard, in N: softer where the beam gives way."""
+
+LEVELS_N = {"low": 1.2, "high": 8.0}
+RATES_HZ: dict[Test, float] = {"impact": 2000.0, "sine": 1000.0}
+PRE_TRIGGER_S = 0.05
+SETTLE_S = 8.0
+RAMP_S = 1.0
+RECORD_S = 60.0
+"""From the beginning of one record to that of the next."""
+
+_REPEATS = 6
+_N_PER_V = 2.0
+_MASS_SHARE = 1 / 6
+
+
+def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Campaign, dict[str, object]]:
+    """Measure a campaign on the simulated bench of a rig, rigidly clamped, with some effects.
+
+    Args:
+        rig: what the operator believes, with points 3, 6 and 10 and a shaker point.
+        seed: draws the true beam, its damping, the blows and all noise. Two trials of one seed differ by their effects
+            only: forces and noise are the same.
+        effects: of the catalogue, or of this bench's own.
+
+    Returns:
+        the campaign, and its truth: seed, effects (effect, family, parameters, place) and the true beam.
+
+    Raises:
+        ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
+    """
+    timed = tuple(_timed(effect) for effect in effects if effect.effect != "clipping")
+    visit = _Visit(rig, seed, timed)
+    blocks = [*visit.hits(), *visit.sines()]
+    for effect in inject(effects, rig).of("clipping"):
+        blocks = _clipped(blocks, effect)
+    campaign = Campaign(rig, tuple(blocks), source=f"simulated trial, seed {seed}")
+    return campaign, _truth(visit.truth, effects)
+
+
+def _timed(effect: Effect) -> Effect:
+    if effect.effect != "thermal_drift":
+        return effect
+    records = len(HITS) * _REPEATS + len(LEVELS_N) * len(PAPER_LINES)
+    return effect.model_copy(update={"parameters": {**effect.parameters, "over_s": (records - 1) * RECORD_S}})
+
+
+class _Visit:
+    """One visit to the bench, record after record."""
+
+    def __init__(self, rig: Rig, seed: int, effects: tuple[Effect, ...]) -> None:
+        self._rig = rig
+        self._settings = Settings(seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, effects=effects)
+        self._order = 0
+        self.truth = CantileverBench("sim://cantilever", rig, self._settings).truth
+
+    def hits(self) -> Iterator[Block]:
+        """Six blows at each point."""
+        for number, (point, peak_n) in enumerate(HITS.items()):
+            bench, delivery = self._bench("impact", replace(self._settings, peak_n=peak_n), number)
+            for hit in range(1, _REPEATS + 1):
+                bench.start()
+                bench.prompt_hit(point)
+                first = bench.blow_sample - round(PRE_TRIGGER_S * delivery.rate_hz)
+                samples = self._record(bench, delivery, first)
+                yield self._block(f"impact_p{point:02d}_{hit}", "impact", delivery, samples, point, first)
+
+    def sines(self) -> Iterator[Block]:
+        """Each frequency at each level, weaker where the beam answers more."""
+        if self._rig.shaker_point is None:
+            raise ConfigurationError("the rig has no shaker", remedy="give the rig a shaker_point")
+        bench, delivery = self._bench("sine", self._settings, len(HITS))
+        for level, force_n in LEVELS_N.items():
+            for line in PAPER_LINES:
+                f = line / BLOCK_S
+                bench.start()
+                volts = force_n / self._give(f) / _N_PER_V
+                first = bench.play(Burst(f, volts, RAMP_S, SETTLE_S + BLOCK_S)) + round(SETTLE_S * delivery.rate_hz)
+                samples = self._record(bench, delivery, first)
+                block = self._block(f"sine_{level}_{f:07.3f}", "sine", delivery, samples, self._rig.shaker_point, first)
+                yield replace(block, level=level, frequency_hz=round(f, 3))
+
+    def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
+        bench = CantileverBench("sim://cantilever", self._rig, settings, first_start=number * _REPEATS)
+        delivery = bench.configure(Request(test, RATES_HZ[test]))
+        bench.rest_until(self._order * RECORD_S)
+        return bench, delivery
+
+    def _record(self, bench: CantileverBench, delivery: Delivery, first: int) -> NDArray[np.generic]:
+        count = round(BLOCK_S * delivery.rate_hz)
+        bench.skip(first)
+        samples = bench.read(count, 1.0).samples
+        bench.stop()
+        self._order += 1
+        bench.rest_until(self._order * RECORD_S)
+        return samples
+
+    def _block(
+        self, name: str, test: Test, delivery: Delivery, samples: NDArray[np.generic], point: int, first: int
+    ) -> Block:
+        return Block(
+            name,
+            test,
+            self._order - 1,
+            delivery.rate_hz,
+            samples,  # pyright: ignore[reportArgumentType]  # whole counts, as the chain of this bench delivers them
+            delivery.scale,
+            delivery.units,
+            tuple(c.name for c in self._rig.channels),
+            point,
+            first_sample=first,
+            requested_rate_hz=delivery.requested_rate_hz,
+            actual_rate_hz=delivery.actual_rate_hz,
+        )
+
+    def _give(self, f_hz: float) -> float:
+        """By how much the force falls: a shaker's armature of a sixth of the beam takes its share of it."""
+        assert self._rig.shaker_point is not None
+        beam, omega = self.truth.true.beam, 2 * pi * f_hz
+        count = beam.count_below(20 * omega) + 5
+        phi = beam.shapes(np.array([self._rig.x_of(self._rig.shaker_point)]), count)[0]
+        own = beam.omega(count)
+        zeta = draw_damping(self.truth.seed, count, self.truth.zeta)
+        inertance = np.sum(-(omega**2) * phi**2 / (own**2 - omega**2 + 2j * zeta * own * omega))
+        return 1 + abs(complex(inertance)) * beam.total_mass_kg * _MASS_SHARE
+
+
+def _clipped(blocks: Sequence[Block], effect: Effect) -> list[Block]:
+    """A row cut at a share of the most it reaches in the whole campaign."""
+    row = effect.place["channel"]
+    assert isinstance(row, int)
+    most = max(float(np.abs(b.samples[row].astype(np.float64)).max()) for b in blocks)
+    level = round(effect.parameters["fraction_of_peak"] * most)
+    cut: list[Block] = []
+    for block in blocks:
+        samples = block.samples.copy()
+        np.clip(samples[row], -level, level, out=samples[row])
+        cut.append(replace(block, samples=samples))
+    return cut
+
+
+def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:
+    return {
+        "seed": truth.seed,
+        "effects": [told(e) for e in inject(effects, truth.rig).effects],
+        "true_E": truth.true.youngs_modulus_pa,
+        "true_thickness": truth.true.thickness_m,
+        "true_rho": truth.true.density_kg_m3,
+        "true_zeta": draw_damping(truth.seed, 3, truth.zeta).tolist(),
+    }
