@@ -1,5 +1,6 @@
 """Campaign files: every version stays readable, what is written comes back, what is damaged is refused."""
 
+import errno
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import pytest
 from exchange_records import DATA, block, campaign, counts, hit, receptances
 from exchange_rigs import beam_rig, plain_rig
 
-from modallab.errors import DataError, FormatError, ModallabError, RigError, StorageError
+from modallab.errors import DataError, DiskFullError, FormatError, ModallabError, RigError, StorageError
 from modallab.exchange import hdf5_native
 from modallab.exchange.campaign_hdf5 import read_campaign, write_campaign
 from modallab.exchange.rig_file import write_rig
@@ -257,6 +258,16 @@ def test_writing_that_fails_leaves_the_old_file_and_nothing_else(
         write_campaign(replace(campaign(RIG), frfs=(frf,)), target)
     assert target.read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["c.h5"]
+
+
+def test_a_full_disk_is_told_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: Path, content: memoryview) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(DiskFullError, match="the disk is full; nothing was written"):
+        write_campaign(campaign(RIG), tmp_path / "c.h5")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_is_missing_or_a_file_of_the_same_name_is_told(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Campaign files: HDF5 of version 1 (int16 counts, one scale) or 2 (what a device delivers)."""
 
+import io
 from pathlib import Path
 
 import h5py
@@ -57,10 +58,15 @@ def write_campaign(campaign: Campaign, path: Path) -> None:
     Raises:
         DataError: the parts of the campaign do not belong together.
         StorageError: the file cannot be written.
+        DiskFullError: the disk is full.
     """
     check_structure(campaign)
-    with replacing(Path(path)) as temporary, h5py.File(temporary, "w", libver=("v110", "v110")) as target:
+    # HDF5 crashes on a full disk, so it writes to memory, and the bytes go to the disk from there.
+    image = io.BytesIO()
+    with h5py.File(image, "w", libver=("v110", "v110")) as target:
         hdf5_native.write_content(target, campaign)
+    with replacing(Path(path)) as temporary:
+        temporary.write_bytes(image.getbuffer())
 
 
 def campaign_file(path: Path) -> Path:
