@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from modallab.acquisition.process import RigProcess
+from modallab.acquisition.run import record
+from modallab.backend.loader import open_bench
 from modallab.errors import BenchError
 from modallab.exchange.rig_file import read_rig
 from modallab.schema.block import Block
@@ -33,7 +35,7 @@ URL = "sim://cantilever?seed=1"
 PLANS: tuple[Plan, ...] = (
     ImpactPlan(points=(10, 6, 3)),
     # Hardly any rest: about a third of this run's time goes into writing, so many kills fall into a write.
-    SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(150)), ramp_s=0.2, settle_s=0.3, rest_s=0.1),
+    SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(100)), ramp_s=0.2, settle_s=0.3, rest_s=0.1),
 )
 
 
@@ -75,13 +77,11 @@ def main() -> int:
 
 def run_whole(rig: Rig, plan: Plan, folder: Path) -> tuple[dict[str, Block], float]:
     """All blocks of a run nobody kills, by name, and the seconds it took."""
-    with RigProcess(URL, rig, folder) as process:
-        _ = process.info
-        begin = time.monotonic()
-        events = list(process.run(plan))
-        took_s = time.monotonic() - begin
     with Store(folder) as store:
-        return {block.name: block for block in store.iterate(events[0].run, refused=True)}, took_s
+        begin = time.monotonic()
+        run = record(open_bench(URL, rig), rig, plan, store, lambda _: None)
+        took_s = time.monotonic() - begin
+        return {block.name: block for block in store.iterate(run, refused=True)}, took_s
 
 
 def kill_once(rig: Rig, plan: Plan, folder: Path, delay_s: float, whole: dict[str, Block], tally: Tally) -> None:

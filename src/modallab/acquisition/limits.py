@@ -36,7 +36,8 @@ class LimitWatch:
             SafetyError: names every channel beyond its limit, with the number.
         """
         magnitude = peaks(chunk.samples)
-        beyond = np.flatnonzero(magnitude > self.limit)
+        # Written so that a sample that is no number is beyond every limit.
+        beyond = np.flatnonzero(~(magnitude <= self.limit))
         if beyond.size == 0:
             return
         told = ", ".join(

@@ -1,0 +1,51 @@
+"""The abort limits: to the count, for every kind of sample."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scripted_bench import SCALE, scripted_rig
+
+from modallab.acquisition.chain import chain_of
+from modallab.acquisition.limits import LimitWatch, watch_of
+from modallab.backend.protocol import Chunk, Delivery
+from modallab.errors import SafetyError
+from modallab.schema.rig import Limits
+
+LIMITS = Limits(drive_v=1.0, slew_v_per_s=1.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=1.0)
+
+
+def watch(dtype: str = "int16") -> LimitWatch:
+    scale = SCALE if dtype == "int16" else 1.0
+    delivery = Delivery(1e3, 1e3, 1e3, np.dtype(dtype), np.full(3, scale), ("V", "V", "V"))
+    return watch_of(scripted_rig(LIMITS), LIMITS, chain_of(scripted_rig(), delivery, "sine"))
+
+
+def chunk(samples: np.ndarray) -> Chunk:
+    return Chunk(0, samples, np.zeros(3, dtype=bool))
+
+
+@given(st.lists(st.integers(-(2**15), 2**15 - 1), min_size=3, max_size=3))
+def test_it_trips_exactly_beyond_the_limit(peaks: list[int]) -> None:
+    samples = np.zeros((3, 20), dtype=np.int16)
+    samples[:, 7] = peaks
+    beyond = [
+        name
+        for name, peak, limit in zip(("force", "a01", "a02"), peaks, (5000, 6000, 6000), strict=True)
+        if abs(peak) > limit
+    ]
+    if not beyond:
+        watch()(chunk(samples))
+        return
+    with pytest.raises(SafetyError) as caught:
+        watch()(chunk(samples))
+    assert [name for name in ("force", "a01", "a02") if name in caught.value.what] == beyond
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_sample_that_is_no_number_is_beyond_every_limit(value: float) -> None:
+    samples = np.zeros((3, 20), dtype=np.float32)
+    watch("float32")(chunk(samples))
+    samples[1, 3] = value
+    with pytest.raises(SafetyError, match="a01"):
+        watch("float32")(chunk(samples))
