@@ -5,6 +5,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from ni_server import NiServer
 
 from modallab.backend.loader import open_bench
 from modallab.backend.protocol import Bench, Request
@@ -16,7 +17,7 @@ from modallab.schema.units import Test
 
 SIMULATED = "sim://cantilever?seed=1&bad_hits=0"
 RECORDED_S = 12.0
-BENCHES = ["sim", "replay"]
+BENCHES = ["sim", "replay", "nidaqmx+grpc"]
 
 
 @pytest.fixture(scope="session")
@@ -34,6 +35,15 @@ def recording(rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recording")
     write_campaign(Campaign(rig, blocks), folder / "campaign.h5")
     return folder
+
+
+@pytest.fixture(scope="session")
+def ni_server(rig: Rig) -> Iterator[NiServer]:
+    """NI's gRPC device server, simulated, in another process."""
+    with NiServer(rig, "9215") as server:
+        # The preamplifiers' knobs are turned by hand.
+        server.say("preamplifiers sine")
+        yield server
 
 
 @pytest.fixture
@@ -78,4 +88,5 @@ def _recorded(bench: Bench, rig: Rig, request: Request) -> Block:
 _ADDRESS = {
     "sim": lambda request: SIMULATED,
     "replay": lambda request: f"replay://{request.getfixturevalue('recording')}?speed=0",
+    "nidaqmx+grpc": lambda request: request.getfixturevalue("ni_server").url,
 }

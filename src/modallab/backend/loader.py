@@ -3,11 +3,12 @@
 from importlib.metadata import entry_points
 from typing import cast
 
-from modallab.backend.protocol import Bench, BenchOpener
+from modallab.backend.protocol import Bench, BenchOpener, OutputHandle, OutputOpener
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Rig
 
 GROUP = "modallab.backends"
+OUTPUTS = "modallab.outputs"
 
 
 def open_bench(url: str, rig: Rig) -> Bench:
@@ -25,3 +26,16 @@ def open_bench(url: str, rig: Rig) -> Bench:
         )
     opener = cast("BenchOpener", known[scheme].load())
     return opener(url, rig)
+
+
+def open_output(url: str, rig: Rig) -> OutputHandle | None:
+    """A second handle to the excitation output of the bench at `url`; None where no output outlives its process.
+
+    Raises:
+        BenchError: it cannot be had.
+    """
+    scheme = url.partition("://")[0]
+    known = {entry.name: entry for entry in entry_points(group=OUTPUTS)}
+    if scheme not in known:
+        return None
+    return cast("OutputOpener", known[scheme].load())(url, rig)

@@ -131,3 +131,23 @@ class BenchOpener(Protocol):
     def __call__(self, url: str, rig: Rig) -> Bench:
         """Open the bench at `url`. Raises DeviceGoneError, DeviceBusyError, ConfigurationError."""
         ...
+
+
+class OutputHandle(Protocol):
+    """A second handle to an excitation output, in another process than the one that drives; it can only end it."""
+
+    def zero(self) -> None:
+        """Bring the output to 0 V, whoever drives it. Raises BenchError."""
+        ...
+
+    def close(self) -> None:
+        """Let go."""
+        ...
+
+
+class OutputOpener(Protocol):
+    """What an entry point of the group `modallab.outputs` names."""
+
+    def __call__(self, url: str, rig: Rig) -> OutputHandle:
+        """A handle to the output of the bench at `url`. Raises BenchError."""
+        ...

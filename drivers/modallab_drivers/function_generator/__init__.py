@@ -1,0 +1,1 @@
+"""Sine generators on a serial line."""

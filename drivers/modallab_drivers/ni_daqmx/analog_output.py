@@ -1,0 +1,140 @@
+"""The shaker on an analog output: finite bursts that end at exactly 0 V by themselves."""
+
+from contextlib import suppress
+from typing import Any
+
+import nidaqmx.errors
+from nidaqmx.constants import AcquisitionType, RegenerationMode
+
+from modallab.backend.protocol import Burst
+from modallab.errors import BenchError, OutputLostError
+from modallab_drivers.ni_daqmx.errors import translated, typed
+from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.order import burst_samples
+
+MIN_RATE_HZ = 5000.0
+SAMPLES_A_CYCLE = 25.0
+
+
+def task_name(physical: str) -> str:
+    """Name under which a server knows the output's task, so that a second handle finds it."""
+    return f"modallab-{physical.replace('/', '-')}"
+
+
+class AnalogOutput:
+    """One analog output. A task on it exists while a burst is on; else it is a plain 0 V."""
+
+    def __init__(self, route: Route, physical: str, range_v: float) -> None:
+        """Take the output and bring it to 0 V.
+
+        Raises:
+            DeviceBusyError: another program holds it.
+        """
+        self._route, self._physical, self._range_v = route, physical, range_v
+        self._where = f"{route.address.url}, output {physical}"
+        self._task: Any = None
+        patiently(self.zero)
+
+    @property
+    def range_v(self) -> float:
+        """The largest amplitude it can give."""
+        return self._range_v
+
+    @property
+    def busy(self) -> bool:
+        """Whether a burst is on."""
+        return self._task is not None and not self._done()
+
+    def play(self, burst: Burst, now: int, rate_hz: float) -> None:
+        """Write the whole burst to the device and start it: from here on it ends without us."""
+        self._drop()
+        with translated(self._where):
+            task = patiently(lambda: self._new(task_name(self._physical)))
+            try:
+                wished = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
+                count = len(burst_samples(burst, wished))
+                task.timing.cfg_samp_clk_timing(wished, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
+                wave = burst_samples(burst, float(task.timing.samp_clk_rate))
+                if len(wave) != count:
+                    task.timing.cfg_samp_clk_timing(
+                        wished, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
+                    )
+                task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
+                task.write(wave, auto_start=False)
+                task.start()
+            except BaseException:
+                task.close()
+                raise
+        self._task = task
+
+    def next_event(self) -> int | None:
+        """A burst needs nothing while it is on."""
+        return None
+
+    def tick(self, now: int) -> None:
+        """See whether the burst goes on as it should, and let go of it at its end.
+
+        Raises:
+            OutputLostError: the device ran out of samples; the output is at 0 V.
+        """
+        if self._task is None:
+            return
+        try:
+            with translated(self._where):
+                done = self._task.is_task_done()
+        except OutputLostError:
+            self.zero()
+            raise
+        if done:
+            self._drop()
+
+    def zero(self) -> None:
+        """End a burst and put 0 V on the output.
+
+        A stopped output holds its last value, so 0 V is written after the stop.
+        """
+        self._drop()
+        with translated(self._where):
+            task = self._new("")
+            try:
+                task.write(0.0, auto_start=True)
+            finally:
+                task.close()
+
+    def close(self) -> None:
+        """Bring it to 0 V and let go of it."""
+        self.zero()
+
+    def abandon(self) -> None:
+        """Forget the task of a device that is gone."""
+        self._task = None
+
+    def _done(self) -> bool:
+        try:
+            with translated(self._where):
+                return bool(self._task.is_task_done())
+        except OutputLostError:
+            return True
+
+    def _new(self, name: str) -> Any:
+        with translated(self._where):
+            task = self._route.task(name)
+            try:
+                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
+            except BaseException:
+                task.close()
+                raise
+            return task
+
+    def _drop(self) -> None:
+        task, self._task = self._task, None
+        if task is None:
+            return
+        try:
+            with suppress(nidaqmx.errors.DaqError):
+                task.stop()
+            task.close()
+        except nidaqmx.errors.Error as error:
+            found = typed(error, self._where)
+            if not isinstance(found, BenchError) or found.code == "bench-gone":
+                raise found from error

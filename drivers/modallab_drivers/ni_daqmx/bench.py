@@ -1,0 +1,244 @@
+"""NI devices behind the bench protocol."""
+
+from math import isfinite
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.errors import (
+    BenchError,
+    ConfigurationError,
+    DeviceBusyError,
+    DeviceGoneError,
+    SamplesLostError,
+    UnsupportedError,
+)
+from modallab.schema.rig import Rig
+from modallab_drivers.function_generator.generator import open_generator
+from modallab_drivers.ni_daqmx.address import parse
+from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
+from modallab_drivers.ni_daqmx.guards import Guards
+from modallab_drivers.ni_daqmx.inputs import Inputs
+from modallab_drivers.ni_daqmx.plugs import Plug, output_of, plugs_of
+from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.order import require, require_burst, require_count
+from modallab_drivers.output import Output
+
+State = Literal["open", "configured", "running", "stopped", "lost", "gone", "closed"]
+
+MOST_COERCED = 2.0
+"""A device that gives more than so many times the wished rate cannot do what was asked."""
+
+RAIL = 1 - 1e-6
+
+
+class NiBench:
+    """Inputs of one device or chassis, and what drives the shaker: an output of it, or a generator."""
+
+    def __init__(self, url: str, rig: Rig) -> None:
+        """Find the devices, check the rig against them, and bring the output to 0 V."""
+        self._url, self._rig = url, rig
+        self._address = parse(url)
+        self._route = Route(self._address)
+        self._inputs: Inputs | None = None
+        self._state: State = "open"
+        self._position = 0
+        self._request: Request | None = None
+        devices = self._route.devices()
+        self._plugs: tuple[Plug, ...] = plugs_of(rig, devices, url)
+        chosen = output_of(rig, devices, url)
+        self._output: Output | None = None
+        if chosen is not None:
+            self._output = AnalogOutput(self._route, *chosen)
+        elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
+            self._output = open_generator(rig)
+        try:
+            self._guards = Guards(self._route, rig.excitation, chosen[0] if chosen else None)
+        except BenchError:
+            self._let_go_of_output()
+            raise
+        self._info = BenchInfo(
+            url,
+            tuple((f"{device.product} {device.name}", device.serial) for device in devices),
+            can_drive=self._output is not None,
+            real_time=not self._address.virtual_time,
+            facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
+            | ({"output": chosen[0]} if chosen else {}),
+        )
+
+    @property
+    def info(self) -> BenchInfo:
+        """What answers, and what is plugged into what."""
+        return self._info
+
+    def configure(self, request: Request) -> Delivery:
+        """Make the input task. A rate the device can't give becomes the next one it can, which is said."""
+        self._require("open", "configured", "stopped", "lost", "gone", to="configure")
+        if not isfinite(request.rate_hz) or request.rate_hz <= 0:
+            raise ConfigurationError(f"rate_hz is {request.rate_hz}", where=self._url, remedy="give a rate above 0")
+        self._reconnect()
+        self._drop_inputs()
+        self._request = request
+        inputs = self._make_inputs()
+        if inputs.rate_hz > MOST_COERCED * request.rate_hz or inputs.rate_hz < request.rate_hz * (1 - 1e-9):
+            given = inputs.rate_hz
+            self._drop_inputs()
+            raise ConfigurationError(
+                f"rate_hz: {request.rate_hz:g} Hz was asked for, the device gives {given:.6g} Hz",
+                where=self._url,
+                remedy=f"ask for {given / MOST_COERCED:.6g} Hz or more",
+            )
+        self._state = "configured"
+        return Delivery(
+            request.rate_hz,
+            inputs.rate_hz,
+            inputs.rate_hz,
+            np.dtype(np.float64),
+            inputs.volts_per_unit.copy(),
+            ("V",) * len(self._plugs),
+        )
+
+    def start(self) -> None:
+        """Start streaming; after a loss with a new task."""
+        self._require("configured", "stopped", "lost", "gone", to="start")
+        if self._request is None:
+            raise ConfigurationError("no rate was chosen", where=self._url, remedy="configure first")
+        if self._state in ("lost", "gone"):
+            self._reconnect()
+            self._drop_inputs()
+        inputs = self._inputs or self._make_inputs()
+        try:
+            patiently(inputs.start)
+        except DeviceGoneError:
+            self._gone()
+            raise
+        self._position = 0
+        self._state = "running"
+
+    def read(self, count: int, timeout_s: float) -> Chunk:
+        """The next `count` samples; between pieces of them the output is looked after."""
+        self._require("running", to="read")
+        require_count(count, self._url)
+        assert self._inputs is not None
+        first = self._position
+        pieces: list[NDArray[np.float64]] = []
+        try:
+            while (left := first + count - self._position) > 0:
+                pieces.append(self._inputs.read(self._up_to_event(left), timeout_s))
+                self._position += pieces[-1].shape[1]
+                self._look_after()
+            samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
+            self._inputs.require_sensors()
+            return Chunk(first, samples, self._beyond(samples) | self._inputs.overloaded())
+        except SamplesLostError:
+            self._state = "lost"
+            raise
+        except DeviceGoneError:
+            self._gone()
+            raise
+
+    def play(self, burst: Burst) -> int:
+        """Start a burst; the place of its rise counts the converter's own delay."""
+        self._require("running", to="play")
+        assert self._inputs is not None
+        if self._output is None:
+            raise UnsupportedError(
+                "there is no excitation output", where=self._url, remedy="give the rig a shaker_point and an excitation"
+            )
+        require_burst(burst, self._inputs.rate_hz, self._output.range_v, self._rig.limits, self._url)
+        if self._output.busy:
+            raise ConfigurationError("a burst is still on", where=self._url, remedy="wait for its end, or zero()")
+        self._output.play(burst, self._position, self._inputs.rate_hz)
+        start = max(self._inputs.acquired(), self._position)
+        return start + round(self._inputs.delay_s * self._inputs.rate_hz)
+
+    def prompt_hit(self, point: int) -> None:
+        """Whoever strikes is told by the page; the point must be one of the rig."""
+        self._rig.x_of(point)
+
+    def zero(self) -> None:
+        """Bring the output to 0 V now."""
+        if self._output is not None and self._state not in ("closed", "gone"):
+            self._output.zero()
+
+    def stop(self) -> None:
+        """Stop streaming, with the output at 0 V."""
+        if self._state in ("running", "lost"):
+            self.zero()
+            if self._state == "running" and self._inputs is not None:
+                self._inputs.stop()
+            self._state = "stopped" if self._state == "running" else "lost"
+
+    def close(self) -> None:
+        """Release the devices, with the output at 0 V."""
+        if self._state == "closed":
+            return
+        try:
+            if self._state != "gone":
+                self._let_go_of_output()
+        finally:
+            self._guards.close()
+            self._drop_inputs()
+            self._route.close()
+            self._state = "closed"
+
+    def _require(self, *legal: State, to: str) -> None:
+        require(self._state, *legal, to=to, where=self._url)
+
+    def _make_inputs(self) -> Inputs:
+        request = self._request
+        assert request is not None
+        try:
+            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz))
+        except DeviceGoneError:
+            self._gone()
+            raise
+        return self._inputs
+
+    def _up_to_event(self, count: int) -> int:
+        event = self._output.next_event() if self._output is not None else None
+        return count if event is None else max(1, min(count, event - self._position))
+
+    def _look_after(self) -> None:
+        self._guards.beat()
+        if self._output is not None:
+            self._output.tick(self._position)
+
+    def _beyond(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+        # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
+        assert self._inputs is not None
+        peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit
+        return peak >= np.array([plug.range_v for plug in self._plugs]) * RAIL
+
+    def _gone(self) -> None:
+        # Whatever is on the output ends by itself, or by the supervisor's handle.
+        self._state = "gone"
+        if isinstance(self._output, AnalogOutput):
+            self._output.abandon()
+
+    def _reconnect(self) -> None:
+        if self._state != "gone":
+            return
+        self._route.close()
+        self._route = Route(self._address)
+        devices = self._route.devices()
+        chosen = output_of(self._rig, devices, self._url)
+        if chosen is not None:
+            self._output = AnalogOutput(self._route, *chosen)
+        self._inputs = None
+        self._state = "stopped"
+
+    def _drop_inputs(self) -> None:
+        if self._inputs is not None:
+            self._inputs.close()
+            self._inputs = None
+
+    def _let_go_of_output(self) -> None:
+        if self._output is not None:
+            try:
+                self._output.close()
+            except DeviceBusyError:
+                # Nothing of ours is on it any more: whoever took it answers for it.
+                return

@@ -1,0 +1,91 @@
+"""What each NI-DAQmx status means for the bench, and what is to be done about it."""
+
+from collections.abc import Generator
+from contextlib import contextmanager
+
+import grpc
+import nidaqmx.errors
+
+from modallab.errors import (
+    BenchError,
+    BenchTimeoutError,
+    ConfigurationError,
+    DeviceBusyError,
+    DeviceGoneError,
+    OutputLostError,
+    SamplesLostError,
+)
+
+NOT_YET = -200284
+NEVER = -200278
+HANDLE_DEAD = -200088
+RESERVED = -50103
+UNSUPPORTED_HERE = -200452
+
+_LOST = "start again: what comes is a new stretch; record at a lower rate or on a quieter machine if it happens often"
+_GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
+_CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
+_OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
+
+TABLE: dict[int, tuple[type[BenchError], str]] = {
+    NOT_YET: (BenchTimeoutError, "wait longer; what had come is kept"),
+    -200279: (SamplesLostError, _LOST),
+    -200222: (SamplesLostError, _LOST),
+    -200361: (SamplesLostError, _LOST),
+    NEVER: (SamplesLostError, "the record is short: what there is was kept; start again"),
+    HANDLE_DEAD: (SamplesLostError, "the task was lost on the device's side and is built anew at the next start"),
+    -201003: (DeviceGoneError, _GONE),
+    -88705: (DeviceGoneError, _GONE),
+    -88709: (DeviceGoneError, _GONE),
+    -88710: (DeviceGoneError, _GONE),
+    -50405: (DeviceGoneError, _GONE),
+    RESERVED: (DeviceBusyError, "end the program that holds it, or wait for it"),
+    -200077: (ConfigurationError, _CONFIGURATION),
+    -200431: (ConfigurationError, _CONFIGURATION),
+    -200170: (ConfigurationError, _CONFIGURATION),
+    -200220: (ConfigurationError, _CONFIGURATION),
+    -200265: (ConfigurationError, _CONFIGURATION),
+    -89120: (ConfigurationError, _CONFIGURATION),
+    UNSUPPORTED_HERE: (ConfigurationError, _CONFIGURATION),
+    -200290: (OutputLostError, _OUTPUT),
+    -200621: (OutputLostError, _OUTPUT),
+    -200018: (OutputLostError, _OUTPUT),
+}
+"""Every status that is expected, its type and its remedy."""
+
+
+def typed(error: Exception, where: str) -> BenchError:
+    """The typed error for what the package raised."""
+    if isinstance(error, nidaqmx.errors.DaqError):
+        return of_code(int(error.error_code), str(error), where)
+    if isinstance(error, nidaqmx.errors.RpcError):
+        gone = error.rpc_code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)
+        kind = DeviceGoneError if gone else BenchError
+        return kind(f"the device server: {error}", where=where, remedy=_GONE if gone else "look at the server's log")
+    if isinstance(error, nidaqmx.errors.DaqNotFoundError | nidaqmx.errors.DaqNotSupportedError):
+        return DeviceGoneError(
+            "NI-DAQmx is not installed on this machine",
+            where=where,
+            remedy="install NI-DAQmx, or reach the device's own machine by nidaqmx+grpc://host:port/device",
+        )
+    return BenchError(f"unexpected {type(error).__name__}: {error}", where=where, remedy="report this with the log")
+
+
+def of_code(code: int, text: str, where: str) -> BenchError:
+    """The typed error for a status."""
+    kind, remedy = TABLE.get(code, (BenchError, "look the status up in NI's documentation; report it if it recurs"))
+    said = " ".join(line.strip() for line in text.splitlines() if line.strip())
+    return kind(f"{said}" if str(code) in said else f"{said} ({code})", where=where, remedy=remedy)
+
+
+@contextmanager
+def translated(where: str) -> Generator[None]:
+    """Whatever the package raises inside comes out typed.
+
+    Raises:
+        BenchError: of the table's type.
+    """
+    try:
+        yield
+    except nidaqmx.errors.Error as error:
+        raise typed(error, where) from error

@@ -1,0 +1,91 @@
+"""Which channel of the rig is plugged into which input of the devices, and whether the input can do it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from modallab.errors import ConfigurationError
+from modallab.schema.rig import Channel, Rig
+from modallab_drivers.ni_daqmx.route import DeviceInfo
+
+
+@dataclass(frozen=True, slots=True)
+class Plug:
+    """A channel of the rig at its input.
+
+    Attributes:
+        channel: of the rig.
+        physical: of the device.
+        range_v: to set.
+    """
+
+    channel: Channel
+    physical: str
+    range_v: float
+
+
+def plugs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[Plug, ...]:
+    """The plugs of a rig: inputs as it names them, the others in order.
+
+    Raises:
+        ConfigurationError: one message with every field of the rig file that does not fit.
+    """
+    ranges = {name: device.input_range_v for device in devices for name in device.inputs}
+    named = {channel.input for channel in rig.channels if channel.input}
+    free = [name for name in ranges if name not in named]
+    problems: list[str] = []
+    plugs: list[Plug] = []
+    for place, channel in enumerate(rig.channels):
+        physical = channel.input or (free.pop(0) if free else "")
+        if not physical:
+            problems.append(f"channels[{place}] ({channel.name}): no input is left, there are {len(ranges)}")
+            continue
+        if physical not in ranges:
+            problems.append(f"channels[{place}].input: found {physical!r}; allowed: {_listed(list(ranges))}")
+            continue
+        plugs.append(_plug(rig, channel, physical, ranges[physical], problems))
+    if problems:
+        raise ConfigurationError("; ".join(problems), where=where, remedy="mend these fields of the rig file")
+    return tuple(plugs)
+
+
+def _plug(rig: Rig, channel: Channel, physical: str, most_v: float, problems: list[str]) -> Plug:
+    own = f"channels[{channel.index}].range_v" if channel.range_v else "converter.range_v"
+    range_v = channel.range_v or (rig.converter.range_v if rig.converter else most_v)
+    if range_v > most_v * (1 + 1e-9):
+        problems.append(f"{own}: found {range_v:g} V for {physical}; allowed: up to {most_v:g} V")
+    return Plug(channel, physical, range_v)
+
+
+def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str, float] | None:
+    """The analog output the rig names, or the first; with its range. None if the rig drives otherwise or not at all.
+
+    Raises:
+        ConfigurationError: no such output, or limits beyond its range.
+    """
+    excitation = rig.excitation
+    if rig.shaker_point is None or (excitation is not None and excitation.kind != "analog-output"):
+        return None
+    ranges = {name: device.output_range_v for device in devices for name in device.outputs}
+    wanted = excitation.output if excitation is not None else ""
+    if wanted and wanted not in ranges:
+        raise ConfigurationError(
+            f"excitation.output: found {wanted!r}; allowed: {_listed(list(ranges))}",
+            where=where,
+            remedy="mend this field of the rig file",
+        )
+    if not ranges:
+        return None
+    name = wanted or next(iter(ranges))
+    if rig.limits is not None and rig.limits.drive_v > ranges[name]:
+        raise ConfigurationError(
+            f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V",
+            where=where,
+            remedy="mend this field of the rig file",
+        )
+    return name, ranges[name]
+
+
+def _listed(names: Sequence[str]) -> str:
+    if not names:
+        return "nothing, the device has none"
+    return ", ".join(names) if len(names) <= 6 else f"{names[0]} to {names[-1]}"

@@ -1,0 +1,144 @@
+"""The way to the devices: this machine's driver, or a gRPC device server."""
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import grpc
+import nidaqmx
+from nidaqmx.system import Device, System
+
+from modallab.errors import ConfigurationError, DeviceBusyError
+from modallab_drivers.ni_daqmx.address import Address
+from modallab_drivers.ni_daqmx.errors import translated
+
+T = TypeVar("T")
+
+MESSAGE_BYTES = 256 << 20
+BUSY_TRIES = 6
+BUSY_WAIT_S = 0.1
+
+# A server that is cut off must be noticed: without pings a call would wait for ever.
+_OPTIONS = [
+    ("grpc.max_receive_message_length", MESSAGE_BYTES),
+    ("grpc.max_send_message_length", MESSAGE_BYTES),
+    ("grpc.keepalive_time_ms", 10_000),
+    ("grpc.keepalive_timeout_ms", 2_000),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceInfo:
+    """One device.
+
+    Attributes:
+        name: as the system names it.
+        product: its type.
+        serial: its number, as on the label.
+        inputs: physical channels.
+        outputs: physical channels.
+        input_range_v: largest of its ranges; 0 without inputs.
+        output_range_v: largest of its ranges; 0 without outputs.
+    """
+
+    name: str
+    product: str
+    serial: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_range_v: float
+    output_range_v: float
+
+
+class Route:
+    """Makes tasks and finds devices."""
+
+    def __init__(self, address: Address) -> None:
+        self.address = address
+        self._channel = _channel(address) if address.server else None
+
+    def task(self, name: str = "", *, attach: bool = False) -> Any:
+        """A new task; with `attach` the one of that name another client has made."""
+        if self._channel is None:
+            return nidaqmx.Task(name)
+        behaviour = nidaqmx.SessionInitializationBehavior
+        chosen = behaviour.ATTACH_TO_SERVER_SESSION if attach else behaviour.INITIALIZE_SERVER_SESSION
+        options = nidaqmx.GrpcSessionOptions(self._channel, name, initialization_behavior=chosen)
+        return nidaqmx.Task(name, grpc_options=options)
+
+    def options(self) -> Any:
+        """What other objects of the package need to go the same way; None on this machine."""
+        return None if self._channel is None else nidaqmx.GrpcSessionOptions(self._channel, "")
+
+    @property
+    def remote(self) -> bool:
+        """Whether there is a server between."""
+        return self._channel is not None
+
+    def system(self) -> Any:
+        """The system."""
+        return System.local() if self._channel is None else System.remote(self.options())
+
+    def device(self, name: str) -> Any:
+        """A device by its name."""
+        return Device(name, grpc_options=self.options()) if self._channel is not None else Device(name)
+
+    def devices(self) -> tuple[DeviceInfo, ...]:
+        """The device of the address, or the modules of its chassis, in order.
+
+        Raises:
+            ConfigurationError: there is no such device.
+            DeviceGoneError: no driver, no server.
+        """
+        with translated(self.address.url):
+            known = list(self.system().devices.device_names)
+            if self.address.device not in known:
+                raise ConfigurationError(
+                    f"no device {self.address.device!r}; there are {', '.join(known) or 'none'}",
+                    where=f"{self.address.url} (rig file field bench)",
+                    remedy="name one of them",
+                )
+            modules = [m.name for m in self.device(self.address.device).chassis_module_devices]
+            return tuple(self.describe(name) for name in modules or [self.address.device])
+
+    def describe(self, name: str) -> DeviceInfo:
+        """What one device is."""
+        device = self.device(name)
+        inputs = tuple(device.ai_physical_chans.channel_names)
+        outputs = tuple(device.ao_physical_chans.channel_names)
+        return DeviceInfo(
+            name,
+            device.product_type,
+            f"{device.serial_num:X}",
+            inputs,
+            outputs,
+            max(device.ai_voltage_rngs, default=0.0) if inputs else 0.0,
+            max(device.ao_voltage_rngs, default=0.0) if outputs else 0.0,
+        )
+
+    def close(self) -> None:
+        """Let go of the server."""
+        if self._channel is not None:
+            self._channel.close()
+
+
+def patiently(call: Callable[[], T]) -> T:
+    """Try again for a while when another program holds what is needed.
+
+    Raises:
+        DeviceBusyError: it still does; the message names it.
+    """
+    for attempt in range(BUSY_TRIES - 1):
+        with suppress(DeviceBusyError):
+            return call()
+        time.sleep(BUSY_WAIT_S * (attempt + 1))
+    return call()
+
+
+def _channel(address: Address) -> grpc.Channel:
+    if address.certificate is None:
+        return grpc.insecure_channel(address.server, options=_OPTIONS)
+    credentials = grpc.ssl_channel_credentials(address.certificate.read_bytes())
+    return grpc.secure_channel(address.server, credentials, options=_OPTIONS)

@@ -1,0 +1,73 @@
+"""A second handle to the output, for whoever must end an excitation that its owner no longer can."""
+
+from contextlib import suppress
+from typing import Any
+
+import nidaqmx.errors
+
+from modallab.errors import BenchError
+from modallab.schema.rig import Rig
+from modallab_drivers.function_generator.generator import emergency_off
+from modallab_drivers.ni_daqmx.address import parse
+from modallab_drivers.ni_daqmx.analog_output import task_name
+from modallab_drivers.ni_daqmx.errors import translated
+from modallab_drivers.ni_daqmx.plugs import output_of
+from modallab_drivers.ni_daqmx.route import Route
+
+
+class SecondHandle:
+    """Brings the output to 0 V, from another process than the one that drives."""
+
+    def __init__(self, url: str, rig: Rig) -> None:
+        """Find the output; nothing is reserved.
+
+        Raises:
+            BenchError: no such device or output.
+        """
+        self._route = Route(parse(url))
+        self._rig = rig
+        self._where = url
+        chosen = output_of(rig, self._route.devices(), url)
+        self._physical, self._range_v = chosen if chosen is not None else ("", 0.0)
+
+    def zero(self) -> None:
+        """End what plays on the output, whoever started it, and put 0 V on it.
+
+        Raises:
+            BenchError: it could not be done, by no way.
+        """
+        excitation = self._rig.excitation
+        if excitation is not None and excitation.kind == "generator":
+            emergency_off(excitation)
+        if not self._physical:
+            return
+        self._end_task()
+        try:
+            self._write_zero()
+        except BenchError:
+            # Whoever holds it is no task of ours: the device lets go of everything.
+            with translated(self._where):
+                self._route.device(self._physical.partition("/")[0]).reset_device()
+            self._write_zero()
+
+    def close(self) -> None:
+        """Let go."""
+        self._route.close()
+
+    def _end_task(self) -> None:
+        if not self._route.remote:
+            return
+        with suppress(nidaqmx.errors.Error):
+            task: Any = self._route.task(task_name(self._physical), attach=True)
+            # Ending the task, not only our share of it.
+            task._interpreter.clear_task(task._handle)
+            task._handle = None
+
+    def _write_zero(self) -> None:
+        with translated(self._where):
+            task = self._route.task()
+            try:
+                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
+                task.write(0.0, auto_start=True)
+            finally:
+                task.close()

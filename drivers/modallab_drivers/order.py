@@ -1,0 +1,77 @@
+"""What all drivers hold alike: the order of calls, and what a burst may be."""
+
+from math import isfinite, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.backend.protocol import Burst
+from modallab.errors import ConfigurationError
+from modallab.schema.rig import Limits
+
+
+def require(state: str, *legal: str, to: str, where: str) -> None:
+    """Refuse a call out of order.
+
+    Raises:
+        ConfigurationError: the bench is in none of the legal states.
+    """
+    if state not in legal:
+        raise ConfigurationError(
+            f"the bench is {state}: cannot {to}",
+            where=where,
+            remedy="the order is configure, start, then read and play; stop before another configure",
+        )
+
+
+def require_count(count: int, where: str) -> None:
+    """Refuse a read of nothing.
+
+    Raises:
+        ConfigurationError: `count` is below 1.
+    """
+    if count < 1:
+        raise ConfigurationError(f"a read of {count} samples", where=where, remedy="read 1 or more")
+
+
+def require_burst(burst: Burst, rate_hz: float, range_v: float, limits: Limits | None, where: str) -> None:
+    """Refuse a burst the output or the rig's limits do not allow.
+
+    Raises:
+        ConfigurationError: names every field that is wrong, and the field of the rig file where it is a limit.
+    """
+    problems: list[str] = []
+    if not 0 < burst.frequency_hz < rate_hz / 2:
+        problems.append(f"frequency_hz = {burst.frequency_hz}; allowed: above 0 to half the rate")
+    if not 0 < burst.amplitude_v <= range_v:
+        problems.append(f"amplitude_v = {burst.amplitude_v}; allowed: above 0 to the output's {range_v:g} V")
+    times = (burst.ramp_s, burst.hold_s)
+    if not all(isfinite(t) and t >= 0 for t in times) or burst.duration_s == 0:
+        problems.append(f"ramp_s = {burst.ramp_s}, hold_s = {burst.hold_s}; allowed: from 0, not both 0")
+    elif limits is not None:
+        problems += _beyond(burst, limits)
+    if problems:
+        raise ConfigurationError("; ".join(problems), where=where, remedy="change the plan or the rig file's limits")
+
+
+def _beyond(burst: Burst, limits: Limits) -> list[str]:
+    slew = 2 * pi * burst.frequency_hz * burst.amplitude_v
+    found = [
+        ("limits.drive_v", burst.amplitude_v, limits.drive_v, "V"),
+        ("limits.slew_v_per_s", slew, limits.slew_v_per_s, "V/s"),
+        ("limits.max_burst_s", burst.duration_s, limits.max_burst_s, "s"),
+    ]
+    return [f"{n}: {v:.4g} {u}; allowed: {most:g} {u}" for n, v, most, u in found if v > most * (1 + 1e-9)]
+
+
+def burst_samples(burst: Burst, rate_hz: float) -> NDArray[np.float64]:
+    """The burst as (n,) volts at an output's rate: a sine under a cosine taper, its first and last sample exactly 0."""
+    count = int(np.ceil(burst.duration_s * rate_hz)) + 1
+    t = np.arange(count) / rate_hz
+    wave = burst.amplitude_v * np.sin(2 * np.pi * burst.frequency_hz * t)
+    if burst.ramp_s > 0:
+        edge = np.clip(np.minimum(t, burst.duration_s - t) / burst.ramp_s, 0, 1)
+        wave *= (1 - np.cos(np.pi * edge)) / 2
+    wave[t >= burst.duration_s] = 0.0
+    wave[-1] = 0.0
+    return wave

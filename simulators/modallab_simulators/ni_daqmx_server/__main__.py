@@ -1,0 +1,116 @@
+"""`python -m modallab_simulators.ni_daqmx_server --rig rig.json`: serve until standard input closes.
+
+The first line on standard output is JSON with the port. Then every line on standard input is one thing an operator
+does: `strike 10`, `preamplifiers sine`, `fault unplugged`, `levels`, `time`; each is answered by one line of JSON.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import grpc
+import yaml
+
+from modallab.schema.rig import Rig
+from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
+from modallab_simulators.ni_daqmx_server.clock import BenchClock
+from modallab_simulators.ni_daqmx_server.lines import OutputLine
+from modallab_simulators.ni_daqmx_server.modules import SYSTEMS
+from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
+from modallab_simulators.ni_daqmx_server.rpc import serve
+from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
+
+
+def main() -> int:
+    """Serve until the owner closes standard input."""
+    arguments = _parser().parse_args()
+    system = build(arguments)
+    told: dict[str, object] = {}
+    generator: PtyGenerator | None = None
+    if arguments.generator:
+        system.generator_line = OutputLine()
+        device = ScpiGenerator(
+            SINE_DIALECTS[arguments.generator], system.generator_line, system.clock, system.changed, system.lock,
+            ppm=system.plant.generator_ppm,
+        )  # fmt: skip
+        generator = PtyGenerator(device)
+        told["generator"] = generator.port
+    server, told["port"] = serve(system, arguments.port, _credentials(arguments.tls))
+    print(json.dumps(told), flush=True)
+    for line in sys.stdin:
+        print(json.dumps(obey(system, generator, line.strip())), flush=True)
+    server.stop(None)
+    return 0
+
+
+def build(arguments: argparse.Namespace) -> SimulatedSystem:
+    """The system that the command line asks for."""
+    rig = Rig.model_validate(yaml.safe_load(arguments.rig.read_text(encoding="utf-8")))
+    chassis, modules = SYSTEMS[arguments.system]
+    inputs = [m for m in modules if m.inputs]
+    range_v, bits = min(m.input_range_v for m in inputs), max(m.bits for m in inputs)
+    plant: Plant
+    if arguments.cables:
+        plant = CablePlant(sum(m.inputs for m in inputs), range_v)
+    else:
+        plant = CantileverPlant(arguments.bench, rig, range_v, min(bits, arguments.bits))
+    return SimulatedSystem(BenchClock(arguments.pace), chassis, modules, plant, rig)
+
+
+def obey(system: SimulatedSystem, generator: PtyGenerator | None, line: str) -> dict[str, object]:
+    """Do what an operator does, and say what came of it."""
+    word, _, rest = line.partition(" ")
+    try:
+        if word == "generator-fault" and generator is not None:
+            generator.fault(rest)
+            return {"done": line}
+        with system.lock:
+            return _obey(system, word, rest)
+    except (ValueError, IndexError, KeyError) as error:
+        return {"error": str(error)}
+
+
+def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
+    if word == "levels":
+        return dict(system.levels(float(rest) if rest else 0.05))
+    if word == "time":
+        return {"bench_s": system.clock.now()}
+    if word == "truth":
+        return dict(system.plant.facts)
+    if word == "strike":
+        system.plant.strike(int(rest), system.clock.now())
+    elif word == "preamplifiers" and rest in ("impact", "sine"):
+        system.plant.set_preamplifiers(rest)  # pyright: ignore[reportArgumentType]  # just compared
+    elif word == "fault":
+        system.fault(rest)
+    elif word == "reset-keeps-outputs":
+        system.reset_keeps_outputs = True
+    else:
+        raise ValueError(f"unknown: {word} {rest}")
+    return {"done": f"{word} {rest}"}
+
+
+def _credentials(folder: Path | None) -> grpc.ServerCredentials | None:
+    if folder is None:
+        return None
+    pair = ((folder / "server.key").read_bytes(), (folder / "server.crt").read_bytes())
+    return grpc.ssl_server_credentials([pair])
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="modallab_simulators.ni_daqmx_server", description=__doc__)
+    parser.add_argument("--rig", type=Path, required=True, help="what truly stands on the bench, JSON or YAML")
+    parser.add_argument("--system", choices=sorted(SYSTEMS), default="9215")
+    parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--bench", default="sim://cantilever?seed=1&bad_hits=0", help="the bench behind the devices")
+    parser.add_argument("--bits", type=int, default=24, help="at most so many of the converters")
+    parser.add_argument("--pace", action="store_true", help="run as the clock on the wall does")
+    parser.add_argument("--cables", action="store_true", help="every input on the output by a cable, no beam")
+    parser.add_argument("--generator", choices=sorted(SINE_DIALECTS), help="a serial generator on the same bench")
+    parser.add_argument("--tls", type=Path, help="folder with server.crt and server.key")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

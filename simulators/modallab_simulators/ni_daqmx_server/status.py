@@ -1,0 +1,62 @@
+"""NI-DAQmx status codes, as far as the simulated devices give them."""
+
+NOT_YET_AVAILABLE = -200284
+NO_LONGER_AVAILABLE = -200279
+NEVER_AVAILABLE = -200278
+INVALID_TASK = -200088
+INVALID_VALUE = -200077
+NO_SUCH_CHANNEL = -200170
+WRONG_MEASUREMENT = -200431
+NO_SUCH_DEVICE = -200220
+BAD_TRIGGER_SOURCE = -200265
+BAD_ROUTE = -89120
+NOT_SUPPORTED_HERE = -200452
+RESERVED = -50103
+DEVICE_GONE = -201003
+OUTPUT_UNDERFLOW = -200290
+NO_TEDS = -200709
+DUPLICATE_TASK = -200089
+NOT_FINISHED = -200560
+
+_SAID = {
+    NOT_YET_AVAILABLE: "Some or all of the samples requested have not yet been acquired.",
+    NO_LONGER_AVAILABLE: "The application is not able to keep up with the hardware acquisition.",
+    -200222: "Acquisition has been stopped to prevent an input buffer overwrite.",
+    -200361: "Onboard device memory overflow.",
+    NEVER_AVAILABLE: "Samples will never be available: the acquisition is finite and has ended.",
+    INVALID_TASK: "Task specified is invalid or does not exist.",
+    INVALID_VALUE: "Requested value is not a supported value for this property.",
+    NO_SUCH_CHANNEL: "Physical channel specified does not exist on this device.",
+    WRONG_MEASUREMENT: "Selected physical channel does not support the measurement type required.",
+    NO_SUCH_DEVICE: "Device identifier is invalid.",
+    BAD_TRIGGER_SOURCE: "Source specified for the analog trigger is invalid.",
+    BAD_ROUTE: "Source terminal to be routed could not be found on the device.",
+    NOT_SUPPORTED_HERE: "Specified property is not supported by the device or is not applicable to the task.",
+    RESERVED: "The specified resource is reserved.",
+    DEVICE_GONE: "Device cannot be accessed: it is disconnected or powered off.",
+    -88705: "The specified device is not present or is not active in the system.",
+    -88709: "The operation was aborted: the device was removed.",
+    -88710: "The running operation was aborted: the device was removed.",
+    -50405: "No transfer is in progress because the transfer was aborted.",
+    OUTPUT_UNDERFLOW: "The generation has stopped to prevent the regeneration of old samples.",
+    -200621: "Onboard device memory underflow.",
+    -200018: "DAC conversion attempted before data to be converted was available.",
+    NO_TEDS: "TEDS sensor not detected on physical channel.",
+    DUPLICATE_TASK: "Task name specified conflicts with an existing task name.",
+    NOT_FINISHED: "Wait Until Done did not indicate that the task was done within the specified timeout.",
+}
+
+
+def describe(code: int) -> str:
+    """The text of a status code."""
+    return f"{_SAID.get(code, 'An NI-DAQmx error occurred.')}\n\nStatus Code: {code}"
+
+
+class StatusError(Exception):
+    """A negative status, which goes over the wire as one."""
+
+    def __init__(self, code: int, detail: str = "", samples: int | None = None) -> None:
+        super().__init__(code)
+        self.code = code
+        self.samples = samples
+        self.text = describe(code) + (f"\n\n{detail}" if detail else "")
