@@ -30,7 +30,7 @@ def one_seed(seed: int) -> list[dict]:
         campaign = record_campaign(f"sim://cantilever?seed={seed}", rig, plans, Path(folder), lambda event: None)
     truth = truth_of(campaign)
     rows = []
-    for item in identify_campaign(campaign, Options()):
+    for item in identify_campaign(campaign, Options()).identified:
         model = item.model
         for r in range(MODES):
             true_f, true_z = truth.frequency_hz[r], truth.damping_ratio[r]

@@ -9,7 +9,7 @@ from modallab.exchange.rig_file import read_rig
 from modallab.figures.report import write_report
 from modallab.figures.table import modal_table
 from modallab.identification.options import Options
-from modallab.tasks.identify import Identified, identify_campaign
+from modallab.tasks.identify import Result, identify_campaign
 from modallab.tasks.model_file import write_models
 from modallab.tasks.report import report_content, truth_of
 
@@ -20,22 +20,22 @@ def run(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, rig)
     band = None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1]))
     options = Options(method=arguments.method, band_hz=band)
-    identified = identify_campaign(campaign, options, arguments.test)
+    result = identify_campaign(campaign, options, arguments.test)
     console = Console()
-    console.print(modal_table([item.model for item in identified], truth_of(campaign)))
-    print_remarks(console, identified)
+    console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
+    print_remarks(console, result)
     if arguments.json is not None:
-        write_models(arguments.json, campaign, identified)
+        write_models(arguments.json, campaign, result)
         console.print(f"models: {arguments.json}", markup=False)
     if arguments.report is not None:
-        write_report(arguments.report, report_content(campaign, identified, f"Modal test of {campaign.rig.name}"))
+        write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 
 
-def print_remarks(console: Console, identified: list[Identified]) -> None:
+def print_remarks(console: Console, result: Result) -> None:
     """FRAC, notes and what is not available, a line each."""
-    for item in identified:
+    for item in result.identified:
         if item.verification is not None:
             low, high = float(item.verification.frac.min()), float(item.verification.frac.max())
             band = f"{item.model.band_hz[0]:.4g} to {item.model.band_hz[1]:.4g} Hz"
@@ -45,3 +45,5 @@ def print_remarks(console: Console, identified: list[Identified]) -> None:
         for note in (*item.model.notes, item.model.shapes_unavailable):
             if note:
                 console.print(f"{item.source}: {note}", markup=False)
+    for item in result.unidentified:
+        console.print(f"{item.source}: no model: {item.error}", markup=False)

@@ -78,8 +78,8 @@ def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float
     # unit circle (negative damping), where they are known by their sign.
     head, tail = reduced[:size, :size], reduced[:size, size : size + n_in]
     try:
-        alpha = -linalg.solve(head, tail, assume_a="sym")
-    except linalg.LinAlgError as error:
+        alpha = -np.linalg.solve(head, tail)
+    except np.linalg.LinAlgError as error:
         raise IdentificationError(
             f"the normal equations of order {order} are singular", remedy="lower the order: the data hold fewer modes"
         ) from error

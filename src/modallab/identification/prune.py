@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.fit import Fit
+from modallab.identification.fit import Fit, modal_constants
 
+MIN_SIGNIFICANCE = 5.0
 MAX_ZETA = 0.2
 MAX_FREQUENCY_SIGMA = 2e-3
 MAX_DAMPING_SIGMA = 0.5
@@ -13,14 +14,17 @@ MAX_DAMPING_SIGMA = 0.5
 def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     """(modes,) whether a pole stands in the band, is stable, and is known well enough to be called a mode.
 
-    A pole that fits noise has an uncertainty as large as itself: sigma of f above 0.2 % or of zeta above half of zeta.
+    A pole that fits noise has an uncertainty as large as itself: sigma of f above 0.2 %, of zeta above half of zeta, or
+    no modal constant that stands above five of its sigmas.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     frequency = at.omega / (2 * np.pi)
     inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
     stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
-    return inside & stable & known & ~_doubles(fit)
+    constants, constant_sigma = modal_constants(fit)
+    seen = np.max(np.abs(constants) / np.maximum(constant_sigma, 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
+    return inside & stable & known & seen & ~_doubles(fit)
 
 
 def _doubles(fit: Fit) -> NDArray[np.bool_]:

@@ -30,7 +30,7 @@ from modallab.schema.frf import DERIVATIVES, Frf
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.spectra.frf import convert, lines, output_quantity
-from modallab.spectra.sine_fit import SineFit, fit_frequency
+from modallab.spectra.sine_fit import SineFit, fit_frequency, strongest_near
 from modallab.spectra.stepped import stepped_frf
 
 Real = NDArray[np.float64]
@@ -99,7 +99,8 @@ def fit_tone(signals: Signals) -> Tone:
         raise DataError(
             "no frequency is recorded", where=f"record {signals.block.name}", remedy="give the record's frequency_hz"
         )
-    fit = fit_frequency(signals.force[None], signals.rate_hz, wanted)
+    start = strongest_near(signals.force, signals.rate_hz, wanted)
+    fit = fit_frequency(signals.force[None], signals.rate_hz, start)
     if np.abs(fit.amplitude[0]) < 5 * fit.residual_rms[0] * np.sqrt(2 / signals.force.size):
         raise DataError(
             f"no sine at {wanted:.4g} Hz in the force: {np.abs(fit.amplitude[0]):.3g} N",

@@ -63,6 +63,21 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
     return fit_at(values, rate_hz, frequency)
 
 
+def strongest_near(values: NDArray[np.float64], rate_hz: float, wanted_hz: float) -> float:
+    """Frequency of the strongest sine in values (n,) within two lines or 5 % of the wanted one: a start for the fit.
+
+    Generator and converter each have a clock of their own; a wrong one may be off by more than a line.
+    """
+    n = values.size
+    window = np.hanning(n)
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * window, 8 * n))
+    frequency = np.arange(spectrum.size) * rate_hz / (8 * n)
+    inside = np.abs(frequency - wanted_hz) <= max(2 * rate_hz / n, 0.05 * wanted_hz)
+    found = float(frequency[inside][np.argmax(spectrum[inside])])
+    # Below a few lines the window's lobe of the negative frequency is in the way; there the wanted one is near enough.
+    return found if abs(found - wanted_hz) > 0.5 * rate_hz / n and wanted_hz > 4 * rate_hz / n else wanted_hz
+
+
 def _frequency_step(values: NDArray[np.float64], t: NDArray[np.float64], fit: SineFit) -> float:
     angle = 2 * np.pi * fit.frequency_hz * t
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
-from modallab.errors import DataError
+from modallab.errors import DataError, ModallabError
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.options import Options
@@ -33,7 +34,23 @@ class Identified:
     verification: Verification | None
 
 
-def identify_campaign(campaign: Campaign, options: Options, test: Test | None = None) -> list[Identified]:
+@dataclass(frozen=True, eq=False, slots=True)
+class Unidentified:
+    """A test that gave no model, and why."""
+
+    source: Source
+    error: ModallabError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Result:
+    """What a campaign gave: models, and tests without one."""
+
+    identified: tuple[Identified, ...]
+    unidentified: tuple[Unidentified, ...]
+
+
+def identify_campaign(campaign: Campaign, options: Options, test: Test | None = None) -> Result:
     """Models of every test in a campaign, or of one.
 
     Args:
@@ -41,28 +58,40 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
         options: method, band, order.
         test: only this test.
 
+    Returns:
+        models, and what a test without one died of: one bad test does not take the other with it.
+
     Raises:
-        DataError: nothing to identify, or damaged records.
-        IdentificationError: a test holds no mode.
+        DataError: nothing to identify, or damaged records, when no test gave a model.
+        IdentificationError: no test holds a mode.
     """
     found: list[Identified] = []
-    runners: dict[Test, Callable[[Campaign, tuple[Block, ...], Options], Identified]] = {
-        "impact": _impact,
-        "sine": _sine,
-    }
-    for kind, run in runners.items():
-        blocks = campaign.of(kind) if test in (None, kind) else ()
-        if blocks:
-            found.append(run(campaign, blocks, options))
-    if test is None:
-        found += [_frf(campaign, i, options) for i in range(len(campaign.frfs))]
+    failed: list[Unidentified] = []
+    for source, run in _runs(campaign, options, test):
+        try:
+            found.append(run())
+        except ModallabError as error:
+            failed.append(Unidentified(source, error))
+    if not found and failed:
+        raise failed[0].error
     if not found:
         raise DataError(
             "there is no block to identify" if test is None else f"there is no block of a {test} test",
             where=campaign.source,
             remedy="check that the campaign holds impact or sine records",
         )
-    return found
+    return Result(tuple(found), tuple(failed))
+
+
+def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple[Source, Callable[[], Identified]]]:
+    runs: list[tuple[Source, Callable[[], Identified]]] = []
+    if campaign.of("impact") and test in (None, "impact"):
+        runs.append(("impact", lambda: _impact(campaign, campaign.of("impact"), options)))
+    if campaign.of("sine") and test in (None, "sine"):
+        runs.append(("sine", lambda: _sine(campaign, campaign.of("sine"), options)))
+    if test is None:
+        runs.extend(("frf", partial(_frf, campaign, i, options)) for i in range(len(campaign.frfs)))
+    return runs
 
 
 def _usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:

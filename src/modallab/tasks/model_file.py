@@ -1,17 +1,16 @@
 """Models as JSON, for other programs."""
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from modallab import __version__
 from modallab.exchange.atomic import replacing
 from modallab.schema.block import Campaign
 from modallab.schema.versions import MODEL
-from modallab.tasks.identify import Identified
+from modallab.tasks.identify import Identified, Result
 
 
-def write_models(path: Path, campaign: Campaign, identified: Sequence[Identified]) -> None:
+def write_models(path: Path, campaign: Campaign, result: Result) -> None:
     """One JSON document: every test's model, its FRAC, and where it comes from. Whole, or not at all.
 
     Raises:
@@ -23,7 +22,8 @@ def write_models(path: Path, campaign: Campaign, identified: Sequence[Identified
         "source": campaign.source,
         "rig": campaign.rig.name,
         "provenance": campaign.provenance,
-        "models": [_model(item) for item in identified],
+        "models": [_model(item) for item in result.identified],
+        "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")

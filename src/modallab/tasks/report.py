@@ -16,27 +16,30 @@ from modallab.schema.units import Test
 from modallab.spectra.bandpass import bandpass
 from modallab.spectra.frf import convert, group_by_point, impact_frf
 from modallab.spectra.scale import remove_mean, to_signals, to_signals_of
-from modallab.tasks.identify import Identified
+from modallab.tasks.identify import Identified, Result, Unidentified
 
 PAPER_BAND = (3.0, 110.0)
 """The paper's band-pass: its three lowest bending modes."""
 
 
 def report_content(
-    campaign: Campaign, identified: Sequence[Identified], title: str, refused: Sequence[tuple[Block, str]] = ()
+    campaign: Campaign, result: Result, title: str, refused: Sequence[tuple[Block, str]] = ()
 ) -> ReportContent:
     """Everything the report says of a campaign.
 
     Args:
         campaign: blocks and rig.
-        identified: a model for every test.
+        result: models of the tests.
         title: heading.
         refused: blows that were not accepted, each with its reason.
     """
     return ReportContent(
         title=title,
         campaign=campaign,
-        outcomes=tuple(_outcome(campaign, item, refused) for item in identified),
+        outcomes=(
+            *(_outcome(campaign, item, refused) for item in result.identified),
+            *(_without(item) for item in result.unidentified),
+        ),
         truth=truth_of(campaign),
         provenance={"modallab": __version__},
     )
@@ -67,6 +70,10 @@ def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block
         filtered=None if example is None else _filtered(example),
         hits=_hits(campaign, refused) if test == "impact" else (),
     )
+
+
+def _without(item: Unidentified) -> Outcome:
+    return Outcome(test=None if item.source == "frf" else item.source, missing=str(item.error))
 
 
 def _filtered(signals: Signals) -> NDArray[np.float64] | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from modallab.identification.excitation import BlowExcitation, ToneExcitation, tone
 from modallab.identification.fit import Fit
 from modallab.identification.model_of_fit import receptance
+from modallab.identification.sine import fit_tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf, FrfQuantity
 from modallab.schema.model import ModalModel
@@ -17,7 +18,6 @@ from modallab.schema.verification import Verification
 from modallab.spectra.bandpass import bandpass
 from modallab.spectra.frf import convert, impact_frf
 from modallab.spectra.scale import remove_mean
-from modallab.spectra.sine_fit import fit_frequency
 from modallab.spectra.stepped import stepped_frf
 from modallab.verification.frac import frac
 
@@ -71,7 +71,7 @@ def _filtered(values: NDArray[np.float64], rate_hz: float, band: tuple[float, fl
 def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Verification:
     """Both sides by the same sine fit of the same block, the decay in it included."""
     low, high = model.band_hz
-    fits = [fit_frequency(s.force[None], s.rate_hz, float(s.block.frequency_hz or 0.0)) for s in signals]
+    fits = [fit_tone(s).fit for s in signals]
     used = [i for i, f in enumerate(fits) if low <= f.frequency_hz <= high]
     chosen, forces = [signals[i] for i in used], [fits[i] for i in used]
     regenerated = [_replayed(fit, i, s) for i, s in enumerate(chosen)]

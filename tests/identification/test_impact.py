@@ -1,0 +1,115 @@
+import modal_bench as bench
+import numpy as np
+import pytest
+
+from modallab.errors import DataError, IdentificationError
+from modallab.identification.impact import identify_impact
+from modallab.identification.options import Options
+from modallab.spectra.scale import to_signals_of
+
+TWO_POINTS = (5, 3)
+
+
+def identified(seed, options=None, **how):
+    rng = np.random.default_rng(seed)
+    system = bench.modes(rng)
+    rig = bench.rig(5)
+    signals = to_signals_of(bench.impact_blocks(system, rng, **how), rig)
+    return system, *identify_impact(signals, rig, options or Options(band_hz=(2.9, 400.0)))
+
+
+def test_true_poles_come_out_of_a_block_shorter_than_the_ring_down():
+    system, model, fit = identified(1)
+    assert fit.refined.settled
+    assert model.n_modes == 3
+    np.testing.assert_allclose(model.frequency_hz, system.frequency_hz, rtol=2e-4)
+    np.testing.assert_allclose(model.damping_ratio, system.zeta, rtol=0.03)
+
+
+def test_stated_sigma_is_the_scatter():
+    normalised = []
+    for seed in range(6):
+        system, model, _ = identified(seed)
+        normalised += list((model.frequency_hz - system.frequency_hz) / model.frequency_sigma_hz)
+        normalised += list((model.damping_ratio - system.zeta) / model.damping_sigma)
+    # 36 numbers: their rms scatters by 12 %, so 1 / 1.5 to 1.5 is some three sigmas wide; the seeds are fixed.
+    assert 1 / 1.5 < np.sqrt(np.mean(np.square(normalised))) < 1.5
+
+
+def test_modal_constants_and_unit_mass_shapes_are_those_of_the_structure():
+    system, model, _ = identified(2, points=TWO_POINTS)
+    expected = system.phi[:, :, None] * system.phi[:, [4, 2]][:, None, :]
+    error = np.abs(model.modal_constants - expected)
+    assert np.all(error < 5 * model.modal_constant_sigma + 1e-3 * np.abs(expected).max(axis=(1, 2), keepdims=True))
+    sign = np.sign(np.sum(model.shapes.real * system.phi, axis=1))
+    np.testing.assert_allclose(sign[:, None] * model.shapes.real, system.phi, atol=4e-3)
+    assert np.abs(model.shapes.imag).max() < 0.01
+
+
+def test_hits_at_two_points_share_their_poles():
+    _, one, _ = identified(3)
+    _, two, _ = identified(3, points=TWO_POINTS)
+    assert two.input_points == TWO_POINTS
+    assert np.all(two.damping_sigma < one.damping_sigma)
+
+
+def test_a_beam_that_still_rings_before_the_blow_is_said_and_modelled():
+    system, model, _ = identified(4, rest=2.0)
+    assert any("before the blow" in note for note in model.notes)
+    np.testing.assert_allclose(model.frequency_hz[0], system.frequency_hz[0], rtol=5e-4)
+    np.testing.assert_allclose(model.damping_ratio[0], system.zeta[0], rtol=0.08)
+
+
+def test_half_power_reads_the_block_and_its_floor_says_so():
+    _, model, _ = identified(5)
+    assert model.half_power[0] > 5 * model.damping_ratio[0]
+    assert model.half_power[0] == pytest.approx(model.half_power_floor[0], rel=0.35)
+
+
+def test_samples_in_integers_or_floats_give_the_same_model():
+    rng = np.random.default_rng(6)
+    system, rig = bench.modes(rng), bench.rig(5)
+    blocks = bench.impact_blocks(system, rng)
+    counts = []
+    for b in blocks:
+        samples = np.round(b.samples / 1e-4).astype(np.int32)
+        counts.append(bench.block(b.name, "impact", b.order, b.rate_hz, samples, b.drive_point))
+    scaled = [type(b)(**{f: getattr(b, f) for f in b.__slots__} | {"scale": np.full(6, 1e-4)}) for b in counts]
+    one, _ = identify_impact(to_signals_of(blocks, rig), rig, Options(band_hz=(2.9, 400.0)))
+    two, _ = identify_impact(to_signals_of(scaled, rig), rig, Options(band_hz=(2.9, 400.0)))
+    np.testing.assert_allclose(one.frequency_hz, two.frequency_hz, rtol=1e-6)
+
+
+def test_a_block_without_a_blow_is_refused():
+    rng = np.random.default_rng(7)
+    rig = bench.rig(5)
+    silent = bench.block("quiet", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
+    with pytest.raises(DataError, match="no blow"):
+        identify_impact(to_signals_of([silent], rig), rig, Options())
+
+
+def test_no_mode_is_found_in_noise():
+    rng = np.random.default_rng(8)
+    rig = bench.rig(5)
+    blocks = []
+    for i in range(5):
+        samples = 0.03 * rng.standard_normal((6, 2048))
+        samples[0] += bench.blow(2048, 2000.0, 0.05, 4e-3, 80.0)
+        blocks.append(bench.block(f"hit_{i}", "impact", i, 2000.0, samples, 5))
+    with pytest.raises(IdentificationError, match=r"no (stable pole|mode)"):
+        identify_impact(to_signals_of(blocks, rig), rig, Options())
+
+
+def test_a_band_without_lines_is_refused_by_its_numbers():
+    with pytest.raises(DataError, match=r"50 to 51 Hz holds 1 of the block's lines"):
+        identified(9, Options(band_hz=(50.0, 51.0)))
+
+
+def test_two_modes_closer_than_a_line_are_two():
+    rng = np.random.default_rng(10)
+    system = bench.Modes(np.array([60.0, 60.6, 140.0]), np.array([0.004, 0.006, 0.005]), bench.modes(rng).phi)
+    rig = bench.rig(5)
+    blocks = bench.impact_blocks(system, rng, points=TWO_POINTS)
+    model, _ = identify_impact(to_signals_of(blocks, rig), rig, Options(band_hz=(20.0, 400.0)))
+    np.testing.assert_allclose(model.frequency_hz, system.frequency_hz, rtol=1e-4)
+    np.testing.assert_allclose(model.damping_ratio, system.zeta, rtol=0.01)

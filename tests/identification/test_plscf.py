@@ -1,0 +1,99 @@
+import numpy as np
+import pytest
+
+from modallab.errors import DataError, IdentificationError
+from modallab.identification.plscf import plscf
+from modallab.identification.stabilisation import stable_poles
+from modallab.schema.frf import Frf
+
+
+def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, seed=None):
+    f = np.asarray(lines, float)
+    s = shift + 2j * np.pi * f
+    w = 2 * np.pi * np.asarray(frequency)
+    values = np.einsum(
+        "mo,mi,mk->oik", phi, phi[:, inputs], 1 / (s**2 + 2 * np.outer(np.asarray(zeta) * w, s) + (w**2)[:, None])
+    )
+    values = values * s ** {"receptance": 0, "mobility": 1, "inertance": 2}[quantity]
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+        size = 0.01 * np.sqrt(np.mean(np.abs(values) ** 2))
+        values = values + size / np.sqrt(2) * (
+            rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
+        )
+    return Frf(
+        f,
+        values,
+        quantity,
+        tuple(f"o{i}" for i in range(values.shape[0])),
+        (None,) * values.shape[0],
+        (None,) * len(inputs),
+        damping_shift=shift,
+    )
+
+
+FREQUENCY, ZETA = [12.0, 40.0, 41.0, 90.0], [0.01, 0.005, 0.008, 0.004]
+PHI = np.random.default_rng(0).standard_normal((4, 6))
+LINES = np.arange(2, 120, 0.25)
+
+
+@pytest.mark.parametrize("quantity", ["receptance", "mobility", "inertance"])
+def test_exact_frfs_give_exact_poles(quantity):
+    found = stable_poles(plscf(frf(FREQUENCY, ZETA, PHI, [0, 3], LINES, quantity), 30))
+    poles = np.array([p.pole for p in found])
+    near = [poles[np.argmin(np.abs(np.abs(poles) - 2 * np.pi * f))] for f in FREQUENCY]
+    np.testing.assert_allclose(np.abs(near), 2 * np.pi * np.array(FREQUENCY), rtol=1e-5)
+    np.testing.assert_allclose(-np.real(near) / np.abs(near), ZETA, rtol=1e-3)
+
+
+def test_the_damping_shift_is_taken_off_again():
+    found = stable_poles(plscf(frf(FREQUENCY, ZETA, PHI, [0, 3], LINES, shift=4.0), 30))
+    poles = np.array([p.pole for p in found])
+    near = [poles[np.argmin(np.abs(np.abs(poles) - 2 * np.pi * f))] for f in FREQUENCY]
+    np.testing.assert_allclose(-np.real(near) / np.abs(near), ZETA, rtol=1e-2)
+
+
+def test_noisy_frfs_give_each_mode_once():
+    found = stable_poles(plscf(frf(FREQUENCY, ZETA, PHI, [0, 3], LINES, seed=1), 30))
+    assert [round(abs(p.pole) / (2 * np.pi)) for p in found] == [12, 40, 41, 90]
+
+
+def test_uneven_ascending_lines_are_welcome():
+    lines = np.sort(np.random.default_rng(2).uniform(5, 110, 300))
+    found = stable_poles(plscf(frf(FREQUENCY, ZETA, PHI, [0, 3], lines), 20))
+    assert {12, 40, 41, 90} <= {round(abs(p.pole) / (2 * np.pi)) for p in found}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda v: np.where(np.arange(v.shape[-1]) == 7, np.nan, v), "NaN"),
+        (lambda v: np.abs(v) + 0j, "phase"),
+        (lambda v: 0 * v, "zero"),
+    ],
+    ids=["nan", "magnitude only", "zeros"],
+)
+def test_what_is_no_frf_is_refused(spoil, says):
+    good = frf(FREQUENCY, ZETA, PHI, [0], LINES)
+    bad = Frf(good.frequency_hz, spoil(good.values), "receptance", good.outputs, good.output_points, good.input_points)
+    with pytest.raises(DataError, match=says):
+        plscf(bad, 10)
+
+
+def test_descending_frequencies_are_refused():
+    good = frf(FREQUENCY, ZETA, PHI, [0], LINES)
+    bad = Frf(
+        good.frequency_hz[::-1],
+        good.values[..., ::-1],
+        "receptance",
+        good.outputs,
+        good.output_points,
+        good.input_points,
+    )
+    with pytest.raises(DataError, match="ascend"):
+        plscf(bad, 10)
+
+
+def test_too_few_lines_for_the_order_are_refused():
+    with pytest.raises(IdentificationError, match="lines cannot carry order 60"):
+        plscf(frf(FREQUENCY, ZETA, PHI, [0], LINES[:40]), 60)
