@@ -90,7 +90,7 @@ def test_descending_frequencies_are_refused():
         good.output_points,
         good.input_points,
     )
-    with pytest.raises(DataError, match="ascend"):
+    with pytest.raises(DataError, match="descends"):
         plscf(bad, 10)
 
 
