@@ -1,0 +1,141 @@
+"""`modallab identify` as a user types it."""
+
+import json
+import re
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from modallab.cli import main
+from modallab.exchange.campaign_hdf5 import write_campaign
+from modallab.exchange.rig_file import write_rig
+from modallab.schema.block import Block, Campaign
+from modallab.schema.rig import Channel, Point, Rig
+
+RATE, N = 2000.0, 2048
+OMEGA, ZETA = 2 * np.pi * np.array([7.7, 45.3]), np.array([0.006, 0.004])
+PHI = np.array([[0.4, 1.0], [-0.9, 0.8]])
+
+
+def response(force, drive):
+    """Two modes driven at one of two points: exact convolution with each mode's acceleration response."""
+    t = np.arange(N) / RATE
+    out = np.zeros((2, N))
+    for w, z, phi in zip(OMEGA, ZETA, PHI, strict=True):
+        wd = w * np.sqrt(1 - z**2)
+        h = np.exp(-z * w * t) * np.sin(wd * t) / wd
+        position = np.convolve(force, h)[:N] / RATE
+        acceleration = np.gradient(np.gradient(position, 1 / RATE), 1 / RATE)
+        out += phi[:, None] * phi[drive] * acceleration
+    return out
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    rng = np.random.default_rng(1)
+    t = np.arange(N) / RATE - 0.06
+    rig = Rig(
+        name="two modes",
+        model="unknown",
+        points=(Point(id=1, x_m=0.5), Point(id=2, x_m=1.0)),
+        channels=(
+            Channel(index=0, name="force", quantity="force", unit="N"),
+            Channel(index=1, name="a01", quantity="acceleration", unit="m/s^2", point=1),
+            Channel(index=2, name="a02", quantity="acceleration", unit="m/s^2", point=2),
+        ),
+    )
+    blocks = []
+    for i in range(4):
+        force = rng.uniform(60, 90) * np.exp(-0.5 * (t / 0.004) ** 2)
+        samples = np.vstack([force, response(force, 1)]) + 0.01 * rng.standard_normal((3, N))
+        blocks.append(
+            Block(
+                f"hit_{i}", "impact", i, RATE, samples, np.ones(3), ("N", "m/s^2", "m/s^2"), ("force", "a01", "a02"), 2
+            )
+        )
+    return Campaign(rig, tuple(blocks))
+
+
+@pytest.fixture
+def folder(campaign, tmp_path):
+    write_campaign(campaign, tmp_path / "campaign.h5")
+    write_rig(campaign.rig, tmp_path / "rig.yaml")
+    return tmp_path
+
+
+def test_a_folder_becomes_models_in_json_and_a_report(folder, capsys):
+    code = main(
+        [
+            "identify",
+            str(folder),
+            "--band",
+            "3",
+            "150",
+            "--json",
+            str(folder / "m.json"),
+            "--report",
+            str(folder / "r.html"),
+        ]
+    )
+    assert code == 0
+    assert "FRAC" in capsys.readouterr().out
+    model = json.loads((folder / "m.json").read_text())["models"][0]
+    np.testing.assert_allclose(model["frequency_hz"], OMEGA / 2 / np.pi, rtol=1e-3)
+    np.testing.assert_allclose(model["damping_ratio"], ZETA, rtol=0.03)
+    assert "<html" in (folder / "r.html").read_text()
+
+
+def test_the_peak_method_reads_the_blocks_resolution(folder):
+    main(["identify", str(folder), "--method", "peak", "--band", "3", "150", "--json", str(folder / "p.json")])
+    model = json.loads((folder / "p.json").read_text())["models"][0]
+    assert model["damping_ratio"][0] > 5 * ZETA[0]
+    assert model["damping_sigma"] == [None] * len(model["frequency_hz"])
+
+
+@pytest.mark.parametrize(
+    ("spoiler", "says"),
+    [
+        (lambda s: np.where(np.arange(N) == 900, np.nan, s), "a01.*NaN|NaN"),
+        (lambda s: np.vstack([s[0], np.full(N, 3.0), s[2]]), "a01.*dead"),
+        (lambda s: 0 * s, "nothing was recorded"),
+    ],
+    ids=["nan", "dead channel", "all zeros"],
+)
+def test_damaged_records_are_refused_by_name(campaign, tmp_path, capsys, spoiler, says):
+    bad = [replace(b, samples=spoiler(b.samples)) for b in campaign.blocks]
+    write_campaign(Campaign(campaign.rig, tuple(bad)), tmp_path / "campaign.h5")
+    code = main(["identify", str(tmp_path / "campaign.h5"), "--json", str(tmp_path / "m.json")])
+    told = capsys.readouterr().err
+    assert code == 2
+    assert re.search(says, told)
+    assert "hit_0" in told
+    assert "what to do" in told
+    assert not (tmp_path / "m.json").exists()
+
+
+def test_a_file_cut_off_in_the_middle_is_refused(folder, capsys):
+    whole = (folder / "campaign.h5").read_bytes()
+    (folder / "campaign.h5").write_bytes(whole[: len(whole) // 2])
+    assert main(["identify", str(folder)]) == 2
+    told = capsys.readouterr().err
+    assert "campaign.h5" in told
+    assert "what to do" in told
+
+
+def test_a_missing_folder_is_refused(tmp_path, capsys):
+    assert main(["identify", str(tmp_path / "nowhere")]) == 2
+    assert "nowhere" in capsys.readouterr().err
+
+
+def test_practice_campaigns_are_identified_as_they_stand(practice, tmp_path):
+    folder = practice / "practice_086"
+    copy = tmp_path / "campaign"
+    shutil.copytree(folder, copy)
+    assert main(["identify", str(copy), "--test", "impact", "--json", str(tmp_path / "m.json")]) == 0
+    model = json.loads((tmp_path / "m.json").read_text())["models"][0]
+    truth = yaml.safe_load((folder / "truth.yaml").read_text())["true_zeta"]
+    off = (np.array(model["damping_ratio"][:3]) - truth) / np.array(model["damping_sigma"][:3])
+    assert np.abs(off).max() < 3
