@@ -51,7 +51,7 @@ def start_owner(tmp_path: Path, rig: Rig, settle_s: float) -> tuple[subprocess.P
     return subprocess.Popen(command, env=environment), log
 
 
-def test_the_output_is_zero_half_a_second_after_the_owner_was_killed(tmp_path: Path, link_rig: Rig) -> None:
+def test_the_output_is_zero_within_a_second_of_the_owners_death(tmp_path: Path, link_rig: Rig) -> None:
     owner, log = start_owner(tmp_path, link_rig, settle_s=20.0)
     before = waited_for(log, "play", 0)
     killed = time.time()
@@ -59,7 +59,7 @@ def test_the_output_is_zero_half_a_second_after_the_owner_was_killed(tmp_path: P
     owner.wait()
     after = waited_for(log, "close", len(before))
     zeroed = next(line for line in after[len(before) :] if line.startswith("zero"))
-    assert float(zeroed.split()[1]) - killed < 0.5
+    assert float(zeroed.split()[1]) - killed < 1.0
     with Store(tmp_path / "data") as store:
         (run,) = store.catalogue.runs()
         assert run.state == "failed"

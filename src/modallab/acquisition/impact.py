@@ -1,10 +1,9 @@
 """The impact test: at every point, wait for rest, ask for a blow, keep it, say whether it counts."""
 
-from dataclasses import dataclass
-from itertools import count
+from dataclasses import asdict, dataclass
 
 from modallab.acquisition.context import Context, measure_floor
-from modallab.acquisition.hits import blow_of, refusals
+from modallab.acquisition.hits import Blow, blow_of, refusals
 from modallab.acquisition.rest import Floor, Rest, residual_ratio
 from modallab.acquisition.trigger import Trigger
 from modallab.errors import BenchError, BenchTimeoutError, SamplesLostError
@@ -14,6 +13,19 @@ from modallab.storage import BlockNote
 
 TELL_BLOCKS = 5
 """While the beam rings down, say so once in so many blocks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ringing:
+    """The motion before a blow.
+
+    Attributes:
+        residual_ratio: its amplitude as part of the blow's own, where that is largest; 0 if it does not show.
+        residual_hz: where that is.
+    """
+
+    residual_ratio: float
+    residual_hz: float
 
 
 @dataclass(slots=True)
@@ -76,14 +88,13 @@ class ImpactTest:
         """Read until the beam rests, block by block; past the plan's patience go on with what there is."""
         context, stream = self.context, self.context.stream
         last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
-        for waited in count(1):
-            rest = context.rest_now(self.floor)
-            if rest.quiet or stream.next >= last:
-                return rest
+        waited = 0
+        while not (rest := context.rest_now(self.floor)).quiet and stream.next < last:
+            waited += 1
             if waited % TELL_BLOCKS == 0:
                 context.progress(*progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
             stream.advance_to(stream.next + context.block)
-        raise AssertionError("count never ends")
+        return rest
 
     def _wait_for_blow(self, point: int, hit: int) -> int:
         context, plan, stream = self.context, self.plan, self.context.stream
@@ -108,15 +119,13 @@ class ImpactTest:
 
     def _keep(self, point: int, name: tuple[str, str], first: int, rest: Rest) -> bool:
         context = self.context
-        samples = context.stream.cut(first, context.block)
         overload = context.stream.overload(first, context.block)
-        blow = blow_of(
-            context.chain.force_n(samples), context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz
-        )
-        ratio, line = residual_ratio(
-            context.motion(first - context.window, context.window), context.motion(first, context.block), self.floor
-        )
-        reasons = [*self._overloaded(overload), *refusals(blow, self.plan.acceptance), *self._ringing(ratio, line)]
+        blow, ringing = self._measure(first)
+        reasons = [
+            *_overloaded(overload),
+            *refusals(blow, self.plan.acceptance),
+            *_ringing(ringing, self.plan.acceptance.max_residual_ratio),
+        ]
         note = BlockNote(
             name="".join(name) if reasons else name[0],
             test="impact",
@@ -125,33 +134,20 @@ class ImpactTest:
             accepted=not reasons,
             reason="; ".join(reasons),
             overload=overload,
-            facts={
-                "peak_n": blow.peak_n,
-                "contact_s": blow.contact_s,
-                "second_ratio": blow.second_ratio,
-                "drop_db": blow.drop_db,
-                "residual_ratio": ratio,
-                "rest_level": rest.level,
-                "rest_excess": rest.excess,
-                "rest_line_hz": rest.line * context.line_hz,
-            },
+            facts={**asdict(blow), **asdict(ringing), **rest.facts(context.line_hz)},
         )
         context.record(first, note)
         if reasons:
             self._refuse(point, note.reason)
         return not reasons
 
-    def _overloaded(self, channels: tuple[str, ...]) -> list[str]:
-        return [f"overload: {', '.join(channels)} beyond the range"] if channels else []
-
-    def _ringing(self, ratio: float, line: int) -> list[str]:
-        allowed = self.plan.acceptance.max_residual_ratio
-        if ratio <= allowed:
-            return []
-        return [
-            f"not at rest before: {100 * ratio:.3g} % of this blow at {line * self.context.line_hz:.4g} Hz,"
-            f" at most {100 * allowed:g} %"
-        ]
+    def _measure(self, first: int) -> tuple[Blow, Ringing]:
+        context = self.context
+        force_n = context.chain.force_n(context.stream.cut(first, context.block))
+        blow = blow_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
+        before = context.motion(first - context.window, context.window)
+        ratio, line = residual_ratio(before, context.motion(first, context.block), self.floor)
+        return blow, Ringing(ratio, line * context.line_hz)
 
     def _refuse(self, point: int, reason: str) -> None:
         self.refused += 1
@@ -165,6 +161,19 @@ class ImpactTest:
 
     def _tell_refused(self, point: int, reason: str) -> None:
         self.context.emit(HitRefused(run=self.context.recorder.run, point=point, reason=reason))
+
+
+def _overloaded(channels: tuple[str, ...]) -> list[str]:
+    return [f"overload: {', '.join(channels)} beyond the range"] if channels else []
+
+
+def _ringing(ringing: Ringing, allowed: float) -> list[str]:
+    if ringing.residual_ratio <= allowed:
+        return []
+    return [
+        f"not at rest before: {100 * ringing.residual_ratio:.3g} % of this blow at {ringing.residual_hz:.4g} Hz,"
+        f" at most {100 * allowed:g} %"
+    ]
 
 
 def run_impact(context: Context, plan: ImpactPlan) -> None:

@@ -70,6 +70,15 @@ class Rest:
         """Whether the beam rests, as far as this window can tell."""
         return self.level <= LEVEL_FACTOR and self.excess < 1
 
+    def facts(self, line_hz: float) -> dict[str, float | str]:
+        """For the catalogue; `line_hz` is the width of a line."""
+        return {
+            "at_rest_before": "yes" if self.quiet else "no",
+            "rest_level": self.level,
+            "rest_excess": self.excess,
+            "rest_line_hz": self.line * line_hz,
+        }
+
 
 def noise_limit(channels: int) -> float:
     """What noise of mean power 1, averaged over channels, reaches in one line of about a million (Wilson-Hilferty)."""

@@ -1,11 +1,11 @@
 """The stepped sine test: every burst from rest, one block from its settled part, 0 V at its end."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 from modallab.acquisition.context import Context, measure_floor
 from modallab.acquisition.limits import watch_of
-from modallab.acquisition.rest import Floor, Rest
+from modallab.acquisition.rest import Floor
 from modallab.acquisition.stream import Watch
 from modallab.backend.protocol import Burst
 from modallab.errors import PlanError, SafetyError, SamplesLostError
@@ -76,49 +76,40 @@ class SineTest:
         burst = burst_of(self.plan, frequency_hz, volts)
         start = context.bench.play(burst)
         first = start + stream.samples_of(self.plan.settle_s)
+        note = BlockNote(
+            name=block_name(level, frequency_hz),
+            test="sine",
+            first_sample=first,
+            drive_point=context.rig.shaker_point,
+            level=level,
+            frequency_hz=frequency_hz,
+            facts={"burst_first_sample": float(start), **rest.facts(context.line_hz)},
+        )
         try:
             stream.advance_to(first + context.block, self.watch)
         except SafetyError as error:
             context.bench.zero()
-            self._keep_tripped(level, frequency_hz, error)
+            self._keep_tripped(note, error)
             raise
-        context.record(first, self._note(level, frequency_hz, first, start, rest))
+        context.record(first, self._flagged(note))
         stream.advance_to(start + ceil(burst.duration_s * stream.rate_hz), self.watch)
 
-    def _note(self, level: str, frequency_hz: float, first: int, start: int, rest: Rest) -> BlockNote:
-        overload = self.context.stream.overload(first, self.context.block)
-        return BlockNote(
-            name=block_name(level, frequency_hz),
-            test="sine",
-            first_sample=first,
-            drive_point=self.context.rig.shaker_point,
-            level=level,
-            frequency_hz=frequency_hz,
-            reason=f"overload: {', '.join(overload)} beyond the range" if overload else "",
-            overload=overload,
-            facts={
-                "burst_first_sample": float(start),
-                "at_rest_before": "yes" if rest.quiet else "no",
-                "rest_level": rest.level,
-                "rest_excess": rest.excess,
-                "rest_line_hz": rest.line * self.context.line_hz,
-            },
-        )
+    def _flagged(self, note: BlockNote) -> BlockNote:
+        overload = self.context.stream.overload(note.first_sample, self.context.block)
+        reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
+        return replace(note, overload=overload, reason=reason)
 
-    def _keep_tripped(self, level: str, frequency_hz: float, error: SafetyError) -> None:
+    def _keep_tripped(self, note: BlockNote, error: SafetyError) -> None:
         first = self.context.stream.next - self.context.block
-        note = BlockNote(
-            name=f"{block_name(level, frequency_hz)}_tripped",
-            test="sine",
+        tripped = replace(
+            note,
+            name=f"{note.name}_tripped",
             first_sample=first,
-            drive_point=self.context.rig.shaker_point,
-            level=level,
-            frequency_hz=frequency_hz,
             accepted=False,
             reason=error.what,
             overload=self.context.stream.overload(first, self.context.block),
         )
-        self.context.record(first, note)
+        self.context.record(first, tripped)
 
 
 def run_sine(context: Context, plan: SinePlan) -> None:
