@@ -20,6 +20,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_demo(commands)
     _add_import(commands)
     _add_identify(commands)
+    _add_gap(commands)
     return parser
 
 
@@ -52,3 +53,28 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     command.set_defaults(module="identify")
+
+
+def _add_gap(commands: _Commands) -> None:
+    gap = commands.add_parser("gap", help="say where simulation and bench differ, why, and how far that shrinks")
+    actions = gap.add_subparsers(metavar="ACTION", required=True, dest="action")
+    command = actions.add_parser("diagnose", help="diagnose a campaign")
+    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
+    command.add_argument(
+        "--hold-out",
+        default="mixed",
+        metavar="RULE",
+        help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
+    )
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
+    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    command = actions.add_parser("predict", help="what another campaign on the same rig would read, from its forces")
+    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
+    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
+    command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
+    command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
+    command = actions.add_parser("isolability", help="which effects a plan cannot tell apart, before any data")
+    command.add_argument("rig", type=Path, metavar="RIG.yaml")
+    command.add_argument("plan", type=Path, metavar="PLAN.yaml")
+    gap.set_defaults(module="gap")

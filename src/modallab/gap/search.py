@@ -26,6 +26,8 @@ WORTH = 0.9
 """A further effect must leave less than this share of what was left, or the search ends."""
 HOLDS = 0.35
 """An effect stays if without it more than this share of the gap would come back."""
+NEARLY = 0.01
+"""Share of the first excess that counts as nearly explained."""
 MOST = 3
 """Effects in one diagnosis."""
 LONGER = 6
@@ -191,7 +193,9 @@ def explain(bench: Bench) -> list[Level]:
     while base.gap > bench.flat and len(levels) < MOST:
         level = round_of(bench, base)
         levels.append(level)
-        if not level.fits or excess(level.fits[0]) > WORTH * excess(base):
+        # Once nearly all is explained, a further effect must be worth its name to go on from.
+        worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
+        if not level.fits or excess(level.fits[0]) > worth * excess(base):
             break
         base = level.fits[0]
     return levels or [Level(base, (), ())]

@@ -22,6 +22,7 @@ class Gap(Frozen):
         by_test: test -> rms.
         by_level: level of the sine test -> rms.
         by_channel: channel -> rms.
+        after_by_channel: the same with the effects judged present.
         by_band: band in Hz -> share of the squares.
         by_mode: mode -> share of the squares nearest to it.
         by_order: third of the campaign's time -> rms.
@@ -35,6 +36,7 @@ class Gap(Frozen):
     by_test: dict[str, float]
     by_level: dict[str, float]
     by_channel: dict[str, float]
+    after_by_channel: dict[str, float]
     by_band: dict[str, float]
     by_mode: dict[str, float]
     by_order: dict[str, float]

@@ -1,0 +1,111 @@
+"""`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can tell apart."""
+
+import argparse
+from pathlib import Path
+from typing import Any, cast
+
+import h5py
+import yaml
+from pydantic import TypeAdapter, ValidationError
+from rich.console import Console
+from rich.table import Table
+
+from modallab.errors import FormatError, PlanError
+from modallab.exchange.atomic import replacing
+from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.exchange.rig_file import read_rig
+from modallab.figures.gap_report import write_gap_report
+from modallab.gap.diagnose import diagnose
+from modallab.gap.isolability import advice, isolability
+from modallab.gap.predict import predict
+from modallab.gap.say import sentence
+from modallab.schema.diagnosis import Diagnosis
+from modallab.schema.plan import ImpactPlan, Plan, SinePlan
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the chosen one of the three."""
+    return {"diagnose": _diagnose, "predict": _predict, "isolability": _isolability}[arguments.action](arguments)
+
+
+def _diagnose(arguments: argparse.Namespace) -> int:
+    campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
+    diagnosis = diagnose(campaign, arguments.hold_out)
+    console = Console()
+    console.print(sentence(diagnosis), markup=False)
+    for line in (*diagnosis.where.why, *diagnosis.notes, f"Next: {diagnosis.next_experiment}"):
+        console.print(f"  {line}", markup=False)
+    if arguments.json is not None:
+        with replacing(arguments.json) as draft:
+            draft.write_text(diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+    if arguments.report is not None:
+        write_gap_report(arguments.report, diagnosis, campaign)
+        console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def _predict(arguments: argparse.Namespace) -> int:
+    diagnosis = read_diagnosis(arguments.diagnosis)
+    read_campaign(arguments.campaign)
+    records = predict(diagnosis, read_campaign(arguments.on))
+    with replacing(arguments.out) as draft, h5py.File(draft, "w") as target:
+        target.attrs["unit"] = "m/s^2"
+        target.attrs["format_version"] = 1
+        for name, values in records.items():
+            target.create_dataset(name, data=values)
+    Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)
+    return 0
+
+
+def read_diagnosis(path: Path) -> Diagnosis:
+    """A diagnosis from its file.
+
+    Raises:
+        FormatError: it cannot be read, or is no diagnosis.
+    """
+    try:
+        return Diagnosis.model_validate_json(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror}", where=str(path), remedy="name a diagnosis") from error
+    except ValidationError as error:
+        raise FormatError(
+            f"is no diagnosis: {error.error_count()} fields are wrong, the first {error.errors()[0]['loc']}",
+            where=str(path),
+            remedy="write it with `modallab gap diagnose --json`",
+        ) from error
+
+
+def _isolability(arguments: argparse.Namespace) -> int:
+    plans = read_plans(arguments.plan)
+    found = isolability(read_rig(arguments.rig), plans)
+    console = Console()
+    pairs = found.alike()
+    table = Table("effect", "and", "cosine")
+    for first, second, cosine in pairs:
+        table.add_row(first, second, f"{cosine:.3f}")
+    console.print(table if pairs else "Every two effects can be told apart (cosine below 0.95).")
+    hidden = [name for name, strength in zip(found.effects, found.strength, strict=True) if strength < 0.02]
+    if hidden:
+        console.print(f"Hidden by the tolerances of the rig: {', '.join(hidden)}", markup=False)
+    for line in advice(found, plans):
+        console.print(line, markup=False)
+    return 0
+
+
+def read_plans(path: Path) -> list[ImpactPlan | SinePlan]:
+    """The tests of a plan file: one test, or a list of them.
+
+    Raises:
+        PlanError: it cannot be read, or a test of it is not valid.
+    """
+    try:
+        content: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError) as error:
+        raise PlanError(f"cannot be read: {error}", where=str(path), remedy="name a YAML file with a plan") from error
+    if isinstance(content, dict) and "tests" in content:
+        content = cast("dict[str, Any]", content)["tests"]
+    listed = cast("list[Any]", content) if isinstance(content, list) else [content]
+    try:
+        return [TypeAdapter[ImpactPlan | SinePlan](Plan).validate_python(entry) for entry in listed]
+    except ValidationError as error:
+        raise PlanError(str(error), where=str(path), remedy="mend the fields above") from error

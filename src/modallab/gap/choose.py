@@ -1,0 +1,118 @@
+"""From the rounds of a search to what is judged present, how surely, and the verdict."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.fit import Fit, minimise
+from modallab.gap.search import HOLDS, Bench, Level, excess
+
+Array = NDArray[np.float64]
+
+CLOSED = 0.995
+"""Share of the excess an explanation must close to count as one, where it does not reach the floor."""
+AT_FLOOR = 1.15
+"""Rms residual that counts as the floor."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """What the search says.
+
+    Attributes:
+        base: the twin without effects.
+        fit: the twin with those judged present; `base` if there are none.
+        rivals: other explanations that were fitted to the end, best first.
+        explained: whether nothing structured is left.
+        flat: whether there was nothing to explain.
+    """
+
+    base: Fit
+    fit: Fit
+    rivals: tuple[Fit, ...]
+    explained: bool
+    flat: bool
+
+
+def choose(bench: Bench, levels: list[Level]) -> Choice:
+    """Keep the effects without which the gap comes back, and say whether they explain it."""
+    base = levels[0].base
+    if base.gap <= bench.flat:
+        return Choice(base, base, (), True, True)
+    chain = [base, *(level.fits[0] for level in levels if level.fits)]
+    while len(chain) > 1 and excess(chain[-1]) > HOLDS * excess(chain[-2]):
+        chain.pop()
+    fit = prune(bench, chain[-1])
+    rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
+    others = tuple(f for f in rivals if names(f) != names(fit))
+    explained = bool(fit.problem.candidates) and (
+        fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - CLOSED) * excess(base)
+    )
+    return Choice(base, fit, others, explained, False)
+
+
+def prune(bench: Bench, fit: Fit) -> Fit:
+    """Drop every effect whose absence changes little."""
+    at = 0
+    while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates) - 1:
+        without = _without(fit, at)
+        if excess(fit) > HOLDS * excess(without):
+            fit = without
+        else:
+            at += 1
+    return fit
+
+
+def _without(fit: Fit, which: int) -> Fit:
+    candidates = fit.problem.candidates
+    slots = [len(c.slots) for c in candidates]
+    start = fit.problem.free.size + sum(slots[:which])
+    u = np.concatenate([fit.u[:start], fit.u[start + slots[which] :]])
+    problem = replace(fit.problem, candidates=tuple(c for i, c in enumerate(candidates) if i != which))
+    return minimise(problem, u, 4, 1e-2)
+
+
+def names(fit: Fit) -> tuple[str, ...]:
+    """The effects of a fit, sorted."""
+    return tuple(sorted(c.effect for c in fit.problem.candidates))
+
+
+def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
+    """The explanations, each with its probability, best first.
+
+    The likelihood of a fit is read with as many degrees of freedom as its own misfit leaves credible: where the best
+    explanation stays above the floor the model itself is wrong by that much, and margins count for less.
+    """
+    fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
+    for fit in choice.rivals:
+        fits.setdefault(names(fit), fit)
+    ordered = list(fits.values())
+    n = float(np.count_nonzero(choice.fit.residual))
+    temperature = 2.0 + 100.0 * excess(choice.fit)
+    scores = np.array(
+        [-0.5 * n * np.log(max(f.cost, 1.0)) / temperature - 3.0 * len(f.problem.candidates) for f in ordered]
+    )
+    weights = np.exp(scores - np.max(scores))
+    shares = weights / np.sum(weights)
+    return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
+
+
+def intervals(fit: Fit) -> list[dict[str, tuple[float, float]]]:
+    """95 % intervals of the parameters of each effect, from the curvature at the fit, widened by what is left."""
+    scale = max(1.0, fit.gap)
+    try:
+        covariance = np.linalg.inv(fit.normal) * scale**2
+    except np.linalg.LinAlgError:
+        covariance = np.full(fit.normal.shape, np.inf)
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0))
+    found: list[dict[str, tuple[float, float]]] = []
+    at = fit.problem.free.size
+    for candidate in fit.problem.candidates:
+        own: dict[str, tuple[float, float]] = {}
+        for slot in candidate.slots:
+            low, high = (slot.value(float(fit.u[at] + sign * 1.96 * deviation[at])) for sign in (-1, 1))
+            own[slot.name] = (min(low, high), max(low, high))
+            at += 1
+        found.append(own)
+    return found

@@ -1,0 +1,278 @@
+"""The diagnosis: where the gap lies, what causes it, how far it shrinks."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.choose import Choice, choose, intervals, probabilities
+from modallab.gap.fit import Fit
+from modallab.gap.inspected import inspected
+from modallab.gap.locate import Location, locate
+from modallab.gap.measure import band_of, by_frequency, squares
+from modallab.gap.next_step import next_experiment
+from modallab.gap.nuisances import nuisances
+from modallab.gap.prepare import Prepared, prepare
+from modallab.gap.reduce import Reduced, Weights, reduce, thinned
+from modallab.gap.search import Bench, explain
+from modallab.gap.shrink import closed, shrink
+from modallab.gap.split import split
+from modallab.schema.block import Campaign
+from modallab.schema.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict, Where
+from modallab.schema.effects import kind_of
+from modallab.twin.bench import Twin
+
+Array = NDArray[np.float64]
+
+TOP_HZ = 450.0
+"""Modes up to here have a damping ratio of their own."""
+SEED = 20240501
+
+
+def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str], bool] = lambda _: True) -> Diagnosis:
+    """Diagnose a campaign.
+
+    Args:
+        campaign: the records, with the rig as believed.
+        hold_out: which records no fit may see, see `split`.
+        allowed: whether an effect of this name may be used; for trials in which one is withheld.
+
+    Raises:
+        DataError: there is nothing to diagnose.
+        RigError: the rig has no beam.
+        PlanError: the rule leaves nothing to fit.
+    """
+    free = nuisances(campaign.rig, TOP_HZ)
+    prepared = prepare(campaign)
+    fitted, held = split(prepared.blocks, hold_out)
+    weights = _weights(prepared)
+    data = reduce(campaign, fitted, weights)
+    bench = Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, _flat(prepared))
+    choice = choose(bench, explain(bench))
+    seen = [f for f in inspected(prepared, choice.fit.problem.twin(choice.fit.u)) if allowed(f.effect)]
+    withheld = _withheld(prepared, allowed)
+    ranked = probabilities(choice)
+    found = [*_found(choice, ranked), *seen]
+    verdict = _verdict(choice, seen, withheld)
+    location = None if choice.flat else locate(bench, prepared, choice.base)
+    everything = reduce(campaign, prepared.blocks, weights)
+    return Diagnosis(
+        rig=campaign.rig.name,
+        verdict=verdict,
+        gap=_gap(campaign, prepared, choice, everything),
+        where=_where(verdict, found, withheld, location, choice, everything, prepared),
+        effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
+        candidates=_candidates(ranked, seen, choice),
+        shrink=_shrink(campaign, prepared, choice, [b.name for b in held or fitted], bool(held)),
+        next_experiment=next_experiment(verdict, ranked, campaign),
+        twin=_calibrated(choice.fit),
+        notes=list(prepared.notes),
+    )
+
+
+def _weights(prepared: Prepared) -> Weights:
+    floor = prepared.floor.spectrum if prepared.floor is not None else None
+    return Weights(prepared.noise_v, prepared.masked, floor)
+
+
+def _flat(prepared: Prepared) -> float:
+    # The spectrum of a shaking floor is known to some 10 %, and what rang before a blow is taken off no better.
+    if prepared.floor is not None:
+        return 1.5
+    return 1.3 if prepared.ringing is not None else 1.1
+
+
+def _withheld(prepared: Prepared, allowed: Callable[[str], bool]) -> list[str]:
+    """Effects the records show but whose names must not be used."""
+    shown = {
+        "noisy_channel": bool(prepared.noisy),
+        "mains_hum": prepared.hum is not None,
+        "clipping": bool(prepared.clipped),
+        "residual_ringing": prepared.ringing is not None,
+        "floor_vibration": prepared.floor is not None,
+    }
+    return [name for name, there in shown.items() if there and not allowed(name)]
+
+
+def _verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
+    if withheld or not choice.explained:
+        return "unknown"
+    return "no_gap" if choice.flat and not seen else "known"
+
+
+def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
+    fit = choice.fit
+    if not fit.problem.candidates or not choice.explained:
+        return []
+    length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
+    found: list[Found] = []
+    for effect, interval in zip(fit.effects, intervals(fit), strict=True):
+        share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
+        place: dict[str, Any] = {k: list(v) if isinstance(v, tuple) else v for k, v in effect.place.items()}
+        if isinstance(place.get("x"), float):
+            place["x_m"] = place["x"] * length
+        found.append(
+            Found(
+                effect=effect.effect,
+                stage=kind_of(effect.effect).stage,
+                probability=float(min(share, 0.995)),
+                parameters=effect.parameters,
+                interval=interval,
+                place=place,
+            )
+        )
+    return found
+
+
+def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice) -> list[CandidateSet]:
+    more = [f.effect for f in seen]
+    listed = [
+        CandidateSet(effects=[*(c.effect for c in f.problem.candidates), *more], probability=float(p), gap=f.gap)
+        for f, p in ranked[:8]
+        if f.problem.candidates or more
+    ]
+    if not choice.explained:
+        listed = [c.model_copy(update={"probability": c.probability * 0.3}) for c in listed]
+    return listed
+
+
+def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
+    twin = choice.base.problem.twin(choice.base.u)
+    # Before anything is explained the records stand as they came, weighed by the noise the rig file promises.
+    raw_blocks = [b for b in campaign.blocks if b.name in {p.name for p in prepared.blocks}]
+    rails = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
+    raw = squares(twin, reduce(campaign, raw_blocks, Weights(prepared.believed_v, rails)))
+    thirds = np.minimum((raw.order * 3).astype(int), 2)
+    hz = [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
+
+    def mode_of(f: float) -> str:
+        return str(1 + int(np.argmin(np.abs(np.log(np.array(hz) / max(f, 0.1)))))) if hz else "none"
+
+    names = [campaign.rig.channels[c].name for c in raw.channels]
+    after = squares(choice.fit.problem.twin(choice.fit.u), data)
+    return Gap(
+        before=raw.gap,
+        floor=1.0,
+        after=after.gap,
+        by_record=raw.by(raw.records),
+        by_test=raw.by(raw.tests),
+        by_level=raw.by(raw.levels),
+        by_channel=raw.by(names),
+        after_by_channel=after.by(names),
+        by_band=by_frequency(twin, data, band_of),
+        by_mode=by_frequency(twin, data, mode_of),
+        by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
+        poles_hz=hz,
+    )
+
+
+def _where(
+    verdict: Verdict,
+    found: list[Found],
+    withheld: list[str],
+    location: Location | None,
+    choice: Choice,
+    data: Reduced,
+    prepared: Prepared,
+) -> Where:
+    rig = prepared.campaign.rig
+    if verdict == "no_gap":
+        return Where(
+            stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=["Nothing but noise is left."]
+        )
+    bands = _bands(choice, data)
+    lead = max(found, key=lambda f: f.probability) if found and verdict == "known" else None
+    if lead is not None:
+        kind = kind_of(lead.effect)
+        rows = sorted({r for f in found for r in _rows_of(f, rig.force_channel.index, data.channels)})
+        x = next((f.place["x_m"] for f in found if "x_m" in f.place), None)
+        tests = sorted({t for f in found for t in kind_of(f.effect).tests})
+        why = location.why if location is not None else ()
+        return Where(
+            stage=kind.stage,
+            channels=[rig.channels[r].name for r in rows],
+            x_m=x,
+            tests=list(tests),
+            bands=bands,
+            share=1.0,
+            why=list(why),
+        )
+    if location is not None:
+        return Where(
+            stage=location.stage,
+            channels=[rig.channels[r].name for r in location.channels],
+            x_m=None,
+            tests=list(location.tests),
+            bands=bands,
+            share=0.9,
+            why=list(location.why),
+        )
+    kind = kind_of(withheld[0])
+    rows = [*prepared.noisy, *(c.row for c in prepared.clipped)]
+    return Where(
+        stage=kind.stage,
+        channels=[rig.channels[r].name for r in rows],
+        x_m=None,
+        tests=list(kind.tests),
+        bands=bands,
+        share=0.9,
+        why=["The records show it without any model."],
+    )
+
+
+def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
+    kind, channel = kind_of(found.effect), found.place.get("channel")
+    if kind.place == "force":
+        return [force]
+    if isinstance(channel, int):
+        return [channel]
+    if isinstance(channel, list | tuple):
+        return [int(c) for c in channel]  # pyright: ignore[reportUnknownVariableType]
+    return list(channels) if channel == "all" else []
+
+
+def _bands(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
+    shares = by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
+    ordered = sorted(shares.items(), key=lambda kv: -kv[1])
+    held: list[tuple[float, float]] = []
+    total = 0.0
+    for name, share in ordered:
+        if total > 0.8:
+            break
+        low, _, high = name.partition("-")
+        held.append((float(low), float(high) if high else 1e4))
+        total += share
+    return sorted(held)
+
+
+def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[str], held: bool) -> Shrink:
+    chosen = set(names)
+    rails = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
+    raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, rails))
+    clean = reduce(campaign, [b for b in prepared.blocks if b.name in chosen], _weights(prepared))
+    before = squares(choice.base.problem.twin(choice.base.u), raw)
+    # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
+    after = squares(choice.fit.problem.twin(choice.fit.u), clean)
+    rival = _rival(choice, clean, before.gap)
+    return shrink(names if held else [], before, after, rival, np.random.default_rng(SEED))
+
+
+def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
+    for fit in choice.rivals:
+        if before**2 - 1 > 0.02 and fit.problem.candidates:
+            after = squares(fit.problem.twin(fit.u), clean).gap
+            return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
+    return {}
+
+
+def _calibrated(fit: Fit) -> Calibrated:
+    twin: Twin = fit.problem.free.build(fit.u[: fit.problem.free.size])
+    s = twin.structure
+    return Calibrated(
+        youngs_modulus_pa=s.youngs_modulus_pa,
+        thickness_m=s.thickness_m,
+        density_kg_m3=s.density_kg_m3,
+        zeta=s.zeta.tolist(),
+        gains=dict(twin.chain.gain),
+    )

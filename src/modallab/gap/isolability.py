@@ -1,0 +1,131 @@
+"""Which effects a campaign cannot tell apart, before any data: cosines between their signatures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.fit import Problem, jacobian
+from modallab.gap.nuisances import nuisances
+from modallab.gap.planned import planned
+from modallab.gap.reduce import Reduced
+from modallab.schema.plan import ImpactPlan, SinePlan
+from modallab.schema.rig import Rig
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.95
+"""Cosine from which two effects count as not to be told apart."""
+PLACES = (0.37, 0.63, 0.92)
+"""Where on the beam an effect with a place is tried."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Isolability:
+    """Cosines between the signatures of effects, nuisances projected out.
+
+    Attributes:
+        effects: names; those with a place stand for the place where they are most alike.
+        cosine: (effects, effects) largest |cosine| over the places tried.
+        strength: (effects,) noise units a small such effect leaves after the nuisances, over before: 0 is invisible.
+    """
+
+    effects: tuple[str, ...]
+    cosine: Array
+    strength: Array
+
+    def alike(self) -> list[tuple[str, str, float]]:
+        """Pairs that cannot be told apart, worst first."""
+        n = len(self.effects)
+        pairs = [
+            (self.effects[i], self.effects[j], float(self.cosine[i, j]))
+            for i in range(n)
+            for j in range(i + 1, n)
+            if self.cosine[i, j] >= ALIKE
+        ]
+        return sorted(pairs, key=lambda p: -p[2])
+
+
+def isolability(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Isolability:
+    """The isolability of a plan on a rig."""
+    return of_data(planned(rig, plans))
+
+
+def of_data(data: Reduced) -> Isolability:
+    """The isolability of reduced data, around the nominal bench."""
+    rig = data.rig
+    free = nuisances(rig, 450.0)
+    base = Problem(data, free)
+    zero = np.zeros(free.size)
+    r0 = base.residual(zero)
+    J = jacobian(base, zero, r0)
+    # Priors are data too: a row of the identity each.
+    q, _ = np.linalg.qr(np.vstack([J, np.eye(free.size)]))
+    found: dict[str, list[Array]] = {}
+    strength: dict[str, list[float]] = {}
+    for candidate, values in _signatures(rig, data):
+        u = np.concatenate([zero, values])
+        r = Problem(data, free, (candidate,)).residual(u) - r0
+        padded = np.concatenate([r, np.zeros(free.size)])
+        rest = padded - q @ (q.T @ padded)
+        whole = float(np.linalg.norm(r))
+        if whole > 0:
+            found.setdefault(candidate.effect, []).append(rest / max(float(np.linalg.norm(rest)), 1e-300))
+            strength.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) / whole)
+    names = tuple(found)
+    cosine = np.eye(len(names))
+    for i, a in enumerate(names):
+        for j, b in enumerate(names[:i]):
+            cosine[i, j] = cosine[j, i] = float(np.max(np.abs(np.array(found[a]) @ np.array(found[b]).T)))
+    return Isolability(names, cosine, np.array([max(strength[name]) for name in names]))
+
+
+def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
+    """Every effect in a small size, at a few places."""
+    middle = data.channels[len(data.channels) // 2]
+    candidates = structural(rig) + chained(rig) + of_channel(rig, middle)
+    found: list[tuple[Candidate, Array]] = []
+    for c in candidates:
+        if (c.effect in {"shaker_mass", "stinger_moment", "clock_error"} and data.sines is None) or (
+            c.effect == "hit_position" and not data.impacts
+        ):
+            continue
+        places = PLACES if any(s.name == "x" for s in c.slots) else (None,)
+        for x in places:
+            values = [
+                s.coordinate(x) if s.name == "x" and x is not None else s.coordinate(_small(c, s.name)) for s in c.slots
+            ]
+            found.append((c, np.array(values)))
+    return found
+
+
+def _small(candidate: Candidate, name: str) -> float:
+    starts = next(s.starts for s in candidate.slots if s.name == name)
+    if candidate.effect in {"clamp_rotation", "clamp_translation"} or name == "hz":
+        return 10 * max(starts)
+    if name == "gain":
+        return 1.003
+    return min((v for v in starts if v > 0), key=abs) / (30 if name != "zeta" else 1)
+
+
+def advice(found: Isolability, plans: Sequence[ImpactPlan | SinePlan]) -> list[str]:
+    """What to add to the plan."""
+    kinds = {p.kind for p in plans}
+    said: list[str] = []
+    if "sine" not in kinds:
+        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be told.")
+    if "impact" not in kinds:
+        said.append("Add an impact test: free decays give the poles without the shaker.")
+    points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
+    if "impact" in kinds and len(points) < 3:
+        said.append("Strike at three points or more: residues at several points tell masses from springs and the root.")
+    if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
+        said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
+    pairs = {frozenset(pair[:2]) for pair in found.alike()}
+    if frozenset({"added_mass", "sensor_mass"}) in pairs:
+        said.append("Repeat the blows with one accelerometer only: that tells the sensors' mass from another.")
+    if any("force_gain" in pair for pair in pairs):
+        said.append("Strike a free known mass: that calibrates the hammer apart from the beam's density.")
+    return said

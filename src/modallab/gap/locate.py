@@ -1,0 +1,141 @@
+"""Where the gap lies, from tests on the residual alone: no effect is named here."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.fit import Fit, Problem, all_rows, minimise
+from modallab.gap.forward import forward
+from modallab.gap.prepare import Prepared
+from modallab.gap.reduce import Reduced, Rows
+from modallab.gap.search import Bench, channel_share, excess, misfit
+from modallab.schema.effects import Stage
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+
+CURES = 0.08
+"""Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
+POLE_SHIFT = 1.5e-3
+"""Relative spread of the poles about the best beam that is more than a beam's tolerance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where, and why there."""
+
+    stage: Stage
+    channels: tuple[int, ...]
+    tests: tuple[str, ...]
+    why: tuple[str, ...]
+
+
+def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
+    """Stage, channels and tests of the gap a baseline fit leaves."""
+    tests = _tests(bench.data)
+    alone, cured = _channel_alone(bench, base)
+    if alone:
+        held = [c for c in alone if c in prepared.repeated]
+        names = ", ".join(bench.data.rig.channels[c].name for c in alone)
+        if held:
+            return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
+        return Location("sensor", alone, tests, (f"Without {names} {1 - cured:.1%} of the gap is gone.",))
+    shift = pole_spread(bench, base)
+    by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
+    why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
+    if by_test:
+        bad = [t for t in tests if by_test[t] > 0.1 * excess(base)]
+        why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
+        if shift < POLE_SHIFT and not bad:
+            return Location("excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same."))
+        if shift < POLE_SHIFT and bad == ["impact"]:
+            return Location("excitation", (), ("impact",), (*why, "Only the blows disagree, and not by their poles."))
+        if shift < POLE_SHIFT and bad == ["sine"] and not _levels_differ(base):
+            return Location("excitation", (), ("sine",), (*why, "Only the sines disagree, at both levels alike."))
+    if _levels_differ(base):
+        return Location("structure", (), tests, (*why, "The two levels of the sine test disagree with each other."))
+    if shift >= POLE_SHIFT:
+        return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
+    return Location(
+        "acquisition",
+        bench.data.channels,
+        tests,
+        (*why, "The poles are those of a beam, all channels are off alike: the chain, not the beam."),
+    )
+
+
+def pole_spread(bench: Bench, base: Fit) -> float:
+    """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
+    if len(bench.poles) < 2:
+        return 0.0
+    model = np.abs(solve(base.problem.twin(base.u).structure).poles)
+    seen = np.abs(bench.poles)
+    gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
+    gaps = gaps[np.abs(gaps) < 0.3]
+    if len(gaps) < 2:
+        return 0.0
+    return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2)))
+
+
+def _tests(data: Reduced) -> tuple[str, ...]:
+    return (*(("impact",) if data.impacts else ()), *(("sine",) if data.sines is not None else ()))
+
+
+def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
+    order = np.argsort(channel_share(base))[::-1]
+    for count in (1, 2):
+        chosen = [int(i) for i in order[:count]]
+        data = replace(
+            bench.thin,
+            impacts=tuple(replace(d, rows=_masked(d.rows, chosen)) for d in bench.thin.impacts),
+            sines=replace(bench.thin.sines, rows=_masked(bench.thin.sines.rows, chosen)) if bench.thin.sines else None,
+        )
+        fit = minimise(Problem(data, bench.free, ()), base.u[: bench.free.size], 6, 1e-2)
+        left = excess(fit) / excess(base)
+        if left < CURES:
+            return tuple(sorted(bench.data.channels[i] for i in chosen)), left
+    return (), 1.0
+
+
+def _masked(rows: Rows, channels: list[int]) -> Rows:
+    sigma = rows.sigma.copy()
+    sigma[channels] = np.inf
+    return replace(rows, sigma=sigma)
+
+
+def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
+    data = replace(
+        bench.thin,
+        impacts=bench.thin.impacts if test == "impact" else (),
+        sines=bench.thin.sines if test == "sine" else None,
+    )
+    return minimise(Problem(data, bench.free, ()), base.u[: bench.free.size], 6, 1e-2)
+
+
+def _levels_differ(base: Fit) -> bool:
+    """Whether what one level answers per newton is not what the other answers."""
+    sines = base.problem.data.sines
+    if sines is None:
+        return False
+    rows, y = all_rows(base.problem.data)[-1], forward(base.problem.twin(base.u), base.problem.data)[-1]
+    shape = (y.shape[0], *sines.source.lines.shape)
+    middle = shape[-1] // 2
+    ratio = (rows.y / y).reshape(shape)[:, :, middle]
+    spread = (rows.sigma / np.abs(y)).reshape(shape)[:, :, middle]
+    common = np.sqrt(rows.common).reshape(shape[1:])[:, middle] / np.maximum(
+        np.linalg.norm((rows.y / rows.sigma).reshape(shape)[:, :, middle], axis=0), 1e-300
+    )
+    differences: list[float] = []
+    by_line: dict[float, list[int]] = {}
+    for j, hz in enumerate(sines.source.frequency_hz):
+        by_line.setdefault(round(float(hz), 4), []).append(j)
+    for pair in by_line.values():
+        if len(pair) == 2:
+            a, b = pair
+            step = ratio[:, a] / np.where(ratio[:, b] == 0, 1, ratio[:, b]) - 1
+            noise = np.hypot(spread[:, a], spread[:, b]) + np.hypot(common[a], common[b])
+            ok = np.isfinite(noise)
+            if np.any(ok):
+                differences.append(float(np.median(np.abs(step[ok]) / (noise[ok] + 2e-4))))
+    return len(differences) >= 3 and float(np.quantile(differences, 0.8)) > 8 + 20 * misfit(base)
