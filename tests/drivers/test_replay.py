@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -19,18 +18,11 @@ from modallab.errors import (
     UnsupportedError,
 )
 from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.exchange.rig_file import parse_rig
 from modallab.schema.block import Block, Campaign
 from modallab.schema.rig import Rig
 
 RATE_HZ = 2000.0
 N = 600
-
-
-@pytest.fixture(scope="module")
-def rig() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
-    return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 
 @pytest.fixture
