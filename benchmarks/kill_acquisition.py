@@ -30,7 +30,7 @@ from modallab.schema.plan import ImpactPlan, Plan, SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage import Store
 
-URL = "sim://cantilever?seed=1"
+URL = "sim://cantilever?seed=1&zeta=0.01"
 
 PLANS: tuple[Plan, ...] = (
     ImpactPlan(points=(10, 6, 3)),

@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from modallab.acquisition.process import RigProcess
+from modallab.errors import BenchError
+from modallab.schema.plan import SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage import Store
 
@@ -78,6 +81,24 @@ def test_the_output_is_zeroed_at_start_up_and_at_the_end_of_a_good_run(tmp_path:
         (run,) = store.catalogue.runs()
         assert run.state == "done"
         assert len(store.blocks(run.id)) == 2
+
+
+@pytest.mark.parametrize(("url", "said"), [("free", "brought to 0 V from outside"), ("locked", "switch the amplifier")])
+def test_when_the_rigs_process_is_killed_its_owner_zeroes_the_output(
+    tmp_path: Path, link_rig: Rig, monkeypatch: pytest.MonkeyPatch, url: str, said: str
+) -> None:
+    monkeypatch.syspath_prepend(str(WITNESS))
+    monkeypatch.setenv("WITNESS_LOG", str(tmp_path / "witness.log"))
+    plan = SinePlan(frequencies_hz=(10.0,), block_s=0.064, ramp_s=0.02, settle_s=20.0, rest_s=0.1)
+    with RigProcess(f"witness://{url}", link_rig, tmp_path / "data") as process:
+        events = process.run(plan)
+        next(e for e in events if e.kind == "state" and e.state == "acquiring")
+        waited_for(tmp_path / "witness.log", "play", 0)
+        process.process.kill()
+        with pytest.raises(BenchError, match=said):
+            list(events)
+    done = (tmp_path / "witness.log").read_text().split()
+    assert ("outside-zero" in done) == (url == "free")
 
 
 @pytest.mark.parametrize("kills", [4])

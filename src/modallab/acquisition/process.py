@@ -13,6 +13,7 @@ from typing import Self
 from modallab.acquisition.child import serve
 from modallab.acquisition.link import HEARTBEAT_S
 from modallab.acquisition.messages import Abort, Beat, Close, Command, Ended, Ready, Report, RunPlan, Stop
+from modallab.backend.loader import open_output
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import BenchError
 from modallab.schema.events import Event
@@ -35,7 +36,7 @@ class RigProcess:
 
     def __init__(self, url: str, rig: Rig, data_folder: Path) -> None:
         """Start the process for the bench at `url`, which records into `data_folder`."""
-        self._folder = data_folder
+        self._url, self._rig, self._folder = url, rig, data_folder
         self._info: BenchInfo | None = None
         context = multiprocessing.get_context("spawn")
         self._connection, theirs = context.Pipe()
@@ -151,14 +152,29 @@ class RigProcess:
             raise self._died() from error
 
     def _died(self) -> BenchError:
+        output = "" if self._closed.is_set() else self._zero_output()
         self.process.join(LEAVE_S)
         if not self._closed.is_set():
             with Store(self._folder) as store:
                 store.recover()
         return BenchError(
-            f"the acquisition process ended (exit code {self.process.exitcode})",
+            f"the acquisition process ended (exit code {self.process.exitcode}){output}",
             remedy="start it again; every acknowledged block is kept and its run marked as interrupted",
         )
+
+    def _zero_output(self) -> str:
+        # A killed process zeroes nothing, and some outputs go on without it.
+        try:
+            output = open_output(self._url, self._rig)
+            if output is None:
+                return ""
+            try:
+                output.zero()
+            finally:
+                output.close()
+        except Exception as error:
+            return f"; the output could not be brought to 0 V from here, switch the amplifier off: {error}"
+        return "; the output was brought to 0 V from outside"
 
     def _send(self, command: Command) -> None:
         try:

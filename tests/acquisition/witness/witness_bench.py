@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, OutputHandle, Request
 from modallab.errors import DeviceGoneError
 from modallab.schema.rig import Rig
 
@@ -19,8 +19,7 @@ class WitnessBench:
 
     def __init__(self, url: str, rig: Rig) -> None:
         self._url, self._channels = url, len(rig.channels)
-        self._log = Path(os.environ["WITNESS_LOG"])
-        self._note("open")
+        note("open")
 
     @property
     def info(self) -> BenchInfo:
@@ -44,24 +43,43 @@ class WitnessBench:
         return Chunk(first, samples, np.zeros(self._channels, dtype=bool))
 
     def play(self, burst: Burst) -> int:
-        self._note("play")
+        note("play")
         return self._position
 
     def prompt_hit(self, point: int) -> None:
-        self._note("prompt")
+        note("prompt")
 
     def zero(self) -> None:
-        self._note("zero")
+        note("zero")
 
     def stop(self) -> None:
-        self._note("stop")
+        note("stop")
 
     def close(self) -> None:
-        self._note("close")
+        note("close")
 
-    def _note(self, what: str) -> None:
-        with self._log.open("a") as file:
-            file.write(f"{what} {time.time():.6f}\n")
+
+def note(what: str) -> None:
+    with Path(os.environ["WITNESS_LOG"]).open("a") as file:
+        file.write(f"{what} {time.time():.6f}\n")
+
+
+class WitnessOutput:
+    """The same output, reached from another process."""
+
+    def __init__(self, url: str) -> None:
+        if "locked" in url:
+            raise DeviceGoneError("the output is locked", where=url, remedy="unlock it")
+
+    def zero(self) -> None:
+        note("outside-zero")
+
+    def close(self) -> None:
+        note("outside-close")
+
+
+def open_output(url: str, rig: Rig) -> OutputHandle:
+    return WitnessOutput(url)
 
 
 def open_bench(url: str, rig: Rig) -> Bench:
