@@ -50,9 +50,19 @@ def emergency_off(excitation: Excitation) -> None:
         return
     line = SerialLine(excitation.output, excitation.baud)
     try:
-        line.tell(LANGUAGES[excitation.dialect].settings["output"].tell.format("OFF"))
+        _switch_off(line, LANGUAGES[excitation.dialect])
     finally:
         line.close()
+
+
+def _switch_off(line: SerialLine, language: Language) -> None:
+    # A line that is closed, or an error that is raised, must not overtake what was said last: so an answer is awaited.
+    setting = language.settings["output"]
+    line.tell(setting.tell.format("OFF"))
+    if not agrees("OFF", setting.read(line.ask(setting.ask))):
+        raise DeviceGoneError(
+            "the output was told to switch off and is still on", where=line.port, remedy="switch the amplifier off"
+        )
 
 
 class Generator:
@@ -146,7 +156,7 @@ class Generator:
         if good and not errors:
             return
         if name != "output":
-            self._line.tell(self._language.settings["output"].tell.format("OFF"))
+            _switch_off(self._line, self._language)
         raise self._refused(f"{name}: {value} was set, the generator says {found}", errors)
 
     def _require_dialect(self) -> None:
@@ -163,7 +173,7 @@ class Generator:
     def _require_no_error(self, what: str) -> None:
         errors = self._drain_errors()
         if errors:
-            self._line.tell(self._language.settings["output"].tell.format("OFF"))
+            _switch_off(self._line, self._language)
             raise self._refused(what, errors)
 
     def _drain_errors(self) -> list[str]:
