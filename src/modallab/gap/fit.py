@@ -30,12 +30,14 @@ class Problem:
         free: the nuisances.
         candidates: effects whose numbers are free.
         floor: relative error of the model that is forgiven, for the first steps of a fit.
+        course: course of a drift, where it is known; see `Twin`.
     """
 
     data: Reduced
     free: Nuisances
     candidates: tuple[Candidate, ...] = ()
     floor: float = 0.0
+    course: tuple[tuple[float, float], ...] = ()
 
     @property
     def size(self) -> int:
@@ -55,7 +57,7 @@ class Problem:
         twin = self.free.build(u[: self.free.size])
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
-        return twin
+        return replace(twin, course=self.course) if self.course else twin
 
     def residual(self, u: Array) -> Array:
         """Everything measured less everything predicted, in noise units, real and imaginary parts in one row."""

@@ -26,7 +26,7 @@ def forward(twin: Twin, data: Reduced) -> list[Complex]:
 
 
 def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced, tau: float) -> Complex:
-    scale = np.sqrt(max(1e-3, 1 + twin.ei_drift * tau))
+    scale = np.sqrt(max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau))))
     poles = modes.poles * scale
     drive = modes.at(min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m))[0]
     residue = _outputs(twin.chain, modes, data) * drive / scale
@@ -45,7 +45,7 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced, last: float) ->
     if twin.clock:
         source = replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=source.frequency_hz * (1 + twin.clock))
     tau = np.array([p.order for p in d.pieces]) / last
-    scale = np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * tau)) if twin.ei_drift else None
+    scale = np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(tau))) if twin.ei_drift else None
     poles = modes.poles if scale is None else modes.poles[:, None] * scale
     residue = _outputs(twin.chain, modes, data) * modes.at(d.pieces[0].drive_x_m)[0]
     up, down = np.zeros((2, len(data.channels), len(d.pieces)), dtype=np.complex128)

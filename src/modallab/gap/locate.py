@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
+OFTEN = 0.25
+"""Share of sine responses with overtones that is no chance."""
 POLE_SHIFT = 1.5e-3
 """Relative spread of the poles about the best beam that is more than a beam's tolerance."""
 
@@ -41,19 +43,30 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
         if held:
             return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
         return Location("sensor", alone, tests, (f"Without {names} {1 - cured:.1%} of the gap is gone.",))
+    harmonic, driven = overtones(prepared)
+    if driven > OFTEN:
+        return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
+    if harmonic > OFTEN:
+        why = f"{harmonic:.0%} of the sine responses hold overtones of the drive that the force does not."
+        return Location("structure", (), tests, (why, "The bench does not answer in proportion: it is in the beam."))
+    return _of_beam_or_test(bench, base, tests)
+
+
+def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Location:
+    """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
     shift = pole_spread(bench, base)
     by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
     why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
     if by_test:
-        bad = [t for t in tests if by_test[t] > 0.1 * excess(base)]
         why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
-        if shift < POLE_SHIFT and not bad:
+    levels = _levels_differ(base)
+    if by_test and shift < POLE_SHIFT:
+        bad = tuple(t for t in tests if by_test[t] > 0.1 * excess(base))
+        if not bad:
             return Location("excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same."))
-        if shift < POLE_SHIFT and bad == ["impact"]:
-            return Location("excitation", (), ("impact",), (*why, "Only the blows disagree, and not by their poles."))
-        if shift < POLE_SHIFT and bad == ["sine"] and not _levels_differ(base):
-            return Location("excitation", (), ("sine",), (*why, "Only the sines disagree, at both levels alike."))
-    if _levels_differ(base):
+        if len(bad) == 1 and not (levels and bad == ("sine",)):
+            return Location("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles."))
+    if levels:
         return Location("structure", (), tests, (*why, "The two levels of the sine test disagree with each other."))
     if shift >= POLE_SHIFT:
         return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
@@ -65,17 +78,30 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
     )
 
 
-def pole_spread(bench: Bench, base: Fit) -> float:
-    """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
-    if len(bench.poles) < 2:
-        return 0.0
-    model = np.abs(solve(base.problem.twin(base.u).structure).poles)
-    seen = np.abs(bench.poles)
-    gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
-    gaps = gaps[np.abs(gaps) < 0.3]
-    if len(gaps) < 2:
-        return 0.0
-    return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2)))
+def overtones(prepared: Prepared) -> tuple[float, float]:
+    """Share of sine responses, and of their forces, with clear second or third harmonics."""
+    rig = prepared.campaign.rig
+    responses: list[bool] = []
+    forces: list[bool] = []
+    rows = [c.index for c in rig.responses]
+    for b in prepared.blocks:
+        if b.test != "sine" or not b.frequency_hz:
+            continue
+        n = b.n_samples
+        line = round(b.frequency_hz * n / b.rate_hz)
+        spectrum = (
+            np.abs(np.fft.rfft(b.samples * b.scale[:, None], axis=1)) / (prepared.noise_v * np.sqrt(n / 2))[:, None]
+        )
+        clear = np.zeros(len(spectrum), dtype=bool)
+        for k in (2, 3):
+            at = k * line
+            if at + 3 < 0.4 * n:
+                around = np.max(spectrum[:, [at - 2, at - 1, at + 1, at + 2]], axis=1)
+                clear |= (spectrum[:, at] > 8) & (spectrum[:, at] > 3 * around)
+        usable = np.array([(b.name, row) not in prepared.masked for row in range(len(spectrum))])
+        responses += clear[rows][usable[rows]].tolist()
+        forces.append(bool(clear[rig.force_channel.index]))
+    return float(np.mean(responses or [0.0])), float(np.mean(forces or [0.0]))
 
 
 def _tests(data: Reduced) -> tuple[str, ...]:

@@ -66,4 +66,4 @@ def _poles_of(left: Array, outputs: int, dt: float, top_hz: float) -> Complex:
     poles = np.log(z[np.abs(z) > 1e-6]) / dt
     zeta = -poles.real / np.abs(poles)
     good = (poles.imag > 2 * np.pi) & (poles.imag < 2 * np.pi * top_hz) & (zeta > -0.01) & (zeta < 0.3)
-    return poles[good]
+    return poles[good].astype(np.complex128)

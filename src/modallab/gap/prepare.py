@@ -135,19 +135,23 @@ def _ratio(campaign: Campaign, blocks: Sequence[Block], noise_v: Array) -> float
 def _overloaded(blocks: Sequence[Block]) -> set[tuple[str, int]]:
     found: set[tuple[str, int]] = set()
     for b in blocks:
-        if not np.issubdtype(b.samples.dtype, np.integer):
+        top = _top(b)
+        if top is None:
             continue
-        top = int(np.iinfo(b.samples.dtype).max)
         for row in np.flatnonzero(np.max(np.abs(b.samples.astype(np.int64)), axis=1) >= top):
             found.add((b.name, int(row)))
     return found
 
 
 def _rail_volts(blocks: Sequence[Block]) -> float:
-    first = blocks[0]
-    if not np.issubdtype(first.samples.dtype, np.integer):
-        return float("inf")
-    return float(np.iinfo(first.samples.dtype).max * np.max(first.scale))
+    top = _top(blocks[0])
+    return float("inf") if top is None else top * float(np.max(blocks[0].scale))
+
+
+def _top(block: Block) -> int | None:
+    """Largest count of the converter, None if the record holds no counts."""
+    bits = {"int16": 15, "int32": 31}.get(block.samples.dtype.name)
+    return None if bits is None else 2**bits - 1
 
 
 def _standing_out(measured: Array) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.candidates import Candidate, chained, of_channel, structural, swaps
+from modallab.gap.course import with_course
 from modallab.gap.fit import Fit, Problem, all_rows, minimise, softened
 from modallab.gap.forward import forward
 from modallab.gap.nuisances import Nuisances
@@ -83,7 +84,7 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     candidates = fit.problem.candidates
     for level in (floor, floor / 6):
         fit = minimise(Problem(bench.data, bench.free, candidates, level), fit.u, 3, 3e-2)
-    return minimise(Problem(bench.data, bench.free, candidates), fit.u, 12, 2e-3)
+    return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 12, 2e-3))
 
 
 def misfit(fit: Fit) -> float:
@@ -177,10 +178,13 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     def longer(f: Fit) -> Fit:
         return _short(bench, f.problem.candidates, f.u, floor / 6)
 
+    def to_the_end(f: Fit) -> Fit:
+        return finish(bench, f, floor / 12)
+
     with ThreadPoolExecutor(WORKERS) as workers:
         looks = sorted(workers.map(look, candidates), key=lambda f: f.cost)
         better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
-        best = list(workers.map(lambda f: finish(bench, f, floor / 12), better[:finished]))
+        best = list(workers.map(to_the_end, better[:finished]))
     fits = tuple(sorted(best, key=lambda f: f.cost))
     rest = (*better, *looks[LONGER:])
     return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))

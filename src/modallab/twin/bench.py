@@ -54,6 +54,7 @@ class Twin:
         structure: the beam.
         chain: the measurement chain.
         ei_drift: relative change of EI from the first record to the last.
+        course: (order over the last order, share of the drift) by which the change went; empty for evenly.
         clock: relative error of the converter's rate.
         hit_shift_m: every blow lands that much farther from the clamp.
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
@@ -63,10 +64,18 @@ class Twin:
     structure: Structure
     chain: Chain = Chain()
     ei_drift: float = 0.0
+    course: tuple[tuple[float, float], ...] = ()
     clock: float = 0.0
     hit_shift_m: float = 0.0
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
+
+    def drifted(self, tau: float | Array) -> Array:
+        """Share of the drift that has happened at a place in time between 0 and 1."""
+        if not self.course:
+            return np.asarray(tau, dtype=np.float64)
+        at, share = np.array(self.course).T
+        return np.interp(tau, at, share)
 
     def in_sine(self, shaker_x_m: float) -> Structure:
         """The structure while the shaker hangs on it."""

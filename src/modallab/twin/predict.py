@@ -29,7 +29,7 @@ def predict_blow(
         tau: place of the record in the campaign's time, 0 to 1.
     """
     n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
-    modes = drifted(solve(twin.structure), twin.ei_drift, tau)
+    modes = drifted(solve(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
     x = min(max(drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
     struck = np.flatnonzero(force_n)
     first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
@@ -76,7 +76,7 @@ def predict_sine(
     """
     dt = 1 / rate_hz / (1 + twin.clock)
     world_hz = frequency_hz * (1 + twin.clock)
-    modes = drifted(solve(twin.in_sine(drive_x_m)), twin.ei_drift, tau)
+    modes = drifted(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
     source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]))
     residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
     t = np.arange(n) * dt

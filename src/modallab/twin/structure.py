@@ -117,7 +117,8 @@ def solve(structure: Structure) -> Modes:
         return Modes(poles, phi @ mixing, structure.length_m)
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
-    return Modes(-zeta * omega + 1j * damped, phi / np.sqrt(2j * damped), structure.length_m)
+    columns = (phi / np.sqrt(2j * damped)).astype(np.complex128)
+    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m)
 
 
 def matrices(structure: Structure) -> tuple[Array, Array]:
