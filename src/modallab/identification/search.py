@@ -15,7 +15,8 @@ MAX_ITERATIONS = 40
 FIRST_LOOK = 12
 """Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
 MAX_ZETA = 0.5
-MIN_ZETA = -0.01
+MIN_ZETA = 1e-7
+"""A pole that grows would overflow before a long block ends; no structure has one."""
 MAX_MOVE = 0.1
 """Largest relative change of a frequency, or change of a damping ratio, in one step."""
 
