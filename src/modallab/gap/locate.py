@@ -78,6 +78,17 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
     )
 
 
+def pole_spread(bench: Bench, base: Fit) -> float:
+    """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
+    if len(bench.poles) < 2:
+        return 0.0
+    model = np.abs(solve(base.problem.twin(base.u).structure).poles)
+    seen = np.abs(bench.poles)
+    gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
+    gaps = gaps[np.abs(gaps) < 0.3]
+    return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
+
+
 def overtones(prepared: Prepared) -> tuple[float, float]:
     """Share of sine responses, and of their forces, with clear second or third harmonics."""
     rig = prepared.campaign.rig

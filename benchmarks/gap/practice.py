@@ -1,0 +1,92 @@
+"""Diagnoses the practice campaigns of one share of a fixed split and scores them.
+
+    python benchmarks/gap/practice.py PRACTICE --share report --out trials.jsonl
+    python benchmarks/gap/practice.py PRACTICE --score trials.jsonl
+
+The split is by the hash of a campaign's name, stratified by effect: of two campaigns with one effect one is for
+development, one for the report; those without and with two effects fall into develop, calibrate and report.
+"""
+
+import argparse
+import hashlib
+import json
+import time
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from modallab.blind.score import Trial, reliability, score
+from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.gap.diagnose import diagnose
+from modallab.schema.diagnosis import Diagnosis
+
+SALT = "modallab-split-1:"
+
+
+def shares(practice: Path) -> dict[str, list[str]]:
+    groups: dict[str, list[str]] = defaultdict(list)
+    for file in sorted(practice.glob("*/truth.yaml")):
+        effects = yaml.safe_load(file.read_text())["effects"]
+        kind = {0: "none", 2: "two"}.get(len(effects)) or effects[0]["effect"]
+        groups[kind].append(file.parent.name)
+    split: dict[str, list[str]] = {"develop": [], "calibrate": [], "report": []}
+    for kind, names in groups.items():
+        order = ["develop", "calibrate", "report"] if kind in {"none", "two"} else ["develop", "report"]
+        for i, name in enumerate(sorted(names, key=lambda n: hashlib.sha256((SALT + n).encode()).hexdigest())):
+            split[order[i % len(order)]].append(name)
+    return split
+
+
+def run(practice: Path, names: list[str], out: Path) -> None:
+    done = {json.loads(line)["name"] for line in out.read_text().splitlines()} if out.exists() else set()
+    for name in names:
+        if name in done:
+            continue
+        campaign = read_campaign(practice / name)
+        begun = time.process_time()
+        diagnosis = diagnose(campaign)
+        entry = {"name": name, "seconds": time.process_time() - begun, "diagnosis": diagnosis.model_dump(mode="json")}
+        with out.open("a") as target:
+            target.write(json.dumps(entry) + "\n")
+
+
+def trials(practice: Path, file: Path) -> list[Trial]:
+    found: list[Trial] = []
+    for line in file.read_text().splitlines():
+        entry: dict[str, Any] = json.loads(line)
+        truth = yaml.safe_load((practice / entry["name"] / "truth.yaml").read_text())
+        rig = yaml.safe_load((practice / entry["name"] / "rig.yaml").read_text())
+        diagnosis = Diagnosis.model_validate(entry["diagnosis"])
+        length = float(rig["beam"]["length_m"])
+        found.append(Trial(entry["name"], truth["effects"], diagnosis, length, entry["seconds"]))
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("practice", type=Path)
+    parser.add_argument("--share", choices=("develop", "calibrate", "report"), default="report")
+    parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("I", "OF"))
+    parser.add_argument("--out", type=Path)
+    parser.add_argument("--score", type=Path)
+    arguments = parser.parse_args()
+    if arguments.out is not None:
+        run(
+            arguments.practice,
+            shares(arguments.practice)[arguments.share][arguments.part[0] :: arguments.part[1]],
+            arguments.out,
+        )
+    if arguments.score is not None:
+        listed = trials(arguments.practice, arguments.score)
+        for figure in score(listed):
+            print(f"{figure.name:42s} {figure.value:8.4f} of {figure.count:3d}  {' '.join(figure.misses)}")
+        error, bins = reliability(listed)
+        print(f"{'calibration error of the probabilities':42s} {error:8.4f}")
+        for figure in bins:
+            print(f"    {figure.name}: right {figure.value:.3f} of {figure.count}")
+
+
+if __name__ == "__main__":
+    main()
