@@ -110,6 +110,17 @@ def test_a_field_that_is_wrong_on_its_own_is_not_blamed_for_others() -> None:
     assert message.startswith("rig.yaml: 2 fields are wrong:")
 
 
+def test_wrong_channels_of_a_small_rig_still_count_as_channels() -> None:
+    channels = [
+        {"index": 0, "name": "force", "quantity": "force", "unit": "kg"},
+        {"index": 1, "nmae": "tip", "quantity": "acceleration", "unit": "m/s^2", "sensitivity_v_per_unit": 0},
+    ]
+    told = refusal({"name": "small", "model": "unknown", "channels": channels})
+    for field in ("channels[0].unit", "channels[1].name", "channels[1].nmae", "channels[1].sensitivity_v_per_unit"):
+        assert field in told
+    assert "at least 2 entries" not in told
+
+
 def test_a_key_that_stands_twice_is_an_error() -> None:
     text = yaml.safe_dump(beam_content()) + "name: another\n"
     assert "name: found twice, in lines" in refusal(text)

@@ -57,6 +57,7 @@ _ALLOWED = {
 def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[Problem]:
     """Every problem of a rig: those of single fields, and those between fields as far as they can be seen."""
     details = [d for d in error.errors() if d["type"] != "value_error" and not _other_arm(d)]
+    details = [d for d in details if not _short_of_wrong_entries(d, details)]
     problems = list(dict.fromkeys(_problem(detail) for detail in details))
     sieved = _copy(content)
     for detail in details:
@@ -75,6 +76,14 @@ def _problem(detail: ErrorDetails) -> Problem:
     if kind == "literal_error" and loc == ("format_version",):
         return Problem(field, found, "1; a newer file needs a newer modallab")
     return Problem(field, found, _allowed(detail))
+
+
+def _short_of_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
+    # pydantic counts only the entries that are right on their own; the wrong ones are named already.
+    place = detail["loc"]
+    return detail["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
+    )
 
 
 def _other_arm(detail: ErrorDetails) -> bool:
