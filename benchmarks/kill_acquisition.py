@@ -64,7 +64,9 @@ def main() -> int:
         attempt = 0
         while tally.kills < arguments.kills:
             plan, (blocks, took_s) = PLANS[attempt % 2], whole[attempt % 2]
-            kill_once(rig, plan, Path(folder) / f"kill{attempt}", chance.uniform(0, took_s), blocks, tally)
+            # A block of the run, then a moment until the next: so it falls into the run however busy the machine is.
+            moment = (chance.randrange(len(blocks)), chance.uniform(0, took_s / len(blocks)))
+            kill_once(rig, plan, Path(folder) / f"kill{attempt}", moment, blocks, tally)
             attempt += 1
     print(
         f"{tally.kills} kills during runs (and {tally.too_late} after the end): "
@@ -84,17 +86,19 @@ def run_whole(rig: Rig, plan: Plan, folder: Path) -> tuple[dict[str, Block], flo
         return {block.name: block for block in store.iterate(run, refused=True)}, took_s
 
 
-def kill_once(rig: Rig, plan: Plan, folder: Path, delay_s: float, whole: dict[str, Block], tally: Tally) -> None:
-    """Kill one run after `delay_s` and compare what is left with what was acknowledged and with the whole run."""
+def kill_once(
+    rig: Rig, plan: Plan, folder: Path, moment: tuple[int, float], whole: dict[str, Block], tally: Tally
+) -> None:
+    """Kill one run so many seconds after so many blocks, and compare what is left with what was acknowledged."""
     heard: list[BlockAcknowledged] = []
     with RigProcess(URL, rig, folder) as process:
-        _ = process.info
-        timer = threading.Timer(delay_s, process.process.kill)
-        timer.start()
+        timer = threading.Timer(moment[1], process.process.kill)
         try:
             for event in process.run(plan):
+                if len(heard) == moment[0] and timer.ident is None:
+                    timer.start()
                 if isinstance(event, BlockAcknowledged):
-                    heard.append(event)  # noqa: PERF401  # what was heard before the kill must be kept
+                    heard.append(event)
         except BenchError:
             tally.kills += 1
         else:
