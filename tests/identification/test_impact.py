@@ -1,3 +1,6 @@
+import functools
+from dataclasses import replace
+
 import modal_bench as bench
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ from modallab.spectra.scale import to_signals_of
 TWO_POINTS = (5, 3)
 
 
+@functools.cache
 def identified(seed, options=None, **how):
     rng = np.random.default_rng(seed)
     system = bench.modes(rng)
@@ -28,7 +32,7 @@ def test_true_poles_come_out_of_a_block_shorter_than_the_ring_down():
 
 def test_stated_sigma_is_the_scatter():
     normalised = []
-    for seed in range(6):
+    for seed in range(5):
         system, model, _ = identified(seed)
         normalised += list((model.frequency_hz - system.frequency_hz) / model.frequency_sigma_hz)
         normalised += list((model.damping_ratio - system.zeta) / model.damping_sigma)
@@ -113,3 +117,33 @@ def test_two_modes_closer_than_a_line_are_two():
     model, _ = identify_impact(to_signals_of(blocks, rig), rig, Options(band_hz=(20.0, 400.0)))
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz, rtol=1e-4)
     np.testing.assert_allclose(model.damping_ratio, system.zeta, rtol=0.01)
+
+
+def spoiled(change):
+    rng = np.random.default_rng(11)
+    rig = bench.rig(5)
+    good = to_signals_of(bench.impact_blocks(bench.modes(rng), rng, hits=2), rig)
+    return change(good), rig
+
+
+def with_responses(signals, change):
+    return [replace(s, responses=change(s.responses)) for s in signals]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda s: [], "no block"),
+        (lambda s: with_responses(s, lambda y: np.where(np.arange(y.shape[1]) == 9, np.nan, y)), "NaN"),
+        (lambda s: with_responses(s, lambda y: y * np.array([1, 0, 1, 1, 1])[:, None]), "a02 is dead"),
+        (lambda s: with_responses(s, lambda y: y.T), "do not belong"),
+        (lambda s: [s[0], replace(s[1], rate_hz=1000.0)], "differ"),
+        (lambda s: [replace(i, rate_hz=float("nan")) for i in s[:1]], "rate"),
+        (lambda s: [replace(i, force=0 * i.force) for i in s], "force is dead"),
+    ],
+    ids=["nothing", "nan", "dead", "transposed", "two rates", "no rate", "no force"],
+)
+def test_what_is_no_impact_test_is_refused(change, says):
+    signals, rig = spoiled(change)
+    with pytest.raises(DataError, match=says):
+        identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))

@@ -16,6 +16,7 @@ from modallab.identification.projection import Parameters, Problem
 from modallab.identification.prune import is_mode
 from modallab.identification.search import search
 from modallab.identification.stabilisation import stable_poles
+from modallab.schema.check import check_frf
 from modallab.schema.frf import DERIVATIVES, Frf
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
@@ -31,6 +32,7 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
         IdentificationError: no stable pole.
     """
+    check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
     inside = frf.frequency_hz > 0
     if options.band_hz is not None:
         inside &= (frf.frequency_hz >= options.band_hz[0]) & (frf.frequency_hz <= options.band_hz[1])

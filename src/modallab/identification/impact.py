@@ -24,6 +24,7 @@ from modallab.schema.frf import DERIVATIVES
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.spectra.blow import find_blow, windowed_force
+from modallab.spectra.border import check_test
 from modallab.spectra.frf import convert, group_by_point, impact_frf, lines, output_quantity, quiet_level
 
 LEAK = 300.0
@@ -54,6 +55,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
         DataError: a block without a blow, or a band without lines.
         IdentificationError: no stable pole.
     """
+    check_test(signals)
     groups = group_by_point(signals)
     band = options.band_hz or default_band(groups)
     poles = _start_poles(groups, rig, band, options.max_order)

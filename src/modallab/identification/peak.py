@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from modallab.errors import IdentificationError
 from modallab.identification.half_power import find_peaks, summed_amplitude
 from modallab.identification.modal_mass import unit_mass_shapes
+from modallab.schema.check import check_frf
 from modallab.schema.frf import Frf
 from modallab.schema.model import ModalModel
 from modallab.schema.units import Test
@@ -24,8 +25,10 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         floor_lines: half-power width, in lines, of an undamped mode in a block without window.
 
     Raises:
+        DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
         IdentificationError: no peak stands out.
     """
+    check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
     mobility = convert(frf, "mobility")
     f = mobility.frequency_hz
     peaks = find_peaks(f, summed_amplitude(mobility))

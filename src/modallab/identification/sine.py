@@ -29,6 +29,7 @@ from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES, Frf
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
+from modallab.spectra.border import check_test
 from modallab.spectra.frf import convert, lines, output_quantity
 from modallab.spectra.sine_fit import SineFit, fit_frequency, strongest_near
 from modallab.spectra.stepped import stepped_frf
@@ -66,6 +67,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
         DataError: a block without a sine in the force, or more than one drive point.
         IdentificationError: no stable pole.
     """
+    check_test(signals)
     tones = [fit_tone(s) for s in signals]
     points = {s.block.drive_point for s in signals}
     if len(points) > 1:

@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from modallab.errors import DataError
+from modallab.schema.check_axis import check_rate
+from modallab.spectra.border import check_rows
 
 
 def bandpass(
@@ -23,14 +25,18 @@ def bandpass(
         taps: odd length; by default 3.3 / (transition width in cycles per sample) with a width of the lower edge.
 
     Raises:
-        DataError: the band does not lie inside 0 to rate / 2.
+        DataError: the band does not lie inside 0 to rate / 2; an even number of taps; samples that are no numbers.
     """
+    check_rate(rate_hz)
+    check_rows(values.reshape(-1) if values.ndim > 2 else values)
     low, high = band_hz
     if not 0 < low < high < rate_hz / 2:
         raise DataError(
             f"band {low:g} to {high:g} Hz does not fit a rate of {rate_hz:g} Hz",
             remedy=f"choose a band inside 0 to {rate_hz / 2:g} Hz",
         )
+    if taps is not None and (taps < 3 or taps % 2 == 0):
+        raise DataError(f"{taps} taps have no sample in their middle", remedy="give an odd number of at least 3 taps")
     length = taps if taps is not None else int(3.3 * rate_hz / low) // 2 * 2 + 1
     window = signal.firwin(length, [low, high], fs=rate_hz, pass_zero=False)
     full = signal.fftconvolve(values, np.broadcast_to(window, (*values.shape[:-1], length)), axes=-1)

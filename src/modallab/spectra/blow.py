@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
+from modallab.spectra.border import check_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +28,9 @@ def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
         threshold: how many noise sigmas belong to the blow.
 
     Raises:
-        DataError: no sample stands out of the noise.
+        DataError: no sample stands out of the noise, or the force is no record.
     """
+    check_rows(force, "force")
     peak = int(np.argmax(np.abs(force)))
     offset = float(np.median(force))
     level = np.abs(force - offset)

@@ -8,10 +8,12 @@ from numpy.typing import NDArray
 
 from modallab.errors import DataError
 from modallab.schema.block import Signals
+from modallab.schema.check_axis import check_frequencies, check_rate
 from modallab.schema.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.schema.rig import Rig
 from modallab.schema.units import Quantity
 from modallab.spectra.blow import find_blow, windowed_force
+from modallab.spectra.border import check_test
 
 Estimator = Literal["H1", "H2", "Hv"]
 
@@ -36,7 +38,14 @@ def output_quantity(rig: Rig) -> FrfQuantity:
 
 
 def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
-    """The same FRF as receptance, mobility or inertance: times a power of s = damping_shift + j omega."""
+    """The same FRF as receptance, mobility or inertance: times a power of s = damping_shift + j omega.
+
+    Raises:
+        DataError: lines that do not ascend, values that are not finite or not complex, or a division by s = 0.
+    """
+    check_frequencies(frf.frequency_hz, even=False)
+    if not (np.iscomplexobj(frf.values) and np.isfinite(frf.values).all()):
+        raise DataError("the FRF holds NaN, or has no phase", remedy="give finite complex numbers")
     power = DERIVATIVES[quantity] - DERIVATIVES[frf.quantity]
     s = frf.damping_shift + 2j * np.pi * frf.frequency_hz
     if power < 0 and s[0] == 0:
@@ -63,6 +72,12 @@ def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.in
     Raises:
         DataError: fewer than 4 lines lie inside.
     """
+    check_rate(rate_hz)
+    if not (n > 0 and np.isfinite(band_hz).all() and band_hz[0] < band_hz[1]):
+        raise DataError(
+            f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz of a block of {n} samples has no lines",
+            remedy="give the lower edge first, both in Hz, and a block with samples",
+        )
     resolution = rate_hz / n
     first = max(1, int(np.ceil(band_hz[0] / resolution - 1e-9)))
     last = min((n - 1) // 2, int(np.floor(band_hz[1] / resolution + 1e-9)))
@@ -90,7 +105,11 @@ def combine(
 
     Returns:
         FRF (outputs, lines) and coherence (outputs, lines) in 0 to 1; with one block coherence is 1 by construction.
+
+    Raises:
+        DataError: shapes that do not fit, NaN, or a line without force.
     """
+    _check_spectra(force, response)
     power_f = np.sum(np.abs(force) ** 2, axis=0)
     power_y = np.sum(np.abs(response) ** 2, axis=0)
     cross = np.sum(np.conj(force)[:, None] * response, axis=0)
@@ -107,6 +126,16 @@ def combine(
     if estimator == "H2":
         return phase * h2_magnitude, coherence
     return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
+
+
+def _check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128]) -> None:
+    if force.ndim != 2 or response.ndim != 3 or (response.shape[0], response.shape[2]) != force.shape:
+        raise DataError(
+            f"force {force.shape} and response {response.shape} do not belong together",
+            remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",
+        )
+    if not (np.isfinite(force).all() and np.isfinite(response).all()):
+        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
 
 
 def impact_frf(
@@ -129,7 +158,11 @@ def impact_frf(
         band_hz: lines to give.
         estimator: H1, H2 or Hv.
         damping_shift: sigma in 1/s.
+
+    Raises:
+        DataError: no blocks, blocks that differ or that no bench records, a block without a blow, a band without lines.
     """
+    check_test([s for group in groups for s in group])
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)

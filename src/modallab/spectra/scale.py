@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from modallab.errors import DataError
 from modallab.schema.block import Block, Signals
+from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Channel, Rig
 from modallab.schema.units import is_voltage, si_factor
+from modallab.spectra.border import check_rows
 
 
 def to_signals(block: Block, rig: Rig) -> Signals:
@@ -19,8 +21,10 @@ def to_signals(block: Block, rig: Rig) -> Signals:
         rig: sensitivities, units and directions.
 
     Raises:
-        DataError: channels other than the rig's, or a unit that is not the channel's.
+        DataError: channels other than the rig's, a unit that is not the channel's, or samples that are no records.
     """
+    check_rate(block.rate_hz, f"record {block.name}")
+    check_rows(block.samples, f"record {block.name}")
     names = tuple(c.name for c in rig.channels)
     if block.channels != names:
         raise DataError(
@@ -73,5 +77,10 @@ def to_signals_of(blocks: Sequence[Block], rig: Rig) -> list[Signals]:
 
 
 def remove_mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values (..., n) with each row's mean taken off: the paper's non-zero mean cancellation."""
+    """Values (n,) or (rows, n) with each row's mean taken off: the paper's non-zero mean cancellation.
+
+    Raises:
+        DataError: values that are no records.
+    """
+    check_rows(values)
     return values - values.mean(axis=-1, keepdims=True)

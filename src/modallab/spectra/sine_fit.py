@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
+from modallab.schema.check_axis import check_rate
+from modallab.spectra.border import check_positive, check_rows
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,7 +28,12 @@ class SineFit:
 
 
 def fit_at(values: NDArray[np.float64], rate_hz: float, frequency_hz: float) -> SineFit:
-    """Three-parameter fit of each row of values (channels, n) at a known frequency."""
+    """Three-parameter fit of each row of values (channels, n) at a known frequency.
+
+    Raises:
+        DataError: values that are no records, too few samples, or a frequency outside 0 to rate / 2.
+    """
+    _check(values, rate_hz, frequency_hz)
     t = np.arange(values.shape[1]) / rate_hz
     angle = 2 * np.pi * frequency_hz * t
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)
@@ -45,8 +52,9 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
         iterations: at most this many steps.
 
     Raises:
-        DataError: the frequency runs away by more than one line: there is no such sine.
+        DataError: the frequency runs away by more than one line: there is no such sine; or as for `fit_at`.
     """
+    _check(values, rate_hz, near_hz)
     n = values.shape[1]
     t = np.arange(n) / rate_hz
     frequency = near_hz
@@ -68,6 +76,7 @@ def strongest_near(values: NDArray[np.float64], rate_hz: float, wanted_hz: float
 
     Generator and converter each have a clock of their own; a wrong one may be off by more than a line.
     """
+    _check(values[None], rate_hz, wanted_hz)
     n = values.size
     window = np.hanning(n)
     spectrum = np.abs(np.fft.rfft((values - values.mean()) * window, 8 * n))
@@ -78,10 +87,23 @@ def strongest_near(values: NDArray[np.float64], rate_hz: float, wanted_hz: float
     return found if abs(found - wanted_hz) > 0.5 * rate_hz / n and wanted_hz > 4 * rate_hz / n else wanted_hz
 
 
+def _check(values: NDArray[np.float64], rate_hz: float, frequency_hz: float) -> None:
+    check_rate(rate_hz)
+    check_positive(frequency_hz, "the sine's frequency in Hz")
+    check_rows(values)
+    if values.ndim != 2 or values.shape[1] < 8:
+        raise DataError(f"the record has shape {values.shape}", remedy="give (channels, n) with at least 8 samples")
+    if frequency_hz >= rate_hz / 2:
+        found = f"a sine at {frequency_hz:g} Hz cannot be seen at a rate of {rate_hz:g} Hz"
+        raise DataError(found, remedy="check the rate and the frequency of the record")
+
+
 def _frequency_step(values: NDArray[np.float64], t: NDArray[np.float64], fit: SineFit) -> float:
     angle = 2 * np.pi * fit.frequency_hz * t
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)
     slope = np.real(fit.amplitude[:, None] * 2j * np.pi * t * np.exp(1j * angle))
     orthonormal, _ = np.linalg.qr(basis)
     slope -= slope @ orthonormal @ orthonormal.T
-    return float(np.sum(slope * values) / np.sum(slope * slope))
+    power = float(np.sum(slope * slope))
+    # A record of zeros holds no sine to follow.
+    return float(np.sum(slope * values)) / power if power > 0 else 0.0

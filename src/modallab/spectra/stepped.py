@@ -4,9 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from modallab.errors import DataError
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf
 from modallab.schema.rig import Rig
+from modallab.spectra.border import check_test
 from modallab.spectra.frf import combine, output_quantity
 from modallab.spectra.sine_fit import SineFit, fit_at
 
@@ -20,7 +22,15 @@ def stepped_frf(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: 
         signals: sine blocks.
         force_fits: the fit of each block's force.
         rig: names, points and quantities.
+
+    Raises:
+        DataError: no blocks, blocks that differ, or not one fit per block.
     """
+    check_test(signals)
+    if len(force_fits) != len(signals):
+        raise DataError(
+            f"{len(force_fits)} fits for {len(signals)} blocks", remedy="give the force's fit of each block"
+        )
     at: dict[float, list[int]] = {}
     for i, item in enumerate(signals):
         at.setdefault(float(item.block.frequency_hz or force_fits[i].frequency_hz), []).append(i)
