@@ -8,7 +8,7 @@ from urllib.parse import parse_qsl, urlsplit
 from modallab.errors import ConfigurationError
 from modallab.schema.effects import Effect
 from modallab_simulators.cantilever.effects.read import read_effect
-from modallab_simulators.cantilever.swing import PEAK_N
+from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S
 
 MAX_ZETA = 0.2
 
@@ -26,6 +26,7 @@ class Settings:
         n_per_v: shaker and power amplifier, newton per volt of the generator.
         place_m: standard deviation of the place of a blow about its point.
         peak_n: between which forces the operator's blows peak, before what the sensors bear is known.
+        reaction_s: between which times after the prompt the operator strikes.
         effects: what else is wrong with the bench; the parameter `effect` may occur many times.
     """
 
@@ -37,6 +38,7 @@ class Settings:
     n_per_v: float = 0.5
     place_m: float = 0.0
     peak_n: tuple[float, float] = PEAK_N
+    reaction_s: tuple[float, float] = REACTION_S
     effects: tuple[Effect, ...] = ()
 
 
@@ -128,7 +130,7 @@ def _ratios(text: str) -> tuple[float, ...]:
     return values
 
 
-def _peaks(text: str) -> tuple[float, float]:
+def _range(text: str) -> tuple[float, float]:
     low, high = (float(part) for part in text.split(","))
     if not 0 < low <= high < inf:
         raise ValueError(text)
@@ -143,5 +145,6 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "zeta": (_ratios, f"damping ratios above 0 to {MAX_ZETA}: one for every mode, or a list 0.005,0.004,..."),
     "n_per_v": (_number(0.0, 1e4, above=True), "newton per volt of the generator, above 0 to 1e4"),
     "place_m": (_number(0.0, 0.1), "standard deviation of a blow's place in m, 0 to 0.1"),
-    "peak_n": (_peaks, "lowest and highest peak of a blow in N, such as 50,150"),
+    "peak_n": (_range, "lowest and highest peak of a blow in N, such as 50,150"),
+    "reaction_s": (_range, "shortest and longest time to a blow in s, such as 0.5,1.5"),
 }

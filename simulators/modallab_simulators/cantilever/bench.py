@@ -18,7 +18,7 @@ from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.structure import BLOCK
-from modallab_simulators.cantilever.swing import draw_swing
+from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
 
 RATES_HZ = (100.0, 10_000.0)
@@ -40,9 +40,11 @@ class CantileverBench:
         rig: what stands there.
         settings: what the address says.
         first_start: how many starts and blows went before, which counts where noise and blows are drawn.
+        stretch: how much longer than meant all takes that excites. A converter that runs faster by as much sees the
+            same forces as one that is right sees without.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, first_start: int = 0) -> None:
+    def __init__(self, url: str, rig: Rig, settings: Settings, first_start: int = 0, stretch: float = 1.0) -> None:
         self._rig, self._settings = rig, settings
         self._truth = draw_truth(settings, rig)
         self._rows = len(outputs_of(rig, self._truth.effects))
@@ -56,6 +58,7 @@ class CantileverBench:
         )
         self._state: State = "open"
         self._starts = self._swings = first_start
+        self._stretch = stretch
         self._blow_s = 0.0
         self._age_s = 0.0
 
@@ -135,7 +138,7 @@ class CantileverBench:
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        self._excitation.emit(Emission(burst, start / self._site.rate_hz, self._truth.clock))
+        self._excitation.emit(Emission(burst, start / self._site.rate_hz, self._clock))
         self._stream.changed()
         return start + self._site.structure.latency
 
@@ -144,12 +147,11 @@ class CantileverBench:
         self._require("running", to="prompt a hit")
         x_m = self._rig.x_of(point)
         self._swings += 1
-        rng = generator(self._settings.seed, Stream.HITS, self._swings)
-        swing = draw_swing(rng, self._settings.bad_hits, self._settings.place_m, self._settings.peak_n)
+        swing = self._drawn_swing()
         bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
         x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.number("hit_position", "dx", 0.0))
         blows = self._with_knock(swing.blow(self._now_s, x_m, bearable_n))
-        self._blow_s = blows[-1].start_s
+        self._blow_s = blows[0].start_s
         self._excitation.strike(blows, self._now_s)
         self._stream.changed()
 
@@ -178,13 +180,26 @@ class CantileverBench:
     def _on_beam(self, x_m: float) -> float:
         return float(np.clip(x_m, 0.0, self._truth.true.beam.length_m))
 
+    @property
+    def _clock(self) -> float:
+        return (1 + self._truth.clock) / self._stretch - 1
+
+    def _drawn_swing(self) -> Swing:
+        """The next swing; how long the operator waits is counted in samples of the converter."""
+        settings = self._settings
+        rng = generator(settings.seed, Stream.HITS, self._swings)
+        swing = draw_swing(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
+        return swing.stretched(self._rate / self._site.rate_hz, self._stretch)
+
     def _with_knock(self, blow: Blow) -> list[Blow]:
         """The blow, and before it what it finds still ringing: a knock the transducer does not feel."""
         fraction = self._truth.effects.number("residual_ringing", "fraction", 0.0)
         if not fraction:
             return [blow]
         rng = generator(self._settings.seed, Stream.KNOCKS, self._swings)
-        return [blow.knock(fraction * rng.uniform(*KNOCK_SPREAD)), blow.after(KNOCK_S + rng.uniform(*KNOCK_JITTER_S))]
+        share, before_s = fraction * rng.uniform(*KNOCK_SPREAD), KNOCK_S + rng.uniform(*KNOCK_JITTER_S)
+        blow = blow.after(max(0.0, self._now_s + before_s - blow.start_s))
+        return [blow, blow.knock(share).after(-before_s)]
 
     def _require(self, *legal: State, to: str) -> None:
         if self._state not in legal:

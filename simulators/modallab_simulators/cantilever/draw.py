@@ -28,6 +28,8 @@ class Stream(IntEnum):
     HUM = 6
     FLOOR = 7
     KNOCKS = 8
+    EFFECT = 9
+    GAP = 10
 
 
 def generator(seed: int, stream: Stream, *place: int) -> np.random.Generator:

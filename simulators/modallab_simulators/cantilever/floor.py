@@ -1,5 +1,7 @@
 """The floor's vibration: a stationary random acceleration of the base."""
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,7 @@ class Floor:
     """
 
     def __init__(self, rms_acc: float, step_s: float, rng: np.random.Generator) -> None:
+        self._begins = 0
         count = round(PERIOD_S / step_s)
         f = np.fft.rfftfreq(count, step_s)
         inside = (f >= BAND_HZ[0]) & (f <= BAND_HZ[1])
@@ -27,7 +30,13 @@ class Floor:
         wave = np.fft.irfft(lines, count)
         self._wave = wave * (rms_acc / np.sqrt(np.mean(wave**2)))
 
+    def starting(self, rng: np.random.Generator) -> "Floor":
+        """The same motion, met at another time."""
+        other = copy(self)
+        other._begins = int(rng.integers(len(self._wave)))
+        return other
+
     def acceleration(self, first: int, count: int) -> Floats:
         """In m/s^2 on internal samples from `first`, nothing before the stream begins, (count,)."""
         index = np.arange(first, first + count)
-        return np.where(index >= 0, self._wave[index % len(self._wave)], 0.0)
+        return np.where(index >= 0, self._wave[(self._begins + index) % len(self._wave)], 0.0)

@@ -61,8 +61,12 @@ class Site:
 
     def floor_of_start(self, start: int) -> Floor | None:
         """The floor's motion in this start."""
+        return self._floor and self._floor.starting(generator(self._truth.seed, Stream.FLOOR, start))
+
+    @cached_property
+    def _floor(self) -> Floor | None:
         rms = self._truth.effects.number("floor_vibration", "rms_acc", 0.0)
-        return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR, start)) if rms else None
+        return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
 
     def bearable_n(self, width_s: float, x_m: float) -> float:
         """Peak of a blow at which the most driven channel of a sound bench is at 0.8 of its rail."""

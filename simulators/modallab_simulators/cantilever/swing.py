@@ -1,6 +1,6 @@
 """The virtual operator: how long it takes to strike, how hard, how well."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,15 @@ class Swing:
     rebound_s: float = 0.0
     rebound_share: float = 0.0
 
+    def stretched(self, waiting: float, contact: float) -> "Swing":
+        """The same with the time to the blow, and with those of the contact, longer by these factors."""
+        return replace(
+            self,
+            reaction_s=self.reaction_s * waiting,
+            width_s=self.width_s * contact,
+            rebound_s=self.rebound_s * contact,
+        )
+
     def blow(self, prompted_s: float, x_m: float, bearable_n: float) -> Blow:
         """The blow at `x_m`, no harder than `bearable_n`."""
         start = prompted_s + self.reaction_s
@@ -47,10 +56,14 @@ class Swing:
 
 
 def draw_swing(
-    rng: np.random.Generator, bad_hits: float, place_m: float, peaks_n: tuple[float, float] = PEAK_N
+    rng: np.random.Generator,
+    bad_hits: float,
+    place_m: float,
+    peaks_n: tuple[float, float] = PEAK_N,
+    reactions_s: tuple[float, float] = REACTION_S,
 ) -> Swing:
     """Draw a blow; with probability `bad_hits` a bad one, as often a double hit as too weak."""
-    reaction, width = rng.uniform(*REACTION_S), rng.uniform(*WIDTH_S)
+    reaction, width = rng.uniform(*reactions_s), rng.uniform(*WIDTH_S)
     peak, place = rng.uniform(*peaks_n), rng.standard_normal() * place_m
     bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5
     weak, gap, share = rng.uniform(*WEAK_N), rng.uniform(*REBOUND_S), rng.uniform(*REBOUND_SHARE)

@@ -33,6 +33,9 @@ RATES_HZ: dict[Test, float] = {"impact": 2000.0, "sine": 1000.0}
 PRE_TRIGGER_S = 0.05
 SETTLE_S = 8.0
 RAMP_S = 1.0
+REACTION_S = (1.2, 1.7)
+"""From the prompt to the blow: time enough for something else to knock before."""
+
 RECORD_S = 60.0
 """From the beginning of one record to that of the next."""
 
@@ -56,13 +59,19 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
     Raises:
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
-    timed = tuple(_timed(effect) for effect in effects if effect.effect != "clipping")
-    visit = _Visit(rig, seed, timed)
-    blocks = [*visit.hits(), *visit.sines()]
-    for effect in inject(effects, rig).of("clipping"):
-        blocks = _clipped(blocks, effect)
-    campaign = Campaign(rig, tuple(blocks), source=f"simulated trial, seed {seed}")
+    visit = _Visit(rig, seed, effects)
+    campaign = Campaign(rig, tuple(visit.blocks()), source=f"simulated trial, seed {seed}")
     return campaign, _truth(visit.truth, effects)
+
+
+def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
+    """The trial without effects that has the recorded forces of the one with: what a perfect twin would predict.
+
+    A force channel with a wrong gain is the one thing it does not follow.
+    """
+    clocks = [e.parameters["relative"] for e in effects if e.effect == "clock_error"]
+    visit = _Visit(rig, seed, (), 1 + sum(clocks))
+    return Campaign(rig, tuple(visit.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 
 def _timed(effect: Effect) -> Effect:
@@ -75,11 +84,22 @@ def _timed(effect: Effect) -> Effect:
 class _Visit:
     """One visit to the bench, record after record."""
 
-    def __init__(self, rig: Rig, seed: int, effects: tuple[Effect, ...]) -> None:
-        self._rig = rig
-        self._settings = Settings(seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, effects=effects)
+    def __init__(self, rig: Rig, seed: int, effects: Sequence[Effect], stretch: float = 1.0) -> None:
+        self._rig, self._stretch = rig, stretch
+        self._clipping = tuple(inject(effects, rig).of("clipping"))
+        played = tuple(_timed(e) for e in effects if e.effect != "clipping")
+        self._settings = Settings(
+            seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
+        )
         self._order = 0
         self.truth = CantileverBench("sim://cantilever", rig, self._settings).truth
+
+    def blocks(self) -> list[Block]:
+        """All records, in the order of time."""
+        blocks = [*self.hits(), *self.sines()]
+        for effect in self._clipping:
+            blocks = _clipped(blocks, effect)
+        return blocks
 
     def hits(self) -> Iterator[Block]:
         """Six blows at each point."""
@@ -108,7 +128,7 @@ class _Visit:
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
     def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
-        bench = CantileverBench("sim://cantilever", self._rig, settings, first_start=number * _REPEATS)
+        bench = CantileverBench("sim://cantilever", self._rig, settings, number * _REPEATS, self._stretch)
         delivery = bench.configure(Request(test, RATES_HZ[test]))
         bench.rest_until(self._order * RECORD_S)
         return bench, delivery

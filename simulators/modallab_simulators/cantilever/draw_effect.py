@@ -1,0 +1,243 @@
+"""Draws effects for blind trials: where they are, and how large, so that the gap they open has a wanted size.
+
+The gap is the rms over all accelerometer records of the difference between a trial with the effect and the one a
+perfect twin without it would predict from the same forces, in units of the channels' own noise.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import exp, hypot, log, sqrt
+
+import numpy as np
+
+from modallab.errors import ConfigurationError
+from modallab.schema.block import Campaign
+from modallab.schema.effects import Effect, Parameter, Place
+from modallab.schema.rig import Converter, Rig
+from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.effects.kinds import KINDS, allowed
+from modallab_simulators.cantilever.trial import make_trial, sound_trial
+
+GAP_RANGE = (1.5, 300.0)
+_CLOSE = 0.05
+_TRIES = 14
+
+PLACES: dict[str, tuple[float, float]] = {
+    "added_mass": (0.3, 1.0),
+    "stiffness_loss": (0.08, 0.7),
+    "breathing_crack": (0.08, 0.3),
+    "ground_spring": (0.3, 1.0),
+    "local_damper": (0.3, 1.0),
+    "cubic_spring": (0.5, 1.0),
+}
+"""Between which shares of the length an effect is put; elsewhere it would hardly show."""
+
+_SLOPES: dict[tuple[str, str], float] = {
+    ("clamp_rotation", "k_rot"): -1.0,
+    ("clamp_translation", "k_trans"): -1.0,
+    ("loose_mount", "hz"): -2.0,
+    ("clipping", "fraction_of_peak"): -1.0,
+}
+"""How the gap of a small effect goes with its main number, on logarithms; 1 for all others."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnEffect:
+    """An effect and the gap it opens.
+
+    Attributes:
+        effect: with its numbers.
+        wanted: the gap that was aimed at, in noise units.
+        gap: the gap it has; another one where the effect has no size, or none that is large or small enough.
+    """
+
+    effect: Effect
+    wanted: float
+    gap: float
+
+
+def draw_gap(seed: int) -> float:
+    """A size of the gap, log-uniform from 1.5 to 300 noise units."""
+    low, high = GAP_RANGE
+    return exp(generator(seed, Stream.GAP).uniform(log(low), log(high)))
+
+
+def draw_effect(rig: Rig, seed: int, name: str, wanted: float | None = None) -> DrawnEffect:
+    """Draw where and how an effect is, then scale it until it opens a gap of the wanted size.
+
+    Args:
+        rig: of the trial.
+        seed: of the trial; it also draws place, sign and secondary numbers, and the size where none is wanted.
+        name: of the catalogue, or of this bench's own.
+        wanted: the gap, in noise units.
+
+    Raises:
+        ConfigurationError: no effect is called so, or the rig has no place for it.
+    """
+    if name not in KINDS:
+        raise ConfigurationError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(KINDS))}")
+    target = draw_gap(seed) if wanted is None else wanted
+    shape = _Shape(rig, seed, name)
+    ruler = _Ruler(rig, seed)
+    if shape.main is None:
+        return DrawnEffect(shape.at(0.0), target, ruler.gap((shape.at(0.0),)))
+    slope = _SLOPES.get((name, shape.main.name), 1.0)
+    size, gap = _solve(lambda s: ruler.gap((shape.at(s),)), shape.span, slope, target)
+    return DrawnEffect(shape.at(size), target, gap)
+
+
+def gap_of(rig: Rig, seed: int, effects: Sequence[Effect]) -> float:
+    """The gap some effects open in the trial of a seed, in noise units."""
+    return _Ruler(rig, seed).gap(effects)
+
+
+class _Ruler:
+    """Measures gaps in the trials of one seed."""
+
+    def __init__(self, rig: Rig, seed: int) -> None:
+        converter = rig.converter or Converter()
+        self._seed, self._noise_v = seed, converter.noise_rms_v
+        self._floor_v = hypot(converter.noise_rms_v, converter.volts_per_count / sqrt(12))
+        # Without noise, and with counts too fine to matter, nothing but the effects makes the difference.
+        quiet = converter.model_copy(update={"noise_rms_v": 0.0, "bits": 30})
+        self._rig = rig.model_copy(update={"converter": quiet})
+        self._sound: Campaign | None = None
+
+    def gap(self, effects: Sequence[Effect]) -> float:
+        """In noise units."""
+        recorded, _ = make_trial(self._rig, self._seed, effects)
+        gain = np.prod([e.parameters["gain"] for e in effects if e.effect == "force_gain"], initial=1.0)
+        squares = _mean_square(recorded, self._sound_for(effects), float(gain)) / self._floor_v**2
+        share = (self._noise_v / self._floor_v) ** 2 / len(self._rig.responses)
+        for effect in effects:
+            if effect.effect == "noisy_channel":
+                squares += (effect.parameters["factor"] ** 2 - 1) * share
+        return sqrt(squares)
+
+    def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
+        if any(e.effect == "clock_error" for e in effects):
+            return sound_trial(self._rig, self._seed, effects)
+        if self._sound is None:
+            self._sound = sound_trial(self._rig, self._seed, ())
+        return self._sound
+
+
+def _mean_square(recorded: Campaign, sound: Campaign, gain: float) -> float:
+    rows = [c.index for c in recorded.rig.responses]
+    total, count = 0.0, 0
+    for one, other in zip(recorded.blocks, sound.blocks, strict=True):
+        difference = (one.samples[rows] - gain * other.samples[rows]) * one.scale[rows, None]
+        total += float(np.sum(difference**2))
+        count += difference.size
+    return total / count
+
+
+class _Shape:
+    """An effect of which all is drawn but one size, the logarithm of its main number."""
+
+    def __init__(self, rig: Rig, seed: int, name: str) -> None:
+        self._kind = KINDS[name]
+        self._rng = generator(seed, Stream.EFFECT, *name.encode())
+        assert rig.beam is not None
+        self.main: Parameter | None = next((p for p in self._kind.parameters if p.high > p.low * 1.5), None)
+        self._place = _drawn_place(rig, self._rng, name)
+        self._others = self._drawn_others()
+        self._sign = float(self._rng.choice([-1.0, 1.0])) if self.main and self.main.signed else 1.0
+        if self.main:
+            low, high = self.main.bounds(rig.beam)
+            top = allowed(self._kind, self.main.name)[1]
+            self.span = (log(low), log(min(high, top, self._room(rig))))
+
+    def at(self, size: float) -> Effect:
+        """The effect of a size."""
+        parameters = dict(self._others)
+        if self.main:
+            value = self._sign * exp(size)
+            parameters[self.main.name] = 1 + value if self.main.name == "gain" else value
+        ordered = {p.name: parameters[p.name] for p in self._kind.parameters}
+        return Effect(effect=self._kind.name, parameters=ordered, place=self._place)
+
+    def _drawn_others(self) -> dict[str, float]:
+        drawn = {
+            "sign": -1.0,
+            "hz": float(self._rng.choice([50.0, 60.0])),
+            "zeta": exp(self._rng.uniform(log(0.02), log(0.1))),
+        }
+        return {p.name: drawn[p.name] for p in self._kind.parameters if p is not self.main}
+
+    def _room(self, rig: Rig) -> float:
+        """How far a sensor or a blow can move without leaving the beam."""
+        if self.main is None or self.main.name != "dx" or rig.beam is None:
+            return float("inf")
+        length = rig.beam.length_m
+        if self._kind.place == "hit":
+            return 0.08 * length
+        row = self._place["channel"]
+        assert isinstance(row, int)
+        point = rig.channels[row].point
+        x = 0.0 if point is None else rig.x_of(point)
+        if length - x < 1e-9 * length:
+            self._sign = -1.0
+        return max(x if self._sign < 0 else length - x, 1e-6 * length)
+
+
+def _drawn_place(rig: Rig, rng: np.random.Generator, name: str) -> dict[str, Place]:
+    kind = KINDS[name]
+    if kind.place == "x":
+        return {"x": round(float(rng.uniform(*PLACES.get(name, (0.1, 1.0)))), 3)}
+    if kind.place == "shaker" and rig.shaker_point is not None and rig.beam is not None:
+        return {"x": rig.x_of(rig.shaker_point) / rig.beam.length_m}
+    rows = [c.index for c in rig.responses]
+    if kind.place == "channel":
+        return {"channel": int(rng.choice(rows))}
+    if kind.place == "pair":
+        return {"channel": tuple(sorted(int(row) for row in rng.choice(rows, 2, replace=False)))}
+    fixed: dict[str, dict[str, Place]] = {
+        "root": {"x": 0.0},
+        "force": {"channel": 0},
+        "base": {"where": "base"},
+        "hit": {"where": "hit"},
+        "impact": {"where": "impact"},
+        "all": {"x" if kind.stage == "structure" else "channel": "all"},
+    }
+    return fixed.get(kind.place, {})
+
+
+def _solve(
+    gap: Callable[[float], float], span: tuple[float, float], slope: float, wanted: float
+) -> tuple[float, float]:
+    """The size at which the gap is within 5 % of the wanted one; else the nearest that was met.
+
+    A secant on logarithms, kept between the nearest sizes below and above. Gaps that have grown out of all proportion
+    say little about the slope, so it is not taken for less than a third of what it is for a small effect.
+    """
+    below, above = span if slope > 0 else (span[1], span[0])
+    size, met = sum(span) / 2, list[tuple[float, float]]()
+    for _ in range(_TRIES):
+        off = log(max(gap(size), 1e-12) / wanted)
+        met.append((size, off))
+        below, above = (size, above) if off < 0 else (below, size)
+        if abs(off) < log(1 + _CLOSE) or abs(above - below) < 1e-3:
+            break
+        guess = size - off / _slope(met, slope)
+        inside = min(below, above) < guess < max(below, above)
+        size = guess if inside else _between(below, above, met)
+    size, off = min(met, key=lambda pair: abs(pair[1]))
+    return size, wanted * exp(off)
+
+
+def _slope(met: Sequence[tuple[float, float]], small: float) -> float:
+    if len(met) < 2:
+        return small
+    (one, first), (two, second) = met[-2:]
+    steepness = (second - first) / (two - one) / small
+    return small * min(max(steepness, 1 / 3), 3.0)
+
+
+def _between(below: float, above: float, met: Sequence[tuple[float, float]]) -> float:
+    # An end that was never tried may itself be the answer.
+    tried = {size for size, _ in met}
+    for end in (below, above):
+        if end not in tried and (met[-1][1] < 0) == (end == above):
+            return end
+    return (below + above) / 2
