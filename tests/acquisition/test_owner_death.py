@@ -72,7 +72,8 @@ def test_the_output_is_zero_within_a_second_of_the_owners_death(tmp_path: Path, 
 def test_the_output_is_zeroed_at_start_up_and_at_the_end_of_a_good_run(tmp_path: Path, link_rig: Rig) -> None:
     owner, log = start_owner(tmp_path, link_rig, settle_s=0.05)
     assert owner.wait(60) == 0
-    done = [line.split()[0] for line in log.read_text().splitlines()]
+    # What the supervisor does from outside is another matter.
+    done = [word for line in log.read_text().splitlines() if not (word := line.split()[0]).startswith("outside")]
     assert done[:2] == ["open", "zero"]
     assert done.count("play") == 2
     assert "zero" in done[len(done) - 1 - done[::-1].index("play") :]

@@ -54,8 +54,11 @@ class NiBench:
             self._output = AnalogOutput(self._route, *chosen)
         elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
             self._output = open_generator(rig)
+        self._guarded = chosen[0] if chosen is not None else None
         try:
-            self._guards = Guards(self._route, rig.excitation, chosen[0] if chosen else None)
+            # Made once to see that the rig's fields are right; they watch from start to stop.
+            self._guards = Guards(self._route, rig.excitation, self._guarded)
+            self._guards.close()
         except BenchError:
             self._let_go_of_output()
             raise
@@ -114,6 +117,7 @@ class NiBench:
         except DeviceGoneError:
             self._gone()
             raise
+        self._guards = Guards(self._route, self._rig.excitation, self._guarded)
         self._position = 0
         self._state = "running"
 
@@ -167,6 +171,7 @@ class NiBench:
         """Stop streaming, with the output at 0 V."""
         if self._state in ("running", "lost"):
             self.zero()
+            self._guards.close()
             if self._state == "running" and self._inputs is not None:
                 self._inputs.stop()
             self._state = "stopped" if self._state == "running" else "lost"

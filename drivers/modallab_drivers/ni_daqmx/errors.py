@@ -20,11 +20,16 @@ NOT_YET = -200284
 NEVER = -200278
 HANDLE_DEAD = -200088
 RESERVED = -50103
+DUPLICATE = -200089
 UNSUPPORTED_HERE = -200452
 
 _LOST = "start again: what comes is a new stretch; record at a lower rate or on a quieter machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
 _CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
+_BUSY = (
+    "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
+    " is given back by: modallab devices ADDRESS --release"
+)
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
 
 TABLE: dict[int, tuple[type[BenchError], str]] = {
@@ -39,7 +44,8 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
     -88709: (DeviceGoneError, _GONE),
     -88710: (DeviceGoneError, _GONE),
     -50405: (DeviceGoneError, _GONE),
-    RESERVED: (DeviceBusyError, "end the program that holds it, or wait for it"),
+    RESERVED: (DeviceBusyError, _BUSY),
+    DUPLICATE: (DeviceBusyError, _BUSY),
     -200077: (ConfigurationError, _CONFIGURATION),
     -200431: (ConfigurationError, _CONFIGURATION),
     -200170: (ConfigurationError, _CONFIGURATION),

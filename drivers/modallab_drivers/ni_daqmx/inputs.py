@@ -35,6 +35,11 @@ _UNSUPPORTED = (UNSUPPORTED_HERE, -200077, -200197)
 """What a device says that has no such flag."""
 
 
+def session_name(device: str) -> str:
+    """Name under which a server knows the input task: what a killed client leaves behind can be told by it."""
+    return f"modallab-inputs-{device}"
+
+
 class Inputs:
     """A configured input task. It keeps what a timed-out read had brought."""
 
@@ -48,7 +53,7 @@ class Inputs:
         self._where = route.address.url
         self.warnings: list[str] = []
         with translated(self._where):
-            self._task = route.task()
+            self._task = route.task(session_name(route.address.device))
         try:
             self.volts_per_unit = np.array([self._add(plug, test) for plug in plugs])
             with translated(f"{self._where}, rate_hz {rate_hz:g}"):

@@ -11,6 +11,7 @@ from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import translated
+from modallab_drivers.ni_daqmx.inputs import session_name
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import Route
 
@@ -41,7 +42,7 @@ class SecondHandle:
             emergency_off(excitation)
         if not self._physical:
             return
-        self._end_task()
+        self._end_task(task_name(self._physical))
         try:
             self._write_zero()
         except BenchError:
@@ -50,15 +51,24 @@ class SecondHandle:
                 self._route.device(self._physical.partition("/")[0]).reset_device()
             self._write_zero()
 
+    def release(self) -> None:
+        """Give back what a client that died still holds on the server.
+
+        Raises:
+            BenchError: the output could not be brought to 0 V first.
+        """
+        self.zero()
+        self._end_task(session_name(self._route.address.device))
+
     def close(self) -> None:
         """Let go."""
         self._route.close()
 
-    def _end_task(self) -> None:
+    def _end_task(self, name: str) -> None:
         if not self._route.remote:
             return
         with suppress(nidaqmx.errors.Error):
-            task: Any = self._route.task(task_name(self._physical), attach=True)
+            task: Any = self._route.task(name, attach=True)
             # Ending the task, not only our share of it.
             task._interpreter.clear_task(task._handle)
             task._handle = None

@@ -7,7 +7,7 @@ from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.modules import CHASSIS, Module
-from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
+from modallab_simulators.ni_daqmx_server.output_task import LineTask, OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Task
 
@@ -126,7 +126,7 @@ def write(server: SimulatedSystem, name: str, number: int) -> Any:
     if isinstance(found, OutputTask):
         answers = {0x217E: 1, 0x1453: 10097 if found.again else 10158, 0x192B: found.played(server.clock)}
         return _known(answers, number)
-    return _known({0x217E: 1}, number)
+    return _known({0x217E: 1, 0x217F: 1}, number)
 
 
 def watchdog(server: SimulatedSystem, name: str, number: int) -> Any:
@@ -148,6 +148,8 @@ def put(server: SimulatedSystem, name: str, which: str, number: int, value: Any)
 
 
 def _output_channels(found: Task) -> list[str]:
+    if isinstance(found, LineTask):
+        return list(found.lines)
     return [found.physical] if isinstance(found, OutputTask) else []
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from modallab.acquisition.link import Link
 from modallab.acquisition.messages import Ended, Ready
-from modallab.acquisition.run import quieten, run_plan
+from modallab.acquisition.run import Order, quieten, run_plan
+from modallab.acquisition.supervisor import LifeLine
 from modallab.backend.loader import open_bench
 from modallab.backend.protocol import Bench
 from modallab.errors import BenchError, ModallabError
@@ -19,19 +20,27 @@ from modallab.storage import Store
 BROKEN_FILE_EXIT = 3
 
 
-def serve(connection: Connection, url: str, rig: Rig, folder: Path) -> None:
-    """Open the bench, bring its output to zero, and run plans until told to leave or until the owner is gone."""
+def serve(connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None) -> None:
+    """Open the bench, bring its output to zero, and run plans until told to leave or until the owner is gone.
+
+    Args:
+        connection: to the owner.
+        url: address of the bench.
+        rig: what stands on it.
+        folder: where the recordings go.
+        life_line: to the supervisor, if there is one.
+    """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link = Link(connection)
     try:
-        _serve(link, url, rig, folder)
+        _serve(link, url, rig, folder, LifeLine(life_line))
     except Exception as error:
         link.send(Ended(_expected(error)))
     link.flush()
 
 
-def _serve(link: Link, url: str, rig: Rig, folder: Path) -> None:
+def _serve(link: Link, url: str, rig: Rig, folder: Path, life: LifeLine) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
@@ -39,20 +48,26 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path) -> None:
             store.recover()
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
-                _run(link, bench, rig, store, command.plan)
+                _run(link, bench, rig, store, command.plan, life)
+                life.idle()
     finally:
         quieten(bench)
         with suppress(BenchError):
             bench.close()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan) -> None:
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, life: LifeLine) -> None:
     error: ModallabError | None = None
     unusable = False
+
+    def control() -> Order | None:
+        life.working()
+        return link.order()
+
     try:
         with store.begin(plan, rig, bench.info) as recorder:
             try:
-                run_plan(bench, rig, plan, recorder, link.send, link.order)
+                run_plan(bench, rig, plan, recorder, link.send, control)
             finally:
                 unusable = recorder.unusable
     except Exception as raised:

@@ -13,6 +13,7 @@ from typing import Self
 from modallab.acquisition.child import serve
 from modallab.acquisition.link import HEARTBEAT_S
 from modallab.acquisition.messages import Abort, Beat, Close, Command, Ended, Ready, Report, RunPlan, Stop
+from modallab.acquisition.supervisor import start_supervisor
 from modallab.backend.loader import open_output
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import BenchError
@@ -39,11 +40,17 @@ class RigProcess:
         self._url, self._rig, self._folder = url, rig, data_folder
         self._info: BenchInfo | None = None
         context = multiprocessing.get_context("spawn")
+        self.supervisor = start_supervisor(url, rig)
+        life_line = None if self.supervisor is None else self.supervisor.life_line
         self._connection, theirs = context.Pipe()
-        self.process = context.Process(target=serve, args=(theirs, url, rig, data_folder), name=f"rig {rig.name}")
+        self.process = context.Process(
+            target=serve, args=(theirs, url, rig, data_folder, life_line), name=f"rig {rig.name}"
+        )
         self.process.start()
-        # Only the child may hold the other end, or its death would not be heard.
+        # Only the child may hold the other ends, or its death would not be heard.
         theirs.close()
+        if self.supervisor is not None:
+            self.supervisor.handed_over()
         self._sending = Lock()
         self._closed = Flag()
         self._running = False
@@ -90,6 +97,18 @@ class RigProcess:
         """End the active run; what it has recorded is kept and marked as invalid."""
         self._send(Abort())
 
+    def emergency_stop(self) -> None:
+        """Bring the output to 0 V past the rig's process where there is another way, and abort the run.
+
+        Raises:
+            BenchError: neither the supervisor nor the process could be told.
+        """
+        try:
+            if self.supervisor is not None:
+                self.supervisor.zero()
+        finally:
+            self.abort()
+
     def close(self) -> None:
         """Stop the active run, bring the output to zero, release the bench, end the process."""
         if self._closed.is_set():
@@ -105,6 +124,8 @@ class RigProcess:
         if self.process.is_alive():
             self.process.kill()
             self.process.join()
+        if self.supervisor is not None:
+            self.supervisor.close()
         self._connection.close()
         _OPEN.discard(self)
 

@@ -28,6 +28,11 @@ def open_bench(url: str, rig: Rig) -> Bench:
     return opener(url, rig)
 
 
+def has_output(url: str) -> bool:
+    """Whether the bench at `url` may have an output that outlives the process that drives it."""
+    return any(entry.name == url.partition("://")[0] for entry in entry_points(group=OUTPUTS))
+
+
 def open_output(url: str, rig: Rig) -> OutputHandle | None:
     """A second handle to the excitation output of the bench at `url`; None where no output outlives its process.
 

@@ -140,6 +140,10 @@ class OutputHandle(Protocol):
         """Bring the output to 0 V, whoever drives it. Raises BenchError."""
         ...
 
+    def release(self) -> None:
+        """Bring the output to 0 V and give back what an owner that died still holds. Raises BenchError."""
+        ...
+
     def close(self) -> None:
         """Let go."""
         ...

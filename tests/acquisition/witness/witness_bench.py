@@ -74,6 +74,9 @@ class WitnessOutput:
     def zero(self) -> None:
         note("outside-zero")
 
+    def release(self) -> None:
+        self.zero()
+
     def close(self) -> None:
         note("outside-close")
 

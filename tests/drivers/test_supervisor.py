@@ -1,0 +1,128 @@
+"""However the acquisition process ends, the output comes to 0 V in a device that outlives its client."""
+
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from ni_server import NiServer
+
+from modallab.acquisition.process import RigProcess
+from modallab.backend.loader import open_bench, open_output
+from modallab.backend.protocol import Burst, Request
+from modallab.errors import DeviceBusyError, ModallabError
+from modallab.schema.hardware import Excitation
+from modallab.schema.plan import SinePlan
+from modallab.schema.rig import Rig
+
+OUTPUT = "cDAQ1Mod4/ao0"
+LIMIT_S = 0.5
+PATIENCE_S = 30.0
+
+# One burst of 20 s, with hardly anything before it.
+PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, rest_s=0.2)
+
+
+@pytest.fixture(scope="module")
+def paced(rig: Rig):
+    with NiServer(rig, "9215", "--pace", virtual=False) as server:
+        server.say("preamplifiers sine")
+        yield server
+
+
+def wait_for_volts(server: NiServer, *, on: bool) -> float:
+    began = time.monotonic()
+    while (server.say("levels 0.02")[OUTPUT] > 0.1) is not on:
+        assert time.monotonic() - began < PATIENCE_S
+        time.sleep(0.005)
+    return time.monotonic() - began
+
+
+def started(server: NiServer, rig: Rig, folder: Path) -> tuple[RigProcess, threading.Thread]:
+    process = RigProcess(server.url, rig, folder)
+    runner = threading.Thread(target=drain, args=(process,))
+    runner.start()
+    wait_for_volts(server, on=True)
+    return process, runner
+
+
+def drain(process: RigProcess) -> None:
+    try:
+        for _ in process.run(PLAN):
+            pass
+    except ModallabError:
+        return
+
+
+def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiServer, rig: Rig, tmp_path: Path):
+    process, runner = started(paced, rig, tmp_path)
+    process.process.kill()
+    assert wait_for_volts(paced, on=False) < LIMIT_S
+    runner.join()
+    process.close()
+    bench = open_bench(paced.url, rig)
+    bench.configure(Request("sine", 1000.0))
+    bench.start()
+    assert bench.read(100, 5.0).first_sample == 0
+    bench.close()
+
+
+def test_an_emergency_stop_needs_no_answer_from_the_acquisition_process(paced: NiServer, rig: Rig, tmp_path: Path):
+    process, runner = started(paced, rig, tmp_path)
+    process.emergency_stop()
+    assert wait_for_volts(paced, on=False) < LIMIT_S
+    runner.join()
+    process.close()
+
+
+def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, rig: Rig, tmp_path: Path):
+    guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=0.3, heartbeat_line="cDAQ1Mod5/port0/line0")})
+    process, runner = started(paced, guarded, tmp_path)
+    before = paced.say("levels")["cDAQ1Mod5/port0/line0 changes"]
+    time.sleep(0.3)
+    assert paced.say("levels")["cDAQ1Mod5/port0/line0 changes"] > before + 2
+    supervisor = process.supervisor
+    assert supervisor is not None
+    supervisor.process.kill()
+    supervisor.process.join()
+    process.process.kill()
+    assert wait_for_volts(paced, on=False) < LIMIT_S
+    runner.join()
+    process.close()
+    handle = open_output(paced.url, guarded)
+    assert handle is not None
+    handle.release()
+    handle.close()
+
+
+def test_what_a_killed_client_left_is_refused_by_name_and_can_be_given_back(ni_server: NiServer, rig: Rig):
+    left = open_bench(ni_server.url, rig)
+    left.configure(Request("sine", 1000.0))
+    left.start()
+    left.play(Burst(20.0, 0.5, 0.1, 30.0))
+    left.read(500, 5.0)
+    # As if this process had been killed here, another one comes.
+    with pytest.raises(DeviceBusyError, match="modallab-cDAQ1Mod4-ao0"):
+        open_bench(ni_server.url, rig)
+    handle = open_output(ni_server.url, rig)
+    assert handle is not None
+    handle.release()
+    handle.close()
+    bench = open_bench(ni_server.url, rig)
+    bench.configure(Request("sine", 1000.0))
+    bench.start()
+    bench.read(500, 5.0)
+    assert ni_server.say("levels 0.05")[OUTPUT] == 0.0
+    bench.close()
+
+
+def test_a_finite_burst_ends_at_zero_by_itself(ni_server: NiServer, rig: Rig):
+    bench = open_bench(ni_server.url, rig)
+    bench.configure(Request("sine", 1000.0))
+    bench.start()
+    bench.play(Burst(19.7, 0.5, 0.1, 0.83))
+    bench.read(500, 5.0)
+    assert ni_server.say("levels 0.05")[OUTPUT] > 0.4
+    bench.read(700, 5.0)
+    assert ni_server.say("levels 0.05")[OUTPUT] == 0.0
+    bench.close()
