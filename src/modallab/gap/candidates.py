@@ -121,9 +121,9 @@ def structural(rig: Rig) -> list[Candidate]:
     ]
     if shaker:
         found += [
-            Candidate("shaker_mass", (Slot("mass", "log", _spread(1e-3 * mass, 0.4 * mass, 6)),), shaker),
+            Candidate("shaker_mass", (Slot("mass", "log", _spread(1e-3 * mass, 0.5 * mass, 14)),), shaker),
             Candidate(
-                "stinger_moment", (Slot("k_rot", "log", _spread(0.02 * ei / length, 60 * ei / length, 6)),), shaker
+                "stinger_moment", (Slot("k_rot", "log", _spread(0.02 * ei / length, 100 * ei / length, 12)),), shaker
             ),
         ]
     return found

@@ -43,7 +43,7 @@ def starts(
     before = former if former is not None else np.zeros(0)
     grid = product(*(slot.starts for slot in own))
     found = [
-        _start(
+        start(
             candidates,
             np.concatenate([before, [s.coordinate(v) for s, v in zip(own, values, strict=True)]]),
             free,
@@ -54,7 +54,7 @@ def starts(
     return sorted(found, key=lambda s: s.cost)[:best]
 
 
-def _start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, poles: Complex) -> Start:
+def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, poles: Complex) -> Start:
     """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
     u = np.concatenate([np.zeros(free.size), effect_u])
     twin, at = free.build(u[: free.size]), free.size

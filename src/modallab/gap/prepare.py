@@ -19,6 +19,8 @@ from modallab.schema.block import Block, Campaign
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+REPEATS = 0.015
+"""Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
 """A row this far above the others is noisy."""
 
@@ -94,7 +96,7 @@ def prepare(campaign: Campaign) -> Prepared:
         ringing,
         floor,
         noisy,
-        _repeating(blocks),
+        _repeating(blocks, noise),
         poles,
         _notes(campaign, blocks, overloaded),
     )
@@ -160,16 +162,17 @@ def _standing_out(measured: Array) -> tuple[int, ...]:
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
 
 
-def _repeating(blocks: Sequence[Block]) -> tuple[int, ...]:
-    shares = np.mean(
-        [np.mean(np.diff(b.samples, axis=1) == 0, axis=1) for b in blocks if b.test == "sine"] or [[0.0]], axis=0
-    )
-    lively = [b for b in blocks if b.test == "sine"]
-    if not lively:
-        return ()
-    middle = np.median(shares[1:]) if len(shares) > 1 else 0.0
-    spread = 1.4826 * np.median(np.abs(shares[1:] - middle)) + 0.004
-    return tuple(int(i) for i in np.flatnonzero(shares > middle + 6 * spread) if i > 0)
+def _repeating(blocks: Sequence[Block], noise_v: Array) -> tuple[int, ...]:
+    """Rows that hold a value over samples between which a signal of this size moves on."""
+    shares: list[Array] = []
+    for b in blocks:
+        volts = b.samples * b.scale[:, None]
+        lively = np.median(np.abs(np.diff(volts, axis=1)), axis=1) > 8 * noise_v
+        shares.append(np.where(lively, np.mean(np.diff(b.samples, axis=1) == 0, axis=1), np.nan))
+    stack = np.ma.masked_invalid(np.array(shares))
+    middle = np.ma.median(stack, axis=0).filled(0.0)
+    counted = stack.count(axis=0)
+    return tuple(int(i) for i in np.flatnonzero((middle > REPEATS) & (counted > 2)) if i > 0)
 
 
 def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]) -> Complex:

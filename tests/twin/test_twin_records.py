@@ -1,0 +1,97 @@
+"""Predicted records against plain integration of the same modes in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter
+
+from modallab.schema.rig import Beam
+from modallab.twin.bench import Chain, Mount, Twin, transfer
+from modallab.twin.predict import predict_blow, predict_sine
+from modallab.twin.structure import Structure, solve
+
+BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
+TWIN = Twin(Structure.of(BEAM, 0.006))
+CHANNELS, X = (4, 10), np.array([0.4, 1.0])
+
+
+def integrate(twin: Twin, force: np.ndarray, dt: float, drive_x: float) -> np.ndarray:
+    """Accelerations by exact steps of each mode between samples, force linear in between."""
+    modes = solve(twin.structure)
+    total = np.zeros((len(X), len(force)))
+    for p, pole in enumerate(modes.poles):
+        omega, zeta = abs(pole), -pole.real / abs(pole)
+        num, den, _ = cont2discrete(([1.0, 0, 0], [1.0, 2 * zeta * omega, omega**2]), dt, method="foh")
+        q = lfilter(num.ravel(), den, force)
+        out = modes.at(X)[:, p] * np.sqrt(2j * pole.imag)
+        drive = modes.at(drive_x)[0, p] * np.sqrt(2j * pole.imag)
+        total += np.outer((out * drive).real, q)
+    return total
+
+
+def test_a_blow_rings_as_its_modes_integrated_in_time_do() -> None:
+    fine, step, n = 20, 1 / 2000, 1024
+    t = np.arange(n * fine) * step / fine
+    force = np.where((t > 0.05) & (t < 0.06), np.sin(np.pi * (t - 0.05) / 0.01) ** 4, 0.0) * 50
+    expected = integrate(TWIN, force, step / fine, 0.6)[:, ::fine]
+    predicted = predict_blow(TWIN, force[::fine], 1 / step, 0.6, CHANNELS, X, 0.0)
+    assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
+
+
+def test_a_sine_block_still_rings_from_its_start_eight_seconds_before() -> None:
+    rate, fine, f0 = 1000, 4, 5.0
+    t = np.arange(9 * rate * fine) / rate / fine
+    force = np.minimum(t, 1.0) * np.cos(2 * np.pi * f0 * t + 0.4)
+    block = slice(8 * rate * fine, (8 * rate + 800) * fine, fine)
+    expected = integrate(TWIN, force, 1 / rate / fine, 0.4)[:, block]
+    amplitude = np.exp(1j * (0.4 + 2 * np.pi * f0 * 8))
+    predicted = predict_sine(TWIN, complex(amplitude), f0, 800, rate, 0.4, CHANNELS, X, 0.0)
+    assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
+
+
+def test_a_clock_that_runs_fast_makes_everything_look_slower() -> None:
+    force = np.zeros(2048)
+    force[100:110] = np.hanning(10)
+    slow = predict_blow(replace(TWIN, clock=0.02), force, 2000.0, 1.0, CHANNELS, X, 0.0)
+    plain = predict_blow(TWIN, force, 2000.0, 1.0, CHANNELS, X, 0.0)
+
+    def centre(y: np.ndarray) -> float:
+        # Of mode 1, well below mode 2.
+        z = np.abs(np.fft.rfft(y[1] * np.hanning(2048), 2**17))
+        hz = np.fft.rfftfreq(2**17, 1 / 2000.0)
+        return float(hz[(hz > 2) & (hz < 9)][np.argmax(z[(hz > 2) & (hz < 9)])])
+
+    assert centre(slow) / centre(plain) == pytest.approx(1 / 1.02, rel=2e-3)
+
+
+def test_the_chain_has_the_phases_its_words_promise() -> None:
+    s = 2j * np.pi * np.array([10.0])
+    delay = transfer(Chain(delay_s=1e-3), CHANNELS, s)
+    assert np.angle(delay[:, 0]) == pytest.approx([-2 * np.pi * 0.01] * 2)
+    skew = transfer(Chain(skew_s=1e-5), CHANNELS, s)
+    assert np.angle(skew[:, 0]) == pytest.approx([2 * np.pi * 10 * 4e-5, 2 * np.pi * 10 * 1e-4])
+    corner = transfer(Chain(corner_hz=10.0), CHANNELS, s)
+    assert np.abs(corner[0, 0]) == pytest.approx(1 / np.sqrt(2))
+    mount = transfer(Chain(mounts=(Mount(10, 10.0, 0.05),)), CHANNELS, s)
+    assert np.abs(mount[:, 0]) == pytest.approx([1.0, np.sqrt(1 + 0.1**2) / 0.1])
+
+
+def test_a_swap_exchanges_rows_and_a_turned_sensor_its_sign() -> None:
+    force = np.zeros(512)
+    force[50:60] = 1.0
+    plain = predict_blow(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    swapped = predict_blow(replace(TWIN, chain=Chain(swap=(4, 10))), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    turned = predict_blow(replace(TWIN, chain=Chain(gain={10: -1.0})), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    assert swapped == pytest.approx(plain[::-1])
+    assert turned[1] == pytest.approx(-plain[1])
+
+
+def test_drift_lowers_the_last_record_and_not_the_first() -> None:
+    drifting = replace(TWIN, ei_drift=-0.1)
+    force = np.zeros(512)
+    force[50:60] = 1.0
+    first, last = (predict_blow(drifting, force, 2000.0, 0.6, CHANNELS, X, tau) for tau in (0.0, 1.0))
+    assert first == pytest.approx(predict_blow(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0))
+    softer = replace(TWIN, structure=replace(TWIN.structure, youngs_modulus_pa=0.9 * TWIN.structure.youngs_modulus_pa))
+    assert last == pytest.approx(predict_blow(softer, force, 2000.0, 0.6, CHANNELS, X, 0.0), rel=1e-6, abs=1e-9)
