@@ -4,6 +4,7 @@ from contextlib import suppress
 from typing import Any
 
 import nidaqmx.errors
+import numpy as np
 
 from modallab.errors import BenchError
 from modallab.schema.rig import Rig
@@ -15,9 +16,14 @@ from modallab_drivers.ni_daqmx.inputs import session_name
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import Route
 
+GROUP_BY_CHANNEL = 0
+
 
 class SecondHandle:
-    """Brings the output to 0 V, from another process than the one that drives."""
+    """Brings the output to 0 V, from another process than the one that drives.
+
+    All that can be made ready is: ending a burst then takes two calls.
+    """
 
     def __init__(self, url: str, rig: Rig) -> None:
         """Find the output; nothing is reserved.
@@ -30,6 +36,7 @@ class SecondHandle:
         self._where = url
         chosen = output_of(rig, self._route.devices(), url)
         self._physical, self._range_v = chosen if chosen is not None else ("", 0.0)
+        self._ready: Any = self._made()
 
     def zero(self) -> None:
         """End what plays on the output, whoever started it, and put 0 V on it.
@@ -42,13 +49,14 @@ class SecondHandle:
             emergency_off(excitation)
         if not self._physical:
             return
-        self._end_task(task_name(self._physical))
         try:
+            self._end_task(task_name(self._physical))
             self._write_zero()
         except BenchError:
-            # Whoever holds it is no task of ours: the device lets go of everything.
+            # Whoever holds it is no task of ours, or ours was lost: the device lets go of everything.
             with translated(self._where):
                 self._route.device(self._physical.partition("/")[0]).reset_device()
+            self._ready = self._made()
             self._write_zero()
 
     def release(self) -> None:
@@ -62,22 +70,28 @@ class SecondHandle:
 
     def close(self) -> None:
         """Let go."""
+        with suppress(nidaqmx.errors.Error):
+            self._ready.close()
         self._route.close()
+
+    def _made(self) -> Any:
+        with translated(self._where):
+            task = self._route.task()
+            if self._physical:
+                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
+            return task
 
     def _end_task(self, name: str) -> None:
         if not self._route.remote:
             return
-        with suppress(nidaqmx.errors.Error):
-            task: Any = self._route.task(name, attach=True)
-            # Ending the task, not only our share of it.
-            task._interpreter.clear_task(task._handle)
-            task._handle = None
+        # Ending the session itself by its name, not our share of it, and without asking about it first.
+        handle = type(self._ready._handle)(name=name)
+        with suppress(nidaqmx.errors.DaqError):
+            self._ready._interpreter.clear_task(handle)
 
     def _write_zero(self) -> None:
+        # Past `Task.write`, which asks three times what it writes to.
+        ready = self._ready
         with translated(self._where):
-            task = self._route.task()
-            try:
-                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
-                task.write(0.0, auto_start=True)
-            finally:
-                task.close()
+            ready._interpreter.write_analog_f64(ready._handle, 1, True, 1.0, GROUP_BY_CHANNEL, np.zeros(1))
+            ready.stop()

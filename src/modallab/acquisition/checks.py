@@ -5,7 +5,7 @@ from math import pi
 from modallab.acquisition.sine import block_name, burst_of
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import PlanError
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
+from modallab.schema.plan import ImpactPlan, Plan, SinePlan, least_rate_hz
 from modallab.schema.rig import Limits, Rig
 
 USABLE_BAND = 0.4
@@ -41,8 +41,8 @@ def _impact_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
         problems.append(f"min_force_n is {accept.min_force_n:g}; allowed: less than max_force_n")
     if plan.pre_trigger_s >= plan.block_s / 2:
         problems.append(f"pre_trigger_s is {plan.pre_trigger_s:g}; allowed: less than half of block_s = {plan.block_s}")
-    if accept.min_band_hz > USABLE_BAND * plan.rate_hz:
-        problems.append(_too_high("min_band_hz", accept.min_band_hz, plan.rate_hz))
+    if accept.min_band_hz > USABLE_BAND * least_rate_hz(plan):
+        problems.append(_too_high("min_band_hz", accept.min_band_hz, least_rate_hz(plan)))
     return problems
 
 
@@ -59,7 +59,9 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
         if block_name("", f) in names[:n]
     ]
     problems += [
-        _too_high("frequencies_hz", f, plan.rate_hz) for f in plan.frequencies_hz if f > USABLE_BAND * plan.rate_hz
+        _too_high("frequencies_hz", f, least_rate_hz(plan))
+        for f in plan.frequencies_hz
+        if f > USABLE_BAND * least_rate_hz(plan)
     ]
     if plan.settle_s < plan.ramp_s:
         problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")

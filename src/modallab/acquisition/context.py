@@ -1,6 +1,6 @@
 """What a running test has at hand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from modallab.acquisition.rest import Floor, Rest, fading, floor_of, rest_of
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream, Watch
 from modallab.backend.protocol import Bench
+from modallab.backend.recut import Recut
 from modallab.errors import SamplesLostError
 from modallab.schema.events import BlockAcknowledged, Progress
 from modallab.schema.rig import Rig
@@ -39,7 +40,8 @@ class Context:
         life: the run's state.
         chain: scales and ranges.
         stream: its samples.
-        block: samples of a block.
+        block: samples of a block, as the device counts.
+        recut: how blocks are read back at another rate than the device's; None if at its own.
     """
 
     bench: Bench
@@ -50,6 +52,7 @@ class Context:
     chain: Chain
     stream: Stream
     block: int
+    recut: Recut | None = None
 
     @property
     def window(self) -> int:
@@ -83,7 +86,14 @@ class Context:
 
     def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
         """Keep the block from sample `first` and tell that it is kept."""
-        kept = self.recorder.record(self.stream.cut(first, self.block), note)
+        if self.recut is not None:
+            # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
+            self.stream.advance_to(first + self.recut.native - self.recut.lead)
+            ends = self.stream.overload(first - self.recut.lead, self.recut.native)
+            note = replace(note, overload=ends, facts=note.facts | self.recut.facts())
+            kept = self.recorder.record(self.stream.cut(first - self.recut.lead, self.recut.native), note)
+        else:
+            kept = self.recorder.record(self.stream.cut(first, self.block), note)
         self.emit(kept)
         return kept
 

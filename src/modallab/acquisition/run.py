@@ -1,7 +1,7 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from modallab.acquisition.chain import chain_of
@@ -11,8 +11,9 @@ from modallab.acquisition.impact import run_impact
 from modallab.acquisition.sine import run_sine
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream
-from modallab.backend.protocol import Bench, Request
-from modallab.errors import BenchError, ModallabError
+from modallab.backend.protocol import Bench, Delivery, Request
+from modallab.backend.recut import Recut
+from modallab.errors import BenchError, ModallabError, PlanError
 from modallab.schema.events import Failed
 from modallab.schema.plan import ImpactPlan, Plan
 from modallab.schema.rig import Rig
@@ -128,7 +129,11 @@ def _prepare(setup: Setup) -> Context:
     delivery = bench.configure(Request(plan.kind, plan.rate_hz))
     chain = chain_of(setup.rig, delivery, plan.kind)
     block = round(plan.block_s * delivery.rate_hz)
-    setup.recorder.open(delivery, block)
+    recut = _recut(plan, delivery)
+    if recut is None:
+        setup.recorder.open(delivery, block)
+    else:
+        setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
 
@@ -139,7 +144,19 @@ def _prepare(setup: Setup) -> Context:
 
     stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=poll)
     bench.start()
-    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block)
+    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut)
+
+
+def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
+    if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
+        return None
+    if plan.delivered_hz > delivery.rate_hz:
+        raise PlanError(
+            f"delivered_hz: {plan.delivered_hz:g} Hz; allowed: up to the device's rate, {delivery.rate_hz:g} Hz",
+            where=f"{plan.kind} plan",
+            remedy="ask for a lower delivered rate, or a higher rate_hz",
+        )
+    return Recut.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
 
 
 def _end(life: Lifecycle, order: Order) -> None:

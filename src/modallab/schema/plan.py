@@ -26,12 +26,17 @@ class HitAcceptance(Frozen):
 
 
 class ImpactPlan(Frozen):
-    """An impact test: a number of good hits at each point."""
+    """An impact test: a number of good hits at each point.
+
+    `rate_hz` is asked of the device, which may give a higher one; blocks then have the whole number of samples nearest
+    to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
+    """
 
     kind: Literal["impact"] = "impact"
     points: Annotated[tuple[PositiveInt, ...], Field(min_length=1)]
     hits: PositiveInt = 5
     rate_hz: PositiveFloat = 2000.0
+    delivered_hz: PositiveFloat | None = None
     block_s: PositiveFloat = BLOCK_S
     pre_trigger_s: PositiveFloat = 0.05
     trigger_n: PositiveFloat = 2.0
@@ -42,16 +47,25 @@ class ImpactPlan(Frozen):
 
 
 class SinePlan(Frozen):
-    """A stepped sine test: one burst per frequency and level, each from rest, each ending at exactly 0 V."""
+    """A stepped sine test: one burst per frequency and level, each from rest, each ending at exactly 0 V.
+
+    Rates are as in the impact test.
+    """
 
     kind: Literal["sine"] = "sine"
     frequencies_hz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] = tuple(n / BLOCK_S for n in PAPER_LINES)
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     rate_hz: PositiveFloat = 1000.0
+    delivered_hz: PositiveFloat | None = None
     block_s: PositiveFloat = BLOCK_S
     ramp_s: PositiveFloat = 1.0
     settle_s: PositiveFloat = 8.0
     rest_s: PositiveFloat = 10.0
+
+
+def least_rate_hz(plan: "ImpactPlan | SinePlan") -> float:
+    """The lowest rate the samples of a plan pass through."""
+    return min(plan.rate_hz, plan.delivered_hz or plan.rate_hz)
 
 
 Plan = Annotated[ImpactPlan | SinePlan, Field(discriminator="kind")]

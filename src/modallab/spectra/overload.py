@@ -10,10 +10,11 @@ def overloaded(block: Block, rig: Rig) -> tuple[str, ...]:
     """Names of the channels that reach the rail in this block.
 
     For whole counts the rail is the type's own end; for volts it is the channel's or the converter's range. What came
-    in engineering units from elsewhere has no rail that is known.
+    in engineering units from elsewhere has no rail that is known. What the device itself reported counts as well.
     """
     peaks = np.max(np.abs(block.samples.astype(np.float64)), axis=1)
-    return tuple(name for i, name in enumerate(block.channels) if peaks[i] >= _rail(block, rig, i))
+    told = block.overload or (False,) * len(block.channels)
+    return tuple(name for i, name in enumerate(block.channels) if told[i] or peaks[i] >= _rail(block, rig, i))
 
 
 def _rail(block: Block, rig: Rig, index: int) -> float:

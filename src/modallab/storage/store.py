@@ -11,6 +11,7 @@ import numpy as np
 
 from modallab import __version__
 from modallab.backend.protocol import BenchInfo
+from modallab.backend.recut import Recut
 from modallab.errors import StorageError
 from modallab.schema.block import Block
 from modallab.schema.plan import Plan
@@ -145,12 +146,14 @@ def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
             remedy="restore the run's file from a copy, or leave this block out",
         )
     assert run.rates is not None  # a block is recorded after the delivery is known
+    recut = Recut.read(row.note.facts)
+    over = set(row.note.overload)
     return Block(
         name=row.note.name,
         test=row.note.test,
         order=row.n,
         rate_hz=run.rates.delivered_hz,
-        samples=samples,
+        samples=samples if recut is None else recut.apply(samples),
         scale=np.array(run.scale),
         units=run.units,
         channels=tuple(channel.name for channel in run.rig.channels),
@@ -160,4 +163,5 @@ def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
         first_sample=row.note.first_sample,
         requested_rate_hz=run.rates.requested_hz,
         actual_rate_hz=run.rates.actual_hz,
+        overload=tuple(channel.name in over for channel in run.rig.channels),
     )
