@@ -17,7 +17,7 @@ from modallab.schema.units import Test
 
 SIMULATED = "sim://cantilever?seed=1&bad_hits=0"
 RECORDED_S = 12.0
-BENCHES = ["sim", "replay", "nidaqmx+grpc"]
+BENCHES = ["sim", "replay", "nidaqmx+grpc", "daqref"]
 
 
 @pytest.fixture(scope="session")
@@ -88,5 +88,6 @@ def _recorded(bench: Bench, rig: Rig, request: Request) -> Block:
 _ADDRESS = {
     "sim": lambda request: SIMULATED,
     "replay": lambda request: f"replay://{request.getfixturevalue('recording')}?speed=0",
+    "daqref": lambda request: "daqref://device0",
     "nidaqmx+grpc": lambda request: request.getfixturevalue("ni_server").url,
 }
