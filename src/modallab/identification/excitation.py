@@ -74,12 +74,14 @@ class BlowExcitation:
     Attributes:
         grid: the block's lines.
         force: (n,) N, zero outside the blow.
-        start: 0 for a beam that was not at rest; the blow's own sample for what the force's noise did.
+        start: where an unknown state may enter: 0 for a beam that was not at rest.
+        first: first sample of the blow.
     """
 
     grid: Grid
     force: NDArray[np.float64]
     start: int
+    first: int = 0
 
     def _spectrum(self) -> Lines:
         index = np.round(self.grid.omega * self.grid.dt * self.grid.n / (2 * np.pi)).astype(int)
@@ -108,6 +110,12 @@ class BlowExcitation:
     def static(self, power: int) -> Lines:
         """See Excitation."""
         return (1j * self.grid.omega) ** (self.grid.p + power) * self._spectrum()
+
+    def corrected(self, change: NDArray[np.float64]) -> "BlowExcitation":
+        """The same with `change` (width,) in N added from the blow's first sample on."""
+        force = self.force.copy()
+        force[self.first : self.first + change.size] += change
+        return replace(self, force=force)
 
     def scaled(self, factor: complex) -> "BlowExcitation":
         """See Excitation; a blow has no phase to turn, its real part counts."""

@@ -1,13 +1,15 @@
 """A refined fit, its modal constants with their covariance, and what it says of each block."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import columns, poles_of, stack
+from modallab.identification.basis import Vectors, columns, poles_of, stack
 from modallab.identification.excitation import Excitation
-from modallab.identification.projection import GroupSolution, Point, Problem
+from modallab.identification.force_noise import force_parts
+from modallab.identification.projection import GroupSolution, Point, Problem, true_excitation
 from modallab.identification.search import Refined
 
 Real = NDArray[np.float64]
@@ -36,7 +38,7 @@ class Fit:
         """The model's response (outputs, lines) in a block, at the lines of `excitation`'s grid."""
         at, problem = self.point.parameters, self.problem
         found = columns(
-            excitation,
+            true_excitation(problem, at, block, excitation),
             at.omega,
             at.zeta,
             None if problem.state_sigma is None else at.state[block],
@@ -61,7 +63,7 @@ def modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], Real]:
     for group in fit.point.groups:
         parts = group.coefficients[: 2 * n].reshape(n, 2, -1)
         values.append(parts[:, 0] + 1j * parts[:, 1])
-        variance = np.stack([_coefficient_variance(fit, group, o) for o in range(parts.shape[-1])], axis=-1)
+        variance = _coefficient_variance(fit, group)
         sigmas.append(np.sqrt(variance[: 2 * n].reshape(n, 2, -1).sum(axis=1)))
     scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
     constants = np.asarray(1j * scale * np.stack(values, axis=-1), dtype=np.complex128)
@@ -74,24 +76,51 @@ def residuals(fit: Fit) -> Real:
     return np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1)
 
 
-def _coefficient_variance(fit: Fit, group: GroupSolution, output: int) -> Real:
-    """Variance (columns,) of one output's coefficients: their own noise, and what the searched parameters add."""
-    noise = fit.point.noise[output]
+def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:
+    """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
     inverse = np.linalg.inv(group.r)
-    own = noise**2 * np.sum(inverse**2, axis=1)
-    coefficient = group.coefficients[:, output]
-    rows = group.columns[0].phi.shape[0]
-    slope = np.zeros((group.r.shape[0], fit.refined.covariance.shape[0]))
-    n_poles = 2 * fit.point.parameters.omega.size
-    for m, (i, found) in enumerate(zip(group.members, group.columns, strict=True)):
-        part = group.q[m * rows : (m + 1) * rows].T
-        for vectors, offset in ((found.poles, 0), (found.local, n_poles + fit.problem.n_local * i)):
-            if vectors.parameter.size:
-                np.add.at(
-                    slope.T, offset + vectors.parameter, (part @ (vectors.values * coefficient[vectors.column])).T
-                )
-    change = inverse @ slope
-    return own + np.einsum("ci,ij,cj->c", change, fit.refined.covariance, change, optimize=True)
+    own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
+    wanted, slopes = _slopes_on_q(fit, group)
+    covariance = fit.refined.covariance[np.ix_(wanted, wanted)]
+    added = np.empty_like(own)
+    for o in range(own.shape[1]):
+        change = inverse @ slopes(o)
+        added[:, o] = np.sum((change @ covariance) * change, axis=1)
+    return own + added
+
+
+def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Callable[[int], Real]]:
+    """Which searched parameters move this input's coefficients, and Q^T (slope of an output) by them."""
+    problem, n_poles = fit.problem, 2 * fit.point.parameters.omega.size
+    rows, width = group.columns[0].phi.shape[0], problem.n_local
+    parts = [group.q[m * rows : (m + 1) * rows].T for m in range(len(group.members))]
+    poles = np.sum([p @ c.poles.values for p, c in zip(parts, group.columns, strict=True)], axis=0)
+    wanted = np.concatenate([np.arange(n_poles), *[n_poles + width * i + np.arange(width) for i in group.members]])
+    forces = force_parts(problem, fit.point, group).on_q if problem.force_sigma is not None else None
+    local = [p @ c.local.values if c.local.parameter.size else None for p, c in zip(parts, group.columns, strict=True)]
+
+    def of_output(o: int) -> Real:
+        coefficient = group.coefficients[:, o]
+        found = [_summed(poles, group.columns[0].poles, coefficient, n_poles)]
+        if forces is not None:
+            found += [b[:, o] * fit.point.noise[o] for b in forces]
+        else:
+            found += [
+                _summed(v, c.local, coefficient, width)
+                for v, c in zip(local, group.columns, strict=True)
+                if v is not None
+            ]
+        return np.concatenate(found, axis=1)
+
+    return wanted, of_output
+
+
+def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Real:
+    """Columns of `values`, each times its coefficient, summed by parameter: (rows, size)."""
+    if size == 0:
+        return np.zeros((len(values), 0))
+    starts = np.flatnonzero(np.diff(vectors.parameter, prepend=-1))
+    return np.add.reduceat(values * coefficient[vectors.column], starts, axis=1)
 
 
 def response_misfit(fit: Fit) -> Real:

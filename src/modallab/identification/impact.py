@@ -1,7 +1,7 @@
 """Identification of an impact test: pLSCF for the start, maximum likelihood on the unfiltered blocks for the end."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,8 @@ FORCE_DROP_DB = 40.0
 """Default upper edge: where the blow's spectrum has fallen by this much for good."""
 STAND_INS = (1.05,)
 """A pole that begins at this multiple of the upper edge stands for the modes above."""
+MOST_FORCE_SAMPLES = 1500
+"""More unknown force samples than these, over all blocks, take too long."""
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 
@@ -59,12 +61,12 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     groups = group_by_point(signals)
     band = options.band_hz or default_band(groups)
     poles = _start_poles(groups, rig, band, options.max_order)
-    blocks, state_sigma, notes = line_blocks(groups, rig, band)
-    fit = _refined(blocks, state_sigma, poles, groups, band, FIRST_LOOK)
+    unknown, notes = line_blocks(groups, rig, band)
+    fit = _refined(unknown, poles, groups, band, FIRST_LOOK)
     keep = is_mode(fit, band)
     if np.any(keep) and not (np.sum(keep) == poles.size and fit.refined.settled):
         at = fit.point.parameters
-        fit = _refined(blocks, state_sigma, _poles(at.omega[keep], at.zeta[keep]), groups, band)
+        fit = _refined(unknown, _poles(at.omega[keep], at.zeta[keep]), groups, band)
         keep = is_mode(fit, band)
     if not np.any(keep):
         raise IdentificationError(
@@ -105,30 +107,54 @@ def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], max_order:
     return np.array([p.pole for p in found])
 
 
-def line_blocks(
-    groups: Groups, rig: Rig, band: tuple[float, float]
-) -> tuple[list[LineBlock], NDArray[np.float64], tuple[str, ...]]:
-    """The blocks at their lines, the prior (blocks,) of what may be wrong with their modal states, and notes.
+@dataclass(frozen=True, eq=False, slots=True)
+class Blows:
+    """The blocks at their lines, and what each may have to itself.
 
-    The force channel's own noise within the blow moves every mode's state by a little, in N s: its prior. If the beam
-    was not at rest before a blow, the states are free from the block's start instead.
+    Attributes:
+        blocks: in the order of the groups.
+        state_sigma: (blocks,) prior of every modal state, N s; None if the force's samples stand for it.
+        force_sigma: (blocks, width) prior of the force samples' errors, N; None if the states stand for them.
+    """
+
+    blocks: list[LineBlock]
+    state_sigma: NDArray[np.float64] | None
+    force_sigma: NDArray[np.float64] | None
+
+
+def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Blows, tuple[str, ...]]:
+    """The blocks at their lines with what is unknown of each, and notes.
+
+    The force channel's own noise within the blow is estimated sample by sample. If the beam was not at rest before a
+    blow, or the blows are too long for that, every mode has an unknown state instead: from the block's start, or from
+    the blow.
     """
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band)
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     ringing = [s.block.name for group in groups for s in group if _rings_before(s)]
+    found = [[find_blow(s.force) for s in group] for group in groups]
+    flat = [b for group in found for b in group]
+    width = min(max(b.stop - b.first for b in flat), n - max(b.first for b in flat))
+    by_sample = not ringing and width * len(flat) <= MOST_FORCE_SAMPLES
     blocks, sigmas = [], []
     for index, group in enumerate(groups):
-        for signals in group:
-            blow = find_blow(signals.force)
+        for signals, blow in zip(group, found[index], strict=True):
             force = windowed_force(signals.force, blow)
             impulse = float(np.sum(np.abs(force))) / rate
             noise = blow.noise * np.sqrt((blow.stop - blow.first) / 2) / rate
             sigmas.append(impulse if ringing else max(noise, 1e-9 * impulse))
             response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
-            blocks.append(LineBlock(BlowExcitation(grid, force, 0 if ringing else blow.peak), response, index))
-    return blocks, np.array(sigmas), _ringing_notes(ringing)
+            start = 0 if ringing else blow.peak
+            blocks.append(LineBlock(BlowExcitation(grid, force, start, blow.first), response, index))
+    if by_sample:
+        noise = [
+            max(b.noise, 1e-9 * float(np.max(np.abs(s.force))))
+            for b, s in zip(flat, [s for group in groups for s in group], strict=True)
+        ]
+        return Blows(blocks, None, np.repeat(np.array(noise)[:, None], width, axis=1)), ()
+    return Blows(blocks, np.array(sigmas), None), _ringing_notes(ringing)
 
 
 def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
@@ -157,8 +183,7 @@ def _poles(omega: NDArray[np.float64], zeta: NDArray[np.float64]) -> NDArray[np.
 
 
 def _refined(
-    blocks: list[LineBlock],
-    state_sigma: NDArray[np.float64],
+    unknown: Blows,
     poles: NDArray[np.complex128],
     groups: Groups,
     band: tuple[float, float],
@@ -166,15 +191,20 @@ def _refined(
 ) -> Fit:
     begin = with_stand_ins(poles, band[1], STAND_INS, (1e-4, 0.1))
     problem = Problem(
-        blocks=blocks,
+        blocks=unknown.blocks,
         powers=residual_powers(band, groups),
         n_inputs=len(groups),
-        state_sigma=np.repeat(state_sigma[:, None], begin.omega.size, axis=1),
+        state_sigma=None
+        if unknown.state_sigma is None
+        else np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1),
         drive_sigma=None,
         zeta_prior=begin.zeta_prior,
+        force_sigma=unknown.force_sigma,
     )
-    nothing = np.zeros((len(blocks), begin.omega.size), complex)
-    start = Parameters(begin.omega, begin.zeta, nothing, np.zeros(len(blocks), complex))
+    n = len(unknown.blocks)
+    nothing = np.zeros((n, begin.omega.size), complex)
+    force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
+    start = Parameters(begin.omega, begin.zeta, nothing, np.zeros(n, complex), force)
     return Fit(problem, search(problem, start, max_iterations), tuple(g[0].block.drive_point for g in groups))
 
 

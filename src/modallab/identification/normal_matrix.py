@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.basis import Vectors
+from modallab.identification.force_noise import force_equations
 from modallab.identification.projection import GroupSolution, Point, Problem
 
 Real = NDArray[np.float64]
@@ -20,13 +21,16 @@ def normal_equations(problem: Problem, point: Point) -> tuple[Real, Real]:
     """J^T J and J^T residual in noise units, priors included.
 
     Parameters: omega and zeta of every mode, then block by block its states and drive error, real and imaginary part
-    next to each other.
+    next to each other, or the errors of its force samples.
     """
     n_poles, n_local = 2 * point.parameters.omega.size, problem.n_local
     size = n_poles + n_local * len(problem.blocks)
     matrix, gradient = np.zeros((size, size)), np.zeros(size)
     for group in point.groups:
-        part, slope = _group_equations(group, point.noise, n_local)
+        if problem.force_sigma is None:
+            part, slope = _group_equations(group, point.noise, n_local)
+        else:
+            part, slope = force_equations(problem, point, group, _group_equations(group, point.noise, 0))
         local = [n_poles + n_local * i + np.arange(n_local) for i in group.members]
         index = np.concatenate([np.arange(n_poles), *local])
         matrix[np.ix_(index, index)] += part
@@ -49,6 +53,9 @@ def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:
     if problem.drive_sigma is not None:
         local_weight.append(np.repeat(problem.drive_sigma[:, None] ** -2.0, 2, axis=1))
         local_pull.append(_parts(at.drive[:, None]))
+    if problem.force_sigma is not None:
+        local_weight.append(problem.force_sigma**-2.0)
+        local_pull.append(at.force)
     if local_weight:
         weights.append(np.concatenate(local_weight, axis=1).reshape(n_blocks * problem.n_local))
         pulls.append(np.concatenate(local_pull, axis=1).reshape(n_blocks * problem.n_local))

@@ -7,13 +7,14 @@ Source: Golub and Pereyra, "Separable nonlinear least squares: the variable proj
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
 from modallab.identification.basis import BlockColumns, LineBlock, columns, stack
+from modallab.identification.excitation import BlowExcitation, Excitation
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -28,12 +29,14 @@ class Parameters:
         zeta: (modes,)
         state: (blocks, modes) unknown modal states; zero where none is free.
         drive: (blocks,) relative error of the drive's complex amplitude; zero where none is free.
+        force: (blocks, width) error in N of each sample of the blow; no width where none is free.
     """
 
     omega: Real
     zeta: Real
     state: Complex
     drive: Complex
+    force: Real = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -47,6 +50,7 @@ class Problem:
         state_sigma: (blocks, modes) prior of each part of an unknown state; None where states are known to be zero.
         drive_sigma: (blocks,) prior of each part of the drive's relative error; None where there is none.
         zeta_prior: (modes, 2) centre and sigma of a prior on zeta, sigma inf for none.
+        force_sigma: (blocks, width) prior of the error of each sample of the blow; None if none is searched.
     """
 
     blocks: Sequence[LineBlock]
@@ -55,10 +59,13 @@ class Problem:
     state_sigma: Real | None
     drive_sigma: Real | None
     zeta_prior: Real
+    force_sigma: Real | None = None
 
     @property
     def n_local(self) -> int:
         """Parameters that each block has to itself."""
+        if self.force_sigma is not None:
+            return self.force_sigma.shape[1]
         states = 0 if self.state_sigma is None else 2 * self.state_sigma.shape[1]
         return states + (0 if self.drive_sigma is None else 2)
 
@@ -118,12 +125,21 @@ def _prior_cost(problem: Problem, parameters: Parameters) -> float:
         cost += float(np.sum(np.abs(parameters.state / problem.state_sigma) ** 2))
     if problem.drive_sigma is not None:
         cost += float(np.sum(np.abs(parameters.drive / problem.drive_sigma) ** 2))
+    if problem.force_sigma is not None:
+        cost += float(np.sum((parameters.force / problem.force_sigma) ** 2))
     return cost
+
+
+def true_excitation(problem: Problem, parameters: Parameters, block: int, excitation: Excitation) -> Excitation:
+    """What drove a block, the errors of its force samples taken into account."""
+    if problem.force_sigma is None or not isinstance(excitation, BlowExcitation):
+        return excitation
+    return excitation.corrected(parameters.force[block])
 
 
 def _block_columns(problem: Problem, parameters: Parameters, i: int) -> BlockColumns:
     return columns(
-        problem.blocks[i].excitation,
+        true_excitation(problem, parameters, i, problem.blocks[i].excitation),
         parameters.omega,
         parameters.zeta,
         None if problem.state_sigma is None else parameters.state[i],

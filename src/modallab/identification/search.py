@@ -102,6 +102,8 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     # Each pole is held back by itself: one that hardly matters must not slow the others down.
     omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
     zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_MOVE, MAX_MOVE), MIN_ZETA, MAX_ZETA)
+    if problem.force_sigma is not None:
+        return Parameters(omega, zeta, at.state, at.drive, at.force + step[2 * n :].reshape(at.force.shape))
     local = step[2 * n :].reshape(n_blocks, problem.n_local // 2, 2) if problem.n_local else np.zeros((n_blocks, 0, 2))
     parts = local[..., 0] + 1j * local[..., 1]
     n_state = 0 if problem.state_sigma is None else n

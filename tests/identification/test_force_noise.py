@@ -1,0 +1,84 @@
+"""The force channel's noise as part of the model: its slopes, and what leaving it out would cost."""
+
+from dataclasses import replace
+
+import modal_bench as bench
+import numpy as np
+
+from modallab.identification.force_noise import force_parts
+from modallab.identification.impact import identify_impact
+from modallab.identification.normal_matrix import normal_equations
+from modallab.identification.options import Options
+from modallab.spectra.scale import to_signals_of
+
+
+def fitted(seed=1, hits=3, **how):
+    rng = np.random.default_rng(seed)
+    system, rig = bench.modes(rng), bench.rig(3)
+    system = bench.Modes(system.frequency_hz, system.zeta, system.phi[:, [0, 2, 4]])
+    signals = to_signals_of(bench.impact_blocks(system, rng, points=(3,), hits=hits, **how), rig)
+    return system, *identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))
+
+
+def test_slopes_are_those_of_the_regenerated_blocks():
+    _, _, fit = fitted()
+    point, block, sample, h = fit.point, 1, 7, 1e-3
+    slopes = force_parts(fit.problem, point, point.groups[0]).slopes[block][:, :, sample] * point.noise
+    excitation = fit.problem.blocks[block].excitation
+    moved = []
+    for sign in (1, -1):
+        force = point.parameters.force.copy()
+        force[block, sample] += sign * h
+        there = replace(fit.refined, point=replace(point, parameters=replace(point.parameters, force=force)))
+        moved.append(replace(fit, refined=there).regenerated(block, excitation))
+    numeric = ((moved[0] - moved[1]) / (2 * h)).T
+    half = len(slopes) // 2
+    np.testing.assert_allclose(slopes[:half] + 1j * slopes[half:], numeric, atol=1e-6 * np.abs(numeric).max())
+
+
+def test_the_normal_equations_are_those_of_the_projected_slopes():
+    """J written out for one output after the other, P the projector off the columns, Kaufman's derivative."""
+    _, _, fit = fitted(hits=2)
+    problem, point = fit.problem, fit.point
+    matrix, gradient = normal_equations(problem, point)
+    group, n_poles = point.groups[0], 2 * point.parameters.omega.size
+    rows, width = group.columns[0].phi.shape[0], problem.n_local
+    parts = force_parts(problem, point, group).slopes
+    vectors = group.columns[0].poles
+    expected, slope = np.zeros_like(matrix), np.zeros_like(gradient)
+    for o in range(3):
+        jacobian = np.zeros((2 * rows, len(matrix)))
+        for m, found in enumerate(group.columns):
+            here = slice(m * rows, (m + 1) * rows)
+            weighted = found.poles.values * (group.coefficients[found.poles.column, o] / point.noise[o])
+            for i in range(n_poles):
+                jacobian[here, i] = weighted[:, vectors.parameter == i].sum(axis=1)
+            jacobian[here, n_poles + m * width : n_poles + (m + 1) * width] = parts[m][:, o]
+        projected = jacobian - group.q @ (group.q.T @ jacobian)
+        expected += projected.T @ projected
+        slope += projected.T @ group.residual[:, o] / point.noise[o]
+    prior = np.concatenate([problem.zeta_prior[:, 1].repeat(2) ** -2.0, problem.force_sigma.ravel() ** -2.0])
+    prior[:n_poles:2] = 0
+    expected += np.diag(prior)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(matrix / scale, expected / scale, atol=1e-8)
+    data = gradient[n_poles:] + (point.parameters.force / problem.force_sigma**2).ravel()
+    size = np.sqrt(np.diag(expected))[n_poles:]
+    np.testing.assert_allclose(data / size, slope[n_poles:] / size, atol=1e-6)
+
+
+def test_a_noisy_force_does_not_bias_what_the_responses_know_well():
+    """Ten times the force noise with quiet responses: the errors stay within the stated sigmas."""
+    normalised = []
+    for seed in range(3):
+        system, model, _ = fitted(seed, hits=4, noise=0.003, force_noise=0.15)
+        normalised += list((model.frequency_hz - system.frequency_hz) / model.frequency_sigma_hz)
+        normalised += list((model.damping_ratio - system.zeta) / model.damping_sigma)
+    assert np.sqrt(np.mean(np.square(normalised))) < 1.8
+
+
+def test_the_errors_found_are_no_larger_than_the_noise():
+    _, _, fit = fitted(2, noise=0.003, force_noise=0.15)
+    change = fit.point.parameters.force
+    # The errors found scatter with part of the noise's own sigma, never with more.
+    assert 0.02 < change.std() / 0.15 < 1.05
