@@ -7,11 +7,14 @@ from numpy.typing import NDArray
 
 from modallab.gap.fit import Fit, minimise
 from modallab.gap.search import HOLDS, Bench, Level, excess
+from modallab.schema.effects import kind_of
 
 Array = NDArray[np.float64]
 
-CLOSED = 0.995
+CLOSED = 0.998
 """Share of the excess an explanation must close to count as one, where it does not reach the floor."""
+CLOSED_RESAMPLED = 0.98
+"""The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
 
@@ -46,8 +49,10 @@ def choose(bench: Bench, levels: list[Level]) -> Choice:
     fit = prune(bench, chain[-1])
     rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
     others = tuple(f for f in rivals if names(f) != names(fit))
+    resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
+    needed = CLOSED_RESAMPLED if resampled else CLOSED
     explained = bool(fit.problem.candidates) and (
-        fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - CLOSED) * excess(base)
+        fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - needed) * excess(base)
     )
     return Choice(base, fit, others, explained, False)
 

@@ -9,7 +9,7 @@ from modallab.gap.fit import Fit, Problem, all_rows, minimise
 from modallab.gap.forward import forward
 from modallab.gap.prepare import Prepared
 from modallab.gap.reduce import Reduced, Rows
-from modallab.gap.search import Bench, channel_share, excess, misfit
+from modallab.gap.search import COARSE, Bench, channel_share, excess, misfit
 from modallab.schema.effects import Stage
 from modallab.twin.structure import solve
 
@@ -128,8 +128,7 @@ def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
             impacts=tuple(replace(d, rows=_masked(d.rows, chosen)) for d in bench.thin.impacts),
             sines=replace(bench.thin.sines, rows=_masked(bench.thin.sines.rows, chosen)) if bench.thin.sines else None,
         )
-        fit = minimise(Problem(data, bench.free, ()), base.u[: bench.free.size], 6, 1e-2)
-        left = excess(fit) / excess(base)
+        left = excess(_afresh(bench, data, base)) / excess(base)
         if left < CURES:
             return tuple(sorted(bench.data.channels[i] for i in chosen)), left
     return (), 1.0
@@ -147,7 +146,15 @@ def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
         impacts=bench.thin.impacts if test == "impact" else (),
         sines=bench.thin.sines if test == "sine" else None,
     )
-    return minimise(Problem(data, bench.free, ()), base.u[: bench.free.size], 6, 1e-2)
+    return _afresh(bench, data, base)
+
+
+def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
+    """A baseline on part of the data, far enough from the old one to forget what the rest had done to it."""
+    u = base.u[: bench.free.size]
+    for floor in (COARSE, COARSE / 6, COARSE / 36):
+        u = minimise(Problem(data, bench.free, (), floor), u, 4, 1e-2).u
+    return minimise(Problem(data, bench.free, ()), u, 6, 1e-2)
 
 
 def _levels_differ(base: Fit) -> bool:

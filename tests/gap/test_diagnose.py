@@ -1,0 +1,168 @@
+"""A diagnosis of campaigns whose truth is known."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from modallab.errors import DataError, PlanError, RigError
+from modallab.gap.diagnose import diagnose
+from modallab.gap.predict import predict
+from modallab.gap.records import predict_record
+from modallab.gap.reduce import scaled
+from modallab.gap.say import sentence
+from modallab.gap.split import split
+from modallab.schema.block import Block, Campaign
+from modallab.schema.diagnosis import Diagnosis
+from modallab.schema.effects import Effect
+from modallab.schema.rig import Rig
+
+Make = Callable[..., Campaign]
+TIP = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
+
+
+def only(*names: str) -> Callable[[str], bool]:
+    """A few candidates, to be quick."""
+    return lambda name: name in names
+
+
+def test_a_bench_that_is_its_twin_has_no_gap(make: Make) -> None:
+    found = diagnose(make())
+    assert found.verdict == "no_gap"
+    assert found.effects == []
+    assert found.gap.before == pytest.approx(1.0, abs=0.06)
+    assert found.twin.youngs_modulus_pa * found.twin.thickness_m**2 / found.twin.density_kg_m3 == pytest.approx(
+        2.06e11 * 0.006**2 / 7840.0, rel=1e-4
+    )
+    assert found.twin.zeta[:3] == pytest.approx((0.006 * np.linspace(0.7, 1.5, 15))[:3], rel=0.01)
+
+
+def test_a_mass_is_named_with_its_place_and_size(make: Make) -> None:
+    found = diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
+    assert (found.verdict, found.where.stage) == ("known", "structure")
+    assert [f.effect for f in found.effects] == ["added_mass"]
+    assert found.effects[0].parameters["mass"] == pytest.approx(0.05, rel=0.01)
+    assert found.where.x_m == pytest.approx(0.8, abs=0.005)
+    assert found.shrink.closed == pytest.approx(1.0, abs=0.01)
+    assert "added mass" in sentence(found)
+
+
+def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None:
+    found = diagnose(make(TIP), allowed=only("polarity"))
+    assert (found.verdict, found.where.stage) == ("unknown", "structure")
+    assert found.effects == []
+
+
+def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
+    wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
+    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    assert [f.effect for f in found.effects] == ["gain_error"]
+    assert found.where.channels == ["a07"]
+    assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=1e-3)
+
+
+def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:
+    def late(volts: np.ndarray, _: Block) -> np.ndarray:
+        volts[5] = np.roll(volts[5], 3)
+        return volts
+
+    found = diagnose(make(spoil=late), allowed=only("polarity"))
+    assert found.verdict == "unknown"
+    assert (found.where.stage, found.where.channels) == ("sensor", ["a05"])
+
+
+def test_a_noisy_channel_is_seen_without_a_model(make: Make) -> None:
+    rng = np.random.default_rng(3)
+
+    def noisy(volts: np.ndarray, _: Block) -> np.ndarray:
+        volts[4] += 0.012 * rng.standard_normal(volts.shape[1])
+        return volts
+
+    found = diagnose(make(spoil=noisy))
+    assert [f.effect for f in found.effects] == ["noisy_channel"]
+    assert found.effects[0].parameters["factor"] == pytest.approx(40, rel=0.06)
+    assert found.where.channels == ["a04"]
+
+
+def test_hum_is_seen_and_taken_out(make: Make) -> None:
+    rng = np.random.default_rng(4)
+
+    def hum(volts: np.ndarray, block: Block) -> np.ndarray:
+        t = np.arange(volts.shape[1]) / block.rate_hz
+        row = 0.02 * (0.5 + 0.1 * np.arange(11))
+        return volts + row[:, None] * np.cos(2 * np.pi * 50 * t + rng.uniform(0, 6))
+
+    found = diagnose(make(spoil=hum))
+    assert [f.effect for f in found.effects] == ["mains_hum"]
+    assert found.effects[0].parameters == pytest.approx({"volts": 0.02, "hz": 50.0}, rel=0.01)
+    assert found.gap.after < 1.1 < found.gap.before
+
+
+def test_flat_tops_are_seen_with_their_level(make: Make) -> None:
+    def cut(volts: np.ndarray, _: Block) -> np.ndarray:
+        volts[8] = np.clip(volts[8], -0.4, 0.4)
+        return volts
+
+    found = diagnose(make(spoil=cut))
+    clipped = next(f for f in found.effects if f.effect == "clipping")
+    assert clipped.place["level_v"] == pytest.approx(0.4, rel=0.01)
+    assert found.where.channels == ["a08"]
+
+
+def test_one_test_alone_is_diagnosed_and_what_it_hides_is_said(make: Make) -> None:
+    blows = diagnose(make(tests=("impact",)))
+    sines = diagnose(make(tests=("sine",)))
+    assert (blows.verdict, sines.verdict) == ("no_gap", "no_gap")
+    assert any("Only an impact test" in n for n in blows.notes)
+    assert any("Only a sine test" in n for n in sines.notes)
+
+
+def test_records_without_a_force_are_refused(make: Make) -> None:
+    def dead(volts: np.ndarray, _: Block) -> np.ndarray:
+        volts[0] = 0
+        return volts
+
+    with pytest.raises(DataError, match="none of"):
+        diagnose(make(spoil=dead))
+
+
+def test_a_rig_without_a_beam_is_refused(make: Make, rig: Rig) -> None:
+    campaign = make()
+    bare = rig.model_copy(update={"model": "unknown", "beam": None})
+    with pytest.raises(RigError, match="no beam"):
+        diagnose(Campaign(bare, campaign.blocks))
+
+
+def test_a_diagnosis_predicts_another_campaign(make: Make, rig: Rig) -> None:
+    found = diagnose(make(TIP), allowed=only("added_mass"))
+    read = Diagnosis.model_validate_json(found.model_dump_json())
+    other = make(TIP, seed=9)
+    predicted = predict(read, other)
+    assert set(predicted) == {b.name for b in other.blocks}
+    for block in other.blocks:
+        _, a = scaled(block, rig)
+        assert np.linalg.norm(predicted[block.name] - a) < 0.02 * np.linalg.norm(a) + 0.04 * np.sqrt(a.size)
+
+
+def test_a_record_is_predicted_to_within_its_noise(make: Make, rig: Rig) -> None:
+    from conftest import bench
+
+    campaign = make()
+    twin = bench(rig, ())
+    for block in (campaign.blocks[0], campaign.blocks[-1]):
+        _, a = scaled(block, rig)
+        noise = 0.000313 / rig.responses[0].sensitivity(block.test)
+        assert np.std(predict_record(twin, rig, block, 29.0) - a) < 2.5 * noise
+
+
+def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
+    blocks = make().blocks
+    fitted, held = split(blocks, "point:10")
+    assert {b.drive_point for b in held} == {10}
+    assert len(fitted) + len(held) == len(blocks)
+    assert {b.level for b in split(blocks, "level:high")[1]} == {"high"}
+    mixed = split(blocks, "mixed")[1]
+    assert {b.test for b in mixed} == {"impact", "sine"}
+    for wrong in ("point:99", "every other", "last:2"):
+        with pytest.raises(PlanError):
+            split(blocks, wrong)
