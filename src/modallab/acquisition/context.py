@@ -112,6 +112,6 @@ def measure_floor(context: Context, patience_s: float, watch: Watch | None = Non
         for end in range(start + context.window, start + FLOOR_WINDOWS * context.window + 1, context.window):
             stream.advance_to(end, watch)
             windows.append(context.motion(end - context.window, context.window))
-        floor = floor_of(windows)
+        floor = floor_of(windows, counts=stream.counts)
         if stream.next >= last or not fading(windows, floor):
             return floor

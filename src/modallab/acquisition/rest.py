@@ -104,13 +104,14 @@ def line_power(window: Real, rms: Real) -> Real:
     return power
 
 
-def floor_of(windows: list[Real]) -> Floor:
-    """The floor from (channels, n) windows at rest, in counts.
+def floor_of(windows: list[Real], *, counts: bool = True) -> Floor:
+    """The floor from (channels, n) windows at rest, as delivered.
 
-    A channel may be quieter than its own count: then the count's rounding, 1 / sqrt(12), is its floor.
+    A channel may be quieter than its own count: then the count's rounding, 1 / sqrt(12), is its floor. What a device
+    delivers as real numbers has no count; there a volt is no rounding.
     """
     level = np.array([centred(window).std(axis=1) for window in windows])
-    rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12))
+    rms = np.maximum(np.median(level, axis=0), 1 / np.sqrt(12) if counts else 1e-12)
     power = np.mean([line_power(window, rms) for window in windows], axis=0)
     # Neighbours know the noise better than one line alone; a steady tone, such as the mains', keeps its own.
     smooth = _neighbours(power)

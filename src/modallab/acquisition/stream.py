@@ -27,6 +27,7 @@ class Stream:
     ) -> None:
         """Follow `bench`; remember `keep` samples, read at most `chunk` at once, call `poll` before every read."""
         self.rate_hz = delivery.rate_hz
+        self.counts = delivery.dtype.kind in "iu"
         self.next = 0
         self.chunk = chunk
         self._bench = bench
