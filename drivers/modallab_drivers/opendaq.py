@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Found, Request
 from modallab.errors import (
     BenchTimeoutError,
     ConfigurationError,
@@ -44,6 +44,16 @@ def open_bench(url: str, rig: Rig) -> Bench:
             "openDAQ is not installed", where=url, remedy="install the package opendaq on a platform that has it"
         ) from error
     return OpenDaqBench(url, rig, opendaq)
+
+
+def find_devices(address: str) -> list[Found]:
+    """Devices openDAQ sees."""
+    try:
+        import opendaq
+    except ImportError:
+        return []
+    instance: Any = opendaq.Instance()
+    return [Found(str(d.connection_string), f"openDAQ: {d.name}") for d in instance.available_devices]
 
 
 class OpenDaqBench:

@@ -4,7 +4,8 @@
 such an address is opened.
 """
 
-from modallab.backend.protocol import Bench, OutputHandle
+from modallab.backend.protocol import Bench, Found, OutputHandle
+from modallab.errors import BenchError
 from modallab.schema.rig import Rig
 
 
@@ -30,3 +31,19 @@ def open_output(url: str, rig: Rig) -> OutputHandle:
     from modallab_drivers.ni_daqmx.second_handle import SecondHandle
 
     return SecondHandle(url, rig)
+
+
+def find_devices(address: str) -> list[Found]:
+    """NI devices of this machine, or of the server at an address.
+
+    Raises:
+        DeviceGoneError: the server at the address does not answer.
+    """
+    from modallab_drivers.ni_daqmx.route import found_devices
+
+    try:
+        return found_devices(address or "nidaqmx://")
+    except BenchError:
+        if address:
+            raise
+        return []

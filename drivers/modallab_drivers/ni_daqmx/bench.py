@@ -23,6 +23,7 @@ from modallab_drivers.ni_daqmx.guards import Guards
 from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, output_of, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.ni_daqmx.teds import teds_sensitivities
 from modallab_drivers.order import require, require_burst, require_count
 from modallab_drivers.output import Output
 
@@ -161,6 +162,11 @@ class NiBench:
     def prompt_hit(self, point: int) -> None:
         """Whoever strikes is told by the page; the point must be one of the rig."""
         self._rig.x_of(point)
+
+    def sensed_sensitivities(self) -> dict[str, float]:
+        """V per SI unit of the accelerometers that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", to="ask sensors")
+        return teds_sensitivities(self._route, self._plugs)
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""

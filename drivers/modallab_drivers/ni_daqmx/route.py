@@ -10,6 +10,7 @@ import grpc
 import nidaqmx
 from nidaqmx.system import Device, System
 
+from modallab.backend.protocol import Found
 from modallab.errors import ConfigurationError, DeviceBusyError
 from modallab_drivers.ni_daqmx.address import Address
 from modallab_drivers.ni_daqmx.errors import translated
@@ -135,6 +136,28 @@ def patiently(call: Callable[[], T]) -> T:
             return call()
         time.sleep(BUSY_WAIT_S * (attempt + 1))
     return call()
+
+
+def found_devices(url: str) -> list[Found]:
+    """Every device of a system, with its address.
+
+    Raises:
+        DeviceGoneError: no driver, no server.
+    """
+    scheme, _, rest = url.partition("://")
+    server = rest.partition("/")[0] if scheme == "nidaqmx+grpc" else ""
+    route = Route(Address(url, "", server))
+    base = f"{scheme}://{server}/" if server else "nidaqmx://"
+    try:
+        with translated(url):
+            names = list(route.system().devices.device_names)
+            found = [(name, route.describe(name)) for name in names]
+    finally:
+        route.close()
+    return [
+        Found(f"{base}{name}", f"{d.product}, serial {d.serial}, {len(d.inputs)} inputs, {len(d.outputs)} outputs")
+        for name, d in found
+    ]
 
 
 def _channel(address: Address) -> grpc.Channel:

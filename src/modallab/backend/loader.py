@@ -3,12 +3,13 @@
 from importlib.metadata import entry_points
 from typing import cast
 
-from modallab.backend.protocol import Bench, BenchOpener, OutputHandle, OutputOpener
+from modallab.backend.protocol import Bench, BenchOpener, DeviceFinder, Found, OutputHandle, OutputOpener
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Rig
 
 GROUP = "modallab.backends"
 OUTPUTS = "modallab.outputs"
+DEVICES = "modallab.devices"
 
 
 def open_bench(url: str, rig: Rig) -> Bench:
@@ -44,3 +45,16 @@ def open_output(url: str, rig: Rig) -> OutputHandle | None:
     if scheme not in known:
         return None
     return cast("OutputOpener", known[scheme].load())(url, rig)
+
+
+def find_devices(address: str = "") -> list[Found]:
+    """What is there: every installed driver is asked. With an address, only what is behind it.
+
+    Raises:
+        BenchError: what the address names can't be reached.
+    """
+    scheme = address.partition("://")[0]
+    finders = [e for e in entry_points(group=DEVICES) if not scheme or e.name == scheme]
+    if scheme and not finders:
+        raise ConfigurationError(f"nothing to look for at {address!r}", remedy="give an address such as nidaqmx://")
+    return [found for entry in finders for found in cast("DeviceFinder", entry.load())(address)]

@@ -155,3 +155,33 @@ class OutputOpener(Protocol):
     def __call__(self, url: str, rig: Rig) -> OutputHandle:
         """A handle to the output of the bench at `url`. Raises BenchError."""
         ...
+
+
+@runtime_checkable
+class SelfDescribing(Protocol):
+    """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
+
+    def sensed_sensitivities(self) -> dict[str, float]:
+        """V per SI unit by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A device that was found.
+
+    Attributes:
+        address: to open it by.
+        what: it is, in words.
+    """
+
+    address: str
+    what: str
+
+
+class DeviceFinder(Protocol):
+    """What an entry point of the group `modallab.devices` names."""
+
+    def __call__(self, address: str) -> list[Found]:
+        """Devices of this family: here if `address` is empty, else behind it. Nothing found is no error."""
+        ...

@@ -21,6 +21,8 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_import(commands)
     _add_identify(commands)
     _add_gap(commands)
+    _add_rig(commands)
+    _add_devices(commands)
     return parser
 
 
@@ -78,3 +80,35 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
     gap.set_defaults(module="gap")
+
+
+def _add_rig(commands: _Commands) -> None:
+    rig = commands.add_parser("rig", help="look at what stands on the bench, and calibrate it")
+    actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
+    check = actions.add_parser("check", help="walk through every channel and say what is wrong")
+    check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
+    check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
+    calibrate.add_argument("--channel", required=True, metavar="NAME")
+    calibrate.add_argument("--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"))
+    calibrate.add_argument(
+        "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
+    )
+    calibrate.add_argument("--frequency", type=float, default=159.15, metavar="HZ", help="of the reference shaker")
+    calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
+    calibrate.add_argument("--remark", default="")
+    calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
+    for command in (check, calibrate):
+        command.add_argument("rig", type=Path, metavar="RIG.yaml")
+        command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+        command.add_argument("--seconds", type=float, default=3.0, help="how long to look")
+    rig.set_defaults(module="rig")
+
+
+def _add_devices(commands: _Commands) -> None:
+    command = commands.add_parser("devices", help="list what is there, with the address to open it by")
+    command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
+    command.add_argument("--release", action="store_true", help="give back what a killed program has left reserved")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
+    command.set_defaults(module="devices")

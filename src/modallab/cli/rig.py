@@ -1,0 +1,115 @@
+"""`modallab rig check` and `modallab rig calibrate`."""
+
+import argparse
+from datetime import date
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from modallab.backend.loader import open_bench
+from modallab.backend.protocol import Bench, Delivery, Request
+from modallab.errors import PlanError, RigError
+from modallab.exchange.rig_file import read_rig, write_rig
+from modallab.schema.rig import Channel, Rig
+from modallab.tasks import calibrate
+from modallab.tasks.rig_check import Finding, check_at_rest, check_clock, check_polarity
+
+RATE_HZ = 2000.0
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what was asked for."""
+    rig = read_rig(arguments.rig)
+    url = arguments.bench or rig.bench
+    if not url:
+        raise RigError("names no bench", where=str(arguments.rig), remedy="give --bench ADDRESS, or a field bench")
+    bench = open_bench(url, rig)
+    try:
+        return _check(bench, rig, arguments) if arguments.action == "check" else _calibrate(bench, rig, arguments)
+    finally:
+        bench.close()
+
+
+def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
+    console = Console()
+    findings = check_at_rest(bench, rig, arguments.seconds)
+    if arguments.tap:
+        findings += check_polarity(bench, rig, lambda point: console.print(f"tap point {point} now"))
+    if arguments.drive is not None:
+        limit = rig.limits.drive_v if rig.limits is not None else 0.0
+        if not 0 < arguments.drive <= limit:
+            raise PlanError(
+                f"--drive is {arguments.drive:g} V; allowed by limits.drive_v: {limit:g} V", remedy="drive less"
+            )
+        findings += check_clock(bench, rig, arguments.drive)
+    console.print(_table(findings))
+    bad = sum(finding.verdict == "bad" for finding in findings)
+    look = sum(finding.verdict == "look" for finding in findings)
+    console.print(f"{len(findings)} looked at: {bad} bad, {look} to look at")
+    return 1 if bad else 0
+
+
+def _table(findings: list[Finding]) -> Table:
+    table = Table("channel", "what", "found", "verdict")
+    for finding in findings:
+        table.add_row(finding.channel, finding.what, finding.value, finding.verdict)
+    return table
+
+
+def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
+    console = Console()
+    channel = next((c for c in rig.channels if c.name == arguments.channel), None)
+    if channel is None:
+        raise RigError(
+            f"has no channel {arguments.channel!r}",
+            where=str(arguments.rig),
+            remedy=f"choose one of {', '.join(c.name for c in rig.channels)}",
+        )
+    delivery = bench.configure(Request("impact", RATE_HZ))
+    found = _measure(bench, rig, delivery, channel, arguments)
+    was = channel.sensitivity("impact")
+    new = calibrate.entered(rig, channel, arguments.method, found, date.today(), arguments.remark)  # noqa: DTZ011
+    entry = new.history[-1]
+    console.print(
+        f"{channel.name}: {entry.sensitivity_v_per_unit:.6g} +- {entry.sigma_v_per_unit:.2g} V per {channel.unit}"
+        f" (was {was:.6g})"
+    )
+    out = arguments.out or arguments.rig
+    write_rig(new, out)
+    console.print(f"entered into the history of {out}", markup=False)
+    return 0
+
+
+def _measure(
+    bench: Bench, rig: Rig, delivery: Delivery, channel: Channel, arguments: argparse.Namespace
+) -> tuple[float, float]:
+    def record(what: str) -> NDArray[np.float64]:
+        if not arguments.yes:
+            input(f"{what}, then press Enter ")
+        return _volts(bench, delivery, arguments.seconds)
+
+    row, value = channel.index, arguments.value
+    if arguments.method == "turnover":
+        return calibrate.by_turnover(record("axis up")[row], record("axis down")[row])
+    if value is None:
+        raise PlanError(f"the {arguments.method} calibration needs --value", remedy="see modallab rig calibrate --help")
+    if arguments.method == "shunt":
+        return calibrate.by_step(record("shunt open")[row], record("shunt closed")[row], value)
+    if arguments.method == "reference":
+        volts = record("reference shaker on")[row]
+        return calibrate.by_reference(volts, delivery.rate_hz, arguments.frequency, value)
+    volts = record("shake the free mass")
+    sensor = next(c for c in rig.responses if c.name == (arguments.against or rig.responses[0].name))
+    acceleration = volts[sensor.index] / sensor.sensitivity("impact")
+    return calibrate.by_rigid_mass(volts[row], acceleration, value)
+
+
+def _volts(bench: Bench, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
+    bench.start()
+    try:
+        chunk = bench.read(max(1, round(seconds * delivery.rate_hz)), seconds + 5.0)
+    finally:
+        bench.stop()
+    return chunk.samples.astype(np.float64) * delivery.scale[:, None]

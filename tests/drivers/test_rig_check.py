@@ -1,0 +1,146 @@
+"""`rig check`, `rig calibrate` and `devices`: verdicts against what is truly on the simulated bench."""
+
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ni_server import NiServer
+
+from modallab.backend.loader import find_devices, open_bench
+from modallab.cli import main
+from modallab.errors import ConfigurationError, DataError
+from modallab.exchange.rig_file import read_rig, write_rig
+from modallab.schema.rig import Rig
+from modallab.schema.units import STANDARD_GRAVITY
+from modallab.tasks import calibrate
+from modallab.tasks.rig_check import check_at_rest, check_clock, check_polarity
+
+SIM = "sim://cantilever?seed=1&bad_hits=0"
+RNG = np.random.default_rng(4)
+
+
+def verdicts(findings, what: str) -> dict[str, str]:
+    return {finding.channel: finding.verdict for finding in findings if finding.what == what}
+
+
+def changed(rig: Rig, index: int, **fields: object) -> Rig:
+    channels = list(rig.channels)
+    channels[index] = channels[index].model_copy(update=fields)
+    return rig.model_copy(update={"channels": tuple(channels)})
+
+
+def test_a_good_bench_at_rest_is_good(rig: Rig):
+    bench = open_bench(SIM, rig)
+    findings = check_at_rest(bench, rig, 1.0)
+    assert {finding.verdict for finding in findings} == {"good"}
+    assert len(findings) == 3 * len(rig.channels)
+    bench.close()
+
+
+def test_more_noise_than_believed_is_to_look_at(rig: Rig):
+    assert rig.converter is not None
+    quiet = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": 2e-5})})
+    bench = open_bench(SIM, rig)
+    assert set(verdicts(check_at_rest(bench, quiet, 1.0), "noise").values()) == {"look"}
+    bench.close()
+
+
+def test_a_turned_sensor_is_found_by_a_tap_at_its_point(rig: Rig):
+    # Truly turned, while the rig file believes it is not.
+    bench = open_bench(SIM, changed(rig, 7, direction="-z"))
+    asked: list[int] = []
+    found = verdicts(check_polarity(bench, rig, asked.append), "polarity")
+    bench.close()
+    assert asked == list(range(1, 11))
+    assert found.pop("a07") == "bad"
+    # Near the clamp a tap moves little: a person may have to look.
+    assert set(found.values()) <= {"good", "look"}
+    assert sum(verdict == "good" for verdict in found.values()) >= 7
+
+
+def test_the_generators_clock_is_compared_with_the_converters(rig: Rig):
+    bench = open_bench(SIM, rig)
+    finding = check_clock(bench, rig, 0.5)[0]
+    true_ppm = float(bench.info.facts["generator_ppm"])
+    bench.close()
+    assert finding.verdict == "good"
+    assert float(finding.value.split()[0]) == pytest.approx(true_ppm, abs=5.0)
+
+
+def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
+    assert rig.converter is not None
+    iepe = rig.model_copy(
+        update={
+            "converter": rig.converter.model_copy(update={"range_v": 5.0}),
+            "channels": tuple(
+                c.model_copy(update={"coupling": "IEPE" if c.quantity == "acceleration" else "DC", "range_v": 5.0})
+                for c in rig.channels
+            ),
+        }
+    )
+    with NiServer(iepe, "9234") as server:
+        believed = changed(iepe, 3, sensitivity_v_per_unit=0.02)
+        bench = open_bench(server.url, believed)
+        found = verdicts(check_at_rest(bench, believed, 0.5), "sensitivity")
+        bench.close()
+    assert found.pop("a03") == "bad"
+    assert set(found.values()) == {"good"}
+    assert len(found) == 9
+
+
+def test_turnover_and_step_and_reference_and_mass_give_the_sensitivity():
+    noise = RNG.standard_normal((2, 4000)) * 1e-4
+    up, down = 0.02 * STANDARD_GRAVITY + 0.7 + noise[0], -0.02 * STANDARD_GRAVITY + 0.7 + noise[1]
+    value, sigma = calibrate.by_turnover(up, down)
+    assert value == pytest.approx(0.02, abs=5 * sigma)
+    assert sigma < 1e-6
+    assert calibrate.by_step(down, up, -1.0)[0] < 0
+    t = np.arange(4000) / 2000
+    shaken = 0.05 * 10 * np.sqrt(2) * np.sin(2 * np.pi * 159.15 * t) + noise[0]
+    value, sigma = calibrate.by_reference(shaken, 2000.0, 159.15, 10.0)
+    assert value == pytest.approx(0.05, abs=5 * sigma)
+    acceleration = RNG.standard_normal(4000)
+    value, sigma = calibrate.by_rigid_mass(0.5 * 1.2 * acceleration + noise[0], acceleration, 1.2)
+    assert value == pytest.approx(0.5, abs=5 * sigma)
+
+
+def test_what_was_not_turned_shaken_or_coupled_is_refused():
+    noise = RNG.standard_normal((2, 4000)) * 1e-4
+    with pytest.raises(DataError, match="nothing was seen"):
+        calibrate.by_turnover(noise[0], noise[1])
+    with pytest.raises(DataError):
+        calibrate.by_reference(noise[0], 2000.0, 159.15, 10.0)
+    with pytest.raises(DataError, match="one rigid mass"):
+        calibrate.by_rigid_mass(noise[0], noise[1], 1.0)
+
+
+def test_a_calibration_is_dated_in_the_rigs_history_and_survives_the_file(rig: Rig, tmp_path: Path):
+    new = calibrate.entered(rig, rig.channels[4], "turnover", (0.0123, 1e-5), date(2026, 3, 4), "new cable")
+    write_rig(new, tmp_path / "rig.yaml")
+    read = read_rig(tmp_path / "rig.yaml")
+    assert read == new
+    assert read.channels[4].sensitivity("sine") == 0.0123
+    assert read.channels[4].calibrated_on == date(2026, 3, 4)
+    assert read.history[0].channel == "a04"
+
+
+def test_the_commands_say_what_they_found(rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    write_rig(rig, tmp_path / "rig.yaml")
+    assert main(["rig", "check", str(tmp_path / "rig.yaml"), "--bench", SIM, "--seconds", "0.5"]) == 0
+    assert "33 looked at: 0 bad" in capsys.readouterr().out
+    # A simulated sensor can't be turned over: that is seen, and nothing is written.
+    command = ["rig", "calibrate", str(tmp_path / "rig.yaml"), "--bench", SIM, "--channel", "a04", "--yes"]
+    assert main([*command, "--method", "turnover", "--seconds", "0.5"]) == 2
+    assert "nothing was seen" in capsys.readouterr().err
+    assert read_rig(tmp_path / "rig.yaml").history == ()
+
+
+def test_devices_of_a_server_are_listed_with_their_addresses(ni_server: NiServer, capsys: pytest.CaptureFixture[str]):
+    server = ni_server.url.rpartition("/")[0]
+    assert main(["devices", server]) == 0
+    out = capsys.readouterr().out
+    assert f"{server}/cDAQ1Mod1" in out
+    assert "NI 9215" in out
+    with pytest.raises(ConfigurationError):
+        find_devices("nowhere://")
