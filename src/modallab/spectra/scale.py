@@ -10,11 +10,12 @@ from modallab.schema.block import Block, Signals
 from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Channel, Rig
 from modallab.schema.units import is_voltage, si_factor
+from modallab.spectra.align import aligned, lags_s
 from modallab.spectra.border import check_rows
 
 
 def to_signals(block: Block, rig: Rig) -> Signals:
-    """Scale a block to SI units; a sensor that looks against the drive direction is turned.
+    """Scale a block to SI units; a sensor that looks against the drive direction is turned, one that lags is aligned.
 
     Args:
         block: as delivered, channels in rig order.
@@ -34,6 +35,7 @@ def to_signals(block: Block, rig: Rig) -> Signals:
         )
     factors = [_factor(c, u, s, block, rig) for c, u, s in zip(rig.channels, block.units, block.scale, strict=True)]
     values: NDArray[np.float64] = block.samples.astype(np.float64) * np.array(factors)[:, None]
+    values = aligned(values, block.rate_hz, lags_s(rig))
     force = rig.force_channel.index
     return Signals(
         force=values[force],

@@ -1,0 +1,64 @@
+"""Channels of a rig that lag or lead one another, brought onto the times of the one that lags least.
+
+A converter's filter makes samples late by `delay_s`; a multiplexer reads a channel `skew_s` after channel 0, so that
+its samples are ahead. Only the difference between channels matters to an FRF, and only it is taken off. AC coupling that
+is not the same in force and responses would need the signal from before the block, so it is refused.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError
+from modallab.schema.rig import Rig
+
+HALF = 24
+"""Samples to either side of a new one."""
+
+_BETA = 10.0
+
+
+def lags_s(rig: Rig) -> NDArray[np.float64]:
+    """(channels,) by how much each channel's samples lag those of the one that lags least.
+
+    Raises:
+        DataError: channels differ in AC coupling.
+    """
+    corners = sorted({channel.ac_corner_hz for channel in rig.channels})
+    if len(corners) > 1:
+        raise DataError(
+            f"channels are AC-coupled at different corners: {', '.join(f'{corner:g}' for corner in corners)} Hz",
+            where="rig file field channels[].ac_corner_hz",
+            remedy="couple force and responses alike: then both turn by the same phase, and their ratio by none",
+        )
+    lags = np.array([channel.delay_s - channel.skew_s for channel in rig.channels])
+    return lags - lags.min()
+
+
+def aligned(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(channels, n) with each channel's lag taken off; where it must look past an end, the end is turned over there.
+
+    Raises:
+        DataError: a lag is so long that the block's end would be made up.
+    """
+    if not lags.any():
+        return values
+    if lags.max() * rate_hz > HALF:
+        raise DataError(
+            f"a channel lags by {1e3 * lags.max():.3g} ms, {lags.max() * rate_hz:.0f} samples",
+            where="rig file field channels[].delay_s",
+            remedy="put all channels on modules of one kind",
+        )
+    return np.stack([_later(row, lag * rate_hz) if lag else row for row, lag in zip(values, lags, strict=True)])
+
+
+def _later(row: NDArray[np.float64], samples: float) -> NDArray[np.float64]:
+    pad = 2 * HALF
+    padded = np.concatenate([2 * row[0] - row[pad:0:-1], row, 2 * row[-1] - row[-2 : -pad - 2 : -1]])
+    whole = int(np.floor(samples))
+    offset = np.arange(-HALF, HALF + 1) - (samples - whole)
+    window: NDArray[np.float64] = np.i0(_BETA * np.sqrt(np.maximum(0, 1 - (offset / (HALF + 1)) ** 2)))
+    taps: NDArray[np.float64] = np.sinc(offset) * window
+    taps /= taps.sum()
+    first = pad + whole - HALF
+    mended: NDArray[np.float64] = np.convolve(padded[first : first + row.size + 2 * HALF], taps[::-1], mode="valid")
+    return mended
