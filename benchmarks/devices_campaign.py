@@ -91,7 +91,10 @@ def over_devices(system: str, seed: int, dialect: str, plans: Sequence[Plan], fo
 
 
 def models_of(campaign: Campaign) -> dict[str, ModalModel]:
-    return {item.source: item.model for item in identify_campaign(campaign, Options()).identified}
+    result = identify_campaign(campaign, Options())
+    for item in result.unidentified:
+        print(f"  no model: {item}")
+    return {item.source: item.model for item in result.identified}
 
 
 def compare(one: ModalModel, other: ModalModel) -> list[float]:

@@ -1,8 +1,8 @@
 """Channels of a rig that lag or lead one another, brought onto the times of the one that lags least.
 
 A converter's filter makes samples late by `delay_s`; a multiplexer reads a channel `skew_s` after channel 0, so that
-its samples are ahead. Only the difference between channels matters to an FRF, and only it is taken off. AC coupling that
-is not the same in force and responses would need the signal from before the block, so it is refused.
+its samples are ahead. Only the difference between channels matters to an FRF, and only it is taken off. AC coupling
+that is not the same in force and responses would need the signal from before the block, so it is refused.
 """
 
 import numpy as np
