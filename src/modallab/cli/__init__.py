@@ -1,5 +1,6 @@
 """The command line. Nothing heavy is imported before a command is chosen."""
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -12,6 +13,9 @@ from modallab.errors import ModallabError
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0 good, 2 for anything the user can mend."""
     arguments = build_parser(__version__).parse_args(argv)
+    # The matrices are small: threads of the linear algebra only wait for each other, the more the busier the machine.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     try:
         return int(import_module(f"modallab.cli.{arguments.module}").run(arguments))
     except ModallabError as error:
