@@ -124,7 +124,7 @@ def _blow(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generator, 
 
 def _sine(rig: Rig, twin: Twin, line: int, level: str, rng: np.random.Generator, spoil) -> Block:
     n, hz = 1024, line / 1.024
-    amplitude = {"low": 0.5, "high": 2.0}[level] * np.exp(1j * rng.uniform(0, 2 * np.pi))
+    amplitude = {"low": 0.1, "high": 0.4}[level] * np.exp(1j * rng.uniform(0, 2 * np.pi))
     x = np.array([LENGTH * k / 10 for k in range(1, 11)])
     answer = predict_sine(twin, complex(amplitude), hz, n, 1000.0, 0.4 * LENGTH, tuple(range(1, 11)), x, 0.5)
     force = np.real(amplitude * np.exp(2j * np.pi * hz * np.arange(n) / 1000.0))

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
-OFTEN = 0.25
+OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
 POLE_SHIFT = 1.5e-3
 """Relative spread of the poles about the best beam that is more than a beam's tolerance."""

@@ -13,6 +13,10 @@ from modallab.twin.structure import MODES, Structure
 Array = NDArray[np.float64]
 
 
+BEYOND = 4.5
+"""Deviations of a tolerance beyond which Young's modulus, thickness and density never go."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Nuisances:
     """Free numbers in units of their prior's deviation: E, thickness, density, damping ratios, sensitivities.
@@ -39,6 +43,8 @@ class Nuisances:
         beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
         assert beam is not None
         nominal = Structure.of(beam, damping.guess)
+        # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
+        u = np.concatenate([np.clip(u[:3], -BEYOND, BEYOND), u[3:]])
         zeta = nominal.zeta.copy()
         zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
         structure = replace(

@@ -95,7 +95,7 @@ def prepare(campaign: Campaign) -> Prepared:
         clipped,
         ringing,
         floor,
-        noisy,
+        () if floor is not None else noisy,
         _repeating(blocks, noise),
         poles,
         _notes(campaign, blocks, overloaded),

@@ -15,6 +15,7 @@ from modallab.gap.forward import forward
 from modallab.gap.nuisances import Nuisances
 from modallab.gap.prefit import start, starts
 from modallab.gap.reduce import Reduced
+from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -76,9 +77,21 @@ class Bench:
 
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, as well as it can be made to fit."""
-    begins = [s.u for s in starts((), bench.free, bench.poles, 1)]
-    fit = min((_short(bench, (), u, COARSE) for u in begins), key=lambda f: f.cost)
+    fit = min((_short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
     return finish(bench, fit, COARSE / 6)
+
+
+def _first(bench: Bench) -> list[Array]:
+    """Where the baseline begins: at the poles, or without any at the best of many values of Young's modulus."""
+    if len(bench.poles):
+        return [s.u for s in starts((), bench.free, bench.poles, 1)]
+    problem = Problem(bench.thin, bench.free, (), COARSE)
+    tried: list[tuple[float, Array]] = []
+    for shift in np.linspace(-3.2, 3.2, 33):
+        u = np.zeros(bench.free.size)
+        u[0] = shift
+        tried.append((float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))), u))
+    return [u for _, u in sorted(tried, key=lambda t: t[0])[:2]]
 
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
@@ -115,19 +128,40 @@ def _begins(bench: Bench, candidates: tuple[Candidate, ...], base: Fit, floor: f
     if floor > 0.05 and len(bench.poles) and added.effect in _SPARES_BLOWS:
         # Fitted to both tests at once the baseline suits neither: the blows alone know the beam without the shaker.
         nears.append(start(candidates[:-1], base.u[bench.free.size :], bench.free, bench.poles).u)
-    return [*begins, *(_best_on_grid(problem, near, added) for near in nears)]
+    return [*begins, *(_best_on_grid(bench, problem, near) for near in nears)]
 
 
-def _best_on_grid(problem: Problem, near: Array, added: Candidate) -> Array:
-    """The free numbers so far with the best of a new effect's first values."""
+def _best_on_grid(bench: Bench, problem: Problem, near: Array) -> Array:
+    """The free numbers so far with the best of the last effect's first values."""
+    added = problem.candidates[-1]
     scores: list[tuple[float, Array]] = []
     grids = np.meshgrid(*(np.array(s.starts) for s in added.slots), indexing="ij")
     for values in np.stack([g.ravel() for g in grids], axis=-1) if added.slots else [np.zeros(0)]:
         more = np.array([s.coordinate(float(v)) for s, v in zip(added.slots, values, strict=True)])
-        u = np.concatenate([near, more])
-        r = problem.residual(u)
-        scores.append((float(np.sum(np.minimum(r**2, OUTLIER))), u))
+        tried = [np.concatenate([near, more])]
+        if added.effect == "local_damper":
+            tried = [_relieved(bench, problem, tried[0])]
+        elif added.effect == "thermal_drift" and len(bench.poles):
+            former = np.concatenate([near[bench.free.size :], more])
+            tried.append(start(problem.candidates, former, bench.free, bench.poles).u)
+        scores += [(float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))), u) for u in tried]
     return min(scores, key=lambda s: s[0])[1]
+
+
+def _relieved(bench: Bench, problem: Problem, u: Array) -> Array:
+    """The same with each damping ratio less what the damper now does: the fit so far had put it there."""
+    free = bench.free
+    structure = problem.twin(u).structure
+    x, c = structure.dampers[-1]
+    modes = solve(replace(structure, dampers=()))
+    omega = np.abs(modes.poles[: free.modes])
+    phi_squared = np.abs(modes.at(x)[0, : free.modes] ** 2 * 2 * omega)
+    share = c * phi_squared / (2 * omega)
+    zeta = np.maximum(structure.zeta[: free.modes] - share, 0.15 * structure.zeta[: free.modes])
+    damping = free.rig.damping_ratio
+    relieved = u.copy()
+    relieved[3 : 3 + free.modes] = np.log(zeta / damping.guess) / np.log(damping.factor)
+    return relieved
 
 
 _SPARES_BLOWS = frozenset({"shaker_mass", "stinger_moment"})
