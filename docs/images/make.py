@@ -1,0 +1,96 @@
+"""Draws the pictures of the pages from a campaign of the demo, with the figures of its report.
+
+modallab demo --out demo
+python docs/images/make.py demo docs/images
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.figures import style
+from modallab.figures.all_points import all_points
+from modallab.figures.compare import modes
+from modallab.figures.content import Outcome
+from modallab.figures.damping import damping
+from modallab.figures.mode_shapes import mode_shapes
+from modallab.figures.resolution import resolution
+from modallab.identification.options import Options
+from modallab.schema.block import Campaign
+from modallab.schema.frf import Frf
+from modallab.schema.verification import Verification
+from modallab.tasks.identify import identify_campaign
+from modallab.tasks.report import report_content, truth_of
+
+PAPER_BAND = (3.0, 110.0)
+SHOWN = (3, 6, 10)
+"""Points that are enough to see the three modes."""
+
+
+def main() -> None:
+    """Read the campaign, identify the paper's three modes, write one SVG a picture."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("campaign", type=Path, help="folder or file of a demo's campaign")
+    parser.add_argument("out", type=Path, help="folder for the pictures")
+    arguments = parser.parse_args()
+    for name, figure in pictures(read_campaign(arguments.campaign)).items():
+        write(figure, arguments.out / f"{name}.svg", name)
+
+
+def pictures(campaign: Campaign) -> dict[str, Figure]:
+    """The pictures by name."""
+    content = report_content(campaign, identify_campaign(campaign, Options(band_hz=PAPER_BAND)), "")
+    models = list(content.models)
+    found = modes(models, truth_of(campaign))
+    impact = next(o for o in content.outcomes if o.test == "impact")
+    shapes = mode_shapes(models, campaign.rig)
+    if impact.verification is None or shapes is None:
+        raise SystemExit("the campaign is none of the demo: it has no impact test, or no shapes")
+    return {
+        "mobility": all_points(at_points(impact.verification, SHOWN)),
+        "mode-shapes": shapes,
+        "damping": damping(found),
+        "half-power": resolution(found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, blow_s(impact)),
+    }
+
+
+def blow_s(outcome: Outcome) -> float:
+    """Time before the blow in the test's example block."""
+    signals = outcome.example
+    return 0.0 if signals is None else int(abs(signals.force).argmax()) / signals.rate_hz
+
+
+def at_points(check: Verification, points: tuple[int, ...]) -> Verification:
+    """The verification of some points only."""
+    rows = [check.measured.output_points.index(point) for point in points]
+
+    def part(frf: Frf) -> Frf:
+        names = tuple(frf.outputs[row] for row in rows)
+        return replace(frf, values=frf.values[rows], outputs=names, output_points=points, coherence=None, variance=None)
+
+    return Verification(part(check.measured), part(check.regenerated), part(check.untruncated), check.frac[rows])
+
+
+def write(figure: Figure, path: Path, name: str) -> None:
+    """One SVG, the same in every run."""
+    with style.look(), mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
+        legend_above(figure)
+        figure.savefig(path, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
+
+
+def legend_above(figure: Figure) -> None:
+    """The legend in as many columns as the figure is wide; in a report it is text, and breaks by itself."""
+    old = figure.legends[0]
+    labels = [text.get_text() for text in old.get_texts()]
+    handles = old.legend_handles
+    old.remove()
+    columns = int(figure.get_size_inches()[0] * style.PX_PER_INCH // 210)
+    figure.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 0.93), ncols=columns, handlelength=2.2)
+
+
+if __name__ == "__main__":
+    main()
