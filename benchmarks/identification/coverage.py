@@ -1,6 +1,6 @@
-"""Many seeds of one case: what is found, how wrong it is, what is spurious, and how often 95 % intervals hold the truth.
+"""Many seeds of one case: what is found, how wrong, what is spurious, and how often 95 % intervals hold the truth.
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/coverage.py --case A --seeds 200 [--first 0] [--json out.json]
+    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/coverage.py --case A --seeds 200 [--first 0] [--json a.json]
 
 Cases: A, close, noise (see cases.py) and paper (time records through the paper's protocol, see protocol.py).
 """
@@ -26,19 +26,17 @@ BAND_OF_TRUTH = 0.01
 def one(name: str, seed: int) -> dict:
     begin = time.process_time()
     if name == "paper":
-        truth_hz, zeta, model, bound = paper(seed)
+        truth_hz, zeta, model = paper(seed)
     else:
         case = CASES[name](seed)
         begin = time.process_time()
         model = identified(case)
         truth_hz, zeta = case.truth.frequency_hz, case.truth.zeta
-        bound = None
     took = time.process_time() - begin
     return {
         "seed": seed,
         "s": took,
         **compared(truth_hz, zeta, model),
-        "bound": None if bound is None else bound.tolist(),
     }
 
 
@@ -71,7 +69,10 @@ def table(results: Sequence[dict], bound: NDArray[np.float64] | None, truth_hz: 
         f"{sum(r['spurious'] > 0 for r in results)} ({sum(r['spurious'] for r in results)} in all); "
         f"{np.median([r['s'] for r in results]):.2f} s of processor each"
     )
-    print("mode  worst f %   (bound)   worst zeta %  (bound)   in 95 %: f   zeta   scatter/sigma: f  zeta")
+    print(
+        "mode  worst f %   (bound)   worst zeta %  (bound)   in 95 %: f   zeta   scatter/sigma: f  zeta"
+        "   bias/sigma: f  zeta"
+    )
     for mode in range(n_modes):
         rows = np.array([r["modes"][mode] for r in results if r["modes"][mode] is not None])
         if not rows.size:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +18,15 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Fit:
-    """The end of an identification, with what is needed to regenerate every block."""
+    """The end of an identification, with what is needed to regenerate every block.
+
+    `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such.
+    """
 
     problem: Problem
     refined: Refined
     input_points: tuple[int | None, ...]
+    channels: tuple[int, int] | None = None
 
     @property
     def point(self) -> Point:
@@ -66,14 +71,19 @@ def modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], Real]:
         variance = _coefficient_variance(fit, group)
         sigmas.append(np.sqrt(variance[: 2 * n].reshape(n, 2, -1).sum(axis=1)))
     scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
-    constants = np.asarray(1j * scale * np.stack(values, axis=-1), dtype=np.complex128)
-    return constants, scale * np.stack(sigmas, axis=-1)
+    constants = np.asarray(1j * scale * _unfolded(fit, np.stack(values, axis=-1)), dtype=np.complex128)
+    return constants, scale * _unfolded(fit, np.stack(sigmas, axis=-1))
+
+
+def _unfolded(fit: Fit, values: NDArray[Any]) -> NDArray[Any]:
+    """(rows, outputs, inputs) from (rows, channels, 1) where FRFs came as such."""
+    return values if fit.channels is None else values.reshape(len(values), *fit.channels)
 
 
 def residuals(fit: Fit) -> Real:
     """Coefficients (terms, outputs, inputs) of the receptance's residual terms."""
     n = 2 * fit.point.parameters.omega.size
-    return np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1)
+    return _unfolded(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
 
 
 def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:

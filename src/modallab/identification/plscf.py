@@ -7,27 +7,30 @@ frequency-domain estimator", IMAC 21 (2003).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
+from scipy import fft, linalg
 
 from modallab.errors import IdentificationError
 from modallab.schema.check import check_frf
 from modallab.schema.frf import Frf
 
+EVERY_ORDER_UP_TO = 120
+"""Columns up to which every order is solved: the cost grows with their cube, what one more order tells does not."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OrderPoles:
-    """What one polynomial order found: poles (n,) in rad/s with positive imaginary part, participation (inputs, n)."""
+    """What one polynomial order found: poles (n,) in rad/s with positive imaginary part, by rising frequency."""
 
     order: int
     poles: NDArray[np.complex128]
-    participation: NDArray[np.complex128]
 
 
 def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
-    """Poles at every order from `min_order` to `max_order`.
+    """Poles at orders from `min_order` to `max_order`: at every one, or at every second or third if they are large.
 
     Args:
         frf: any quantity; the numerator absorbs the power of s. A damping shift is taken off the poles again.
@@ -45,23 +48,22 @@ def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
             f"{n_lines} lines cannot carry order {max_order}",
             remedy=f"widen the band, or use an order of at most {n_lines // 2 - 1}",
         )
-    step = 1 / (2 * frf.frequency_hz[-1])
+    step = 1 / (2 * _circle(frf.frequency_hz))
     reduced = _reduced_normal_matrix(frf, max_order, step)
-    return [_solve_order(reduced, n, frf, step) for n in range(min_order, max_order + 1)]
+    stride = -(-max_order * frf.values.shape[1] // EVERY_ORDER_UP_TO)
+    return [_solve_order(reduced, n, frf, step) for n in range(min_order, max_order + 1, stride)]
 
 
 def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.float64]:
     """Sum over outputs of T - S^T R^-1 S, (order + 1) * inputs square; block j belongs to z^j."""
     n_in = frf.values.shape[1]
-    angle = 2 * np.pi * frf.frequency_hz * step
-    powers = np.exp(1j * np.outer(np.arange(-order, order + 1), angle))
     scale = 1 / np.sqrt(np.mean(np.abs(frf.values) ** 2, axis=(1, 2), keepdims=True))
     values = frf.values * scale
     lag = np.arange(order + 1)[None, :] - np.arange(order + 1)[:, None] + order
-    r = powers.sum(axis=1).real[lag]
-    s = -np.einsum("mk,oik->oim", powers, values, optimize=True).real[..., lag]
+    r = _moments(np.ones((1, frf.frequency_hz.size)), frf.frequency_hz, 1 / (2 * step), order)[0, lag]
+    s = -_moments(values, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
     energy = np.einsum("oik,ojk->ijk", values.conj(), values, optimize=True)
-    t = np.einsum("mk,ijk->ijm", powers, energy, optimize=True).real[..., lag]
+    t = _moments(energy, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
     # (outputs, inputs, j, l) -> columns ordered by power, then input.
     s_matrix = s.transpose(0, 2, 3, 1).reshape(s.shape[0], order + 1, (order + 1) * n_in)
     t_matrix = t.transpose(2, 0, 3, 1).reshape((order + 1) * n_in, (order + 1) * n_in)
@@ -69,6 +71,42 @@ def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.floa
     whitened = linalg.solve_triangular(factor, s_matrix.transpose(1, 0, 2).reshape(order + 1, -1), lower=True)
     whitened = whitened.reshape(-1, (order + 1) * n_in)
     return t_matrix - whitened.T @ whitened
+
+
+def _places(frequency_hz: NDArray[np.float64]) -> NDArray[np.int64] | None:
+    """The lines as whole multiples of their spacing, or None if they are not, or begin far above it."""
+    spacing = (float(frequency_hz[-1]) - float(frequency_hz[0])) / (frequency_hz.size - 1)
+    exact = frequency_hz / spacing
+    whole = np.round(exact).astype(np.int64)
+    return whole if np.abs(exact - whole).max() < 1e-6 and whole[-1] <= 4 * whole.size else None
+
+
+def _circle(frequency_hz: NDArray[np.float64]) -> float:
+    """The frequency that stands at z = -1: the highest, or where that makes an FFT slow, one a little above."""
+    places = _places(frequency_hz)
+    top = float(frequency_hz[-1])
+    return top if places is None else top * fft.next_fast_len(int(places[-1]), real=True) / int(places[-1])
+
+
+def _moments(
+    values: NDArray[Any], frequency_hz: NDArray[np.float64], circle_hz: float, order: int
+) -> NDArray[np.float64]:
+    """Re sum over lines of values z^m, z = exp(j pi f / circle), for m = -order to order: (..., 2 order + 1).
+
+    Lines at whole multiples of their spacing stand on the circle like those of a DFT.
+    """
+    places, last = _places(frequency_hz), 0
+    if places is not None:
+        last = round(circle_hz * int(places[-1]) / float(frequency_hz[-1]))
+    if places is not None and last > order:
+        padded = np.zeros((*values.shape[:-1], last + 1), complex)
+        padded[..., places] = values
+        # An inverse real FFT counts every line but the two at its ends twice.
+        padded[..., [0, -1]] *= 2
+        moments = last * fft.irfft(padded, 2 * last)
+        return np.take(moments, np.arange(-order, order + 1), axis=-1, mode="wrap")
+    powers = np.exp(1j * np.pi * np.outer(frequency_hz / circle_hz, np.arange(-order, order + 1)))
+    return np.real(np.asarray(values @ powers, np.complex128))
 
 
 def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float) -> OrderPoles:
@@ -86,12 +124,10 @@ def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float
     companion = np.zeros((size, size))
     companion[: size - n_in, n_in:] = np.eye(size - n_in)
     companion[size - n_in :] = -alpha.reshape(order, n_in, n_in).transpose(1, 0, 2).reshape(n_in, size)
-    z, vectors = np.linalg.eig(companion)
+    z = np.linalg.eigvals(companion)
     with np.errstate(divide="ignore"):
         poles = np.log(z.astype(np.complex128)) / step + frf.damping_shift
     top = 2 * np.pi * frf.frequency_hz[-1]
     keep = (poles.imag > 2 * np.pi * frf.frequency_hz[0]) & (poles.imag < top) & np.isfinite(poles)
-    ranked = np.argsort(poles[keep].imag)
-    return OrderPoles(
-        order, np.asarray(poles[keep][ranked], np.complex128), vectors[:n_in, keep][:, ranked].astype(np.complex128)
-    )
+    kept = np.asarray(poles[keep], np.complex128)
+    return OrderPoles(order, kept[np.argsort(kept.imag)])

@@ -108,6 +108,15 @@ def solve_at(problem: Problem, parameters: Parameters, noise: Real | None = None
         IdentificationError: two columns of the model cannot be told apart in these data.
     """
     groups = tuple(_solve_group(problem, parameters, g) for g in range(problem.n_inputs))
+    return _point(problem, parameters, groups, noise)
+
+
+def with_own_noise(problem: Problem, point: Point) -> Point:
+    """The same point, its noise taken from its residuals: all outputs share the columns, so nothing else changes."""
+    return _point(problem, point.parameters, point.groups, None)
+
+
+def _point(problem: Problem, parameters: Parameters, groups: tuple[GroupSolution, ...], noise: Real | None) -> Point:
     squares = np.sum([np.sum(g.residual**2, axis=0) for g in groups], axis=0)
     if noise is None:
         rows = sum(g.residual.shape[0] - g.r.shape[0] for g in groups)

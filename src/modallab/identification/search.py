@@ -8,7 +8,7 @@ from scipy import linalg
 
 from modallab.errors import IdentificationError
 from modallab.identification.normal_matrix import normal_equations
-from modallab.identification.projection import Parameters, Point, Problem, solve_at
+from modallab.identification.projection import Parameters, Point, Problem, solve_at, with_own_noise
 
 Real = NDArray[np.float64]
 MAX_ITERATIONS = 40
@@ -59,20 +59,25 @@ def search(
     held = 2 * start.omega.size
     for _ in range(states_first):
         trial, _ = _descend(problem, point, 1e-3, held)
-        point = point if trial is None else solve_at(problem, trial.parameters)
+        point = point if trial is None else with_own_noise(problem, trial)
     damping = 1e-3
     for done in range(max_iterations):
-        trial, damping = _descend(problem, point, damping)
+        trial, damping = _descend(problem, point, damping, worth=tolerance)
         gain = 0.0 if trial is None else point.cost - trial.cost
         if trial is not None:
-            point = solve_at(problem, trial.parameters)
+            point = with_own_noise(problem, trial)
         if gain < tolerance:
             return Refined(point, _covariance(problem, point), done + 1, settled=True)
     return Refined(point, _covariance(problem, point), max_iterations, settled=False)
 
 
-def _descend(problem: Problem, point: Point, damping: float, held: int = 0) -> tuple[Point | None, float]:
-    """One step, with the first `held` parameters held; the point it leads to, or None if none is better."""
+def _descend(
+    problem: Problem, point: Point, damping: float, held: int = 0, worth: float = 0.0
+) -> tuple[Point | None, float]:
+    """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
+
+    A step that promises a gain below `worth` is not taken.
+    """
     matrix, gradient = normal_equations(problem, point)
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scale[:held] = 0
@@ -80,6 +85,8 @@ def _descend(problem: Problem, point: Point, damping: float, held: int = 0) -> t
     for _ in range(10):
         damped = scaled + damping * np.eye(len(scaled))
         step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
+        if step @ gradient < worth and damping <= 1e-3:
+            return None, damping
         after = _solved(problem, _moved(problem, point.parameters, step), point.noise)
         if after is not None and after.cost <= point.cost:
             return after, max(damping / 10, 1e-9)

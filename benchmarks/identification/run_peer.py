@@ -1,0 +1,90 @@
+"""One peer on one case, in the peers' own environment: reads FRFs from a file, prints poles, time and memory as JSON.
+
+    <peers>/bin/python run_peer.py PEER CASE.npz ORDER
+
+Each peer is used as its documentation shows. Where it asks its user to pick poles, the true frequencies are given to it
+(`wanted_hz`), which no user has: what is compared is its estimates, not the picking.
+"""
+
+import contextlib
+import io
+import json
+import resource
+import sys
+import time
+
+import numpy as np
+
+
+def sdypy(frequency_hz, mobility, wanted_hz, order):
+    from sdypy import EMA
+
+    model = EMA.Model(
+        mobility.reshape(-1, frequency_hz.size),
+        frequency_hz,
+        lower=max(1.0, 0.5 * wanted_hz.min()),
+        upper=frequency_hz[-1],
+        pol_order_high=order,
+        frf_form="mobility",
+    )
+    model.get_poles(method="lscf", show_progress=False)
+    model.select_closest_poles(list(wanted_hz), f_window=20)
+    return np.asarray(model.nat_freq), np.asarray(model.nat_xi)
+
+
+def sdynpy(frequency_hz, mobility, wanted_hz, order):
+    import sdynpy as sdpy
+    from sdynpy.modal import PolyPy
+
+    n_out, n_in, _ = mobility.shape
+    outputs = sdpy.coordinate_array(np.arange(1, n_out + 1), 3)
+    inputs = sdpy.coordinate_array(np.arange(1, n_in + 1) * 1000, 3)
+    coordinates = np.stack([np.repeat(outputs[:, None], n_in, axis=1), np.repeat(inputs[None], n_out, axis=0)], axis=-1)
+    frfs = sdpy.data_array(sdpy.data.FunctionTypes.FREQUENCY_RESPONSE_FUNCTION, frequency_hz, mobility, coordinates)
+    fit = PolyPy(frfs, displacement_derivative=1)
+    fit.compute_poles(order)
+    stable = [p[p["freq_stable"] & p["damp_stable"]] for p in fit.pole_list]
+    picked = []
+    for wanted in wanted_hz:
+        # The highest order that holds a stable pole there: the list begins with it.
+        near = [p[np.argmin(abs(p["omega"] - 2 * np.pi * wanted))] for p in stable if p.size]
+        near = [p for p in near if abs(p["omega"] / (2 * np.pi * wanted) - 1) < 0.01]
+        picked.append((near[0]["omega"] / (2 * np.pi), near[0]["zeta"]) if near else (np.nan, np.nan))
+    return np.array(picked).T
+
+
+def pyyeti(frequency_hz, mobility, wanted_hz, order):
+    from pyyeti import era
+
+    n_lines = frequency_hz.size
+    response = np.fft.irfft(mobility, axis=-1)[..., : n_lines // 2]
+    rate = 2 * frequency_hz[-1]
+    found = era.ERA(
+        response.transpose(0, 2, 1), sr=rate, svd_tol=2 * wanted_hz.size, auto=True, show_plot=False, verbose=False
+    )
+    return np.asarray(found.freqs_hz), np.asarray(found.zeta)
+
+
+PEERS = {"sdypy": sdypy, "sdynpy": sdynpy, "pyyeti": pyyeti}
+
+
+def main() -> None:
+    name, path, order = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    data = np.load(path)
+    begin, wall = time.process_time(), time.monotonic()
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            f, zeta = PEERS[name](data["frequency_hz"], data["mobility"], data["wanted_hz"], order)
+        result = {"f": np.asarray(f, float).tolist(), "zeta": np.asarray(zeta, float).tolist()}
+    except Exception as error:  # a peer's failure is a result
+        result = {"failed": f"{type(error).__name__}: {error}"[:300]}
+    result |= {
+        "cpu_s": time.process_time() - begin,
+        "wall_s": time.monotonic() - wall,
+        "mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    }
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()
