@@ -115,7 +115,7 @@ def structural(rig: Rig) -> list[Candidate]:
         Candidate("sensor_mass", (Slot("mass_each", "log", _spread(3e-5 * mass, 0.03 * mass, 7)),), (("x", "all"),)),
         Candidate("added_mass", (Slot("mass", "log", _spread(1e-3 * mass, 0.4 * mass, 5)), along)),
         Candidate("stiffness_loss", (Slot("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along)),
-        Candidate("ground_spring", (Slot("k", "log", _spread(0.01 * ei / length**3, 20 * ei / length**3, 5)), along)),
+        Candidate("ground_spring", (Slot("k", "log", _spread(0.01 * ei / length**3, 30 * ei / length**3, 9)), along)),
         Candidate("local_damper", (Slot("c", "log", _spread(1e-3 * critical, critical, 5)), along)),
         Candidate("thermal_drift", (Slot("EI_drift", "plain", _both(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),)),
     ]

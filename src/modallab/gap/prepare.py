@@ -19,7 +19,7 @@ from modallab.schema.block import Block, Campaign
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
-REPEATS = 0.015
+REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
 """A row this far above the others is noisy."""
@@ -77,6 +77,7 @@ def prepare(campaign: Campaign) -> Prepared:
     clipped = tuple(find_clipped(blocks, noise, rail))
     masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured)
+    repeated = _repeating(blocks, noise)
     hum = find_hum(blocks, noise)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
@@ -95,8 +96,8 @@ def prepare(campaign: Campaign) -> Prepared:
         clipped,
         ringing,
         floor,
-        () if floor is not None else noisy,
-        _repeating(blocks, noise),
+        () if floor is not None else tuple(row for row in noisy if row not in repeated),
+        repeated,
         poles,
         _notes(campaign, blocks, overloaded),
     )

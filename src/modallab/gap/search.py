@@ -26,7 +26,7 @@ FLAT = 1.12
 """Rms residual below which nothing is left to explain."""
 WORTH = 0.9
 """A further effect must leave less than this share of what was left, or the search ends."""
-HOLDS = 0.35
+HOLDS = 0.15
 """An effect stays if without it more than this share of the gap would come back."""
 NEARLY = 0.01
 """Share of the first excess that counts as nearly explained."""
@@ -123,10 +123,10 @@ def _begins(bench: Bench, candidates: tuple[Candidate, ...], base: Fit, floor: f
     begins: list[Array] = []
     if floor > 0.05 and len(bench.poles) and added.effect in _MOVES_POLES:
         former = base.u[bench.free.size :]
-        begins = [s.u for s in starts(candidates, bench.free, bench.poles, 2 if len(added.slots) > 1 else 1, former)]
+        begins = [s.u for s in starts(candidates, bench.free, bench.poles, 3 if len(added.slots) > 1 else 1, former)]
     nears = [base.u]
-    if floor > 0.05 and len(bench.poles) and added.effect in _SPARES_BLOWS:
-        # Fitted to both tests at once the baseline suits neither: the blows alone know the beam without the shaker.
+    if floor > 0.05 and len(bench.poles):
+        # A large effect drags the fit so far off: the poles of the ring-down know the beam without it.
         nears.append(start(candidates[:-1], base.u[bench.free.size :], bench.free, bench.poles).u)
     return [*begins, *(_best_on_grid(bench, problem, near) for near in nears)]
 
@@ -164,7 +164,6 @@ def _relieved(bench: Bench, problem: Problem, u: Array) -> Array:
     return relieved
 
 
-_SPARES_BLOWS = frozenset({"shaker_mass", "stinger_moment"})
 _MOVES_POLES = frozenset(
     {"clamp_rotation", "clamp_translation", "sensor_mass", "added_mass", "stiffness_loss", "ground_spring"}
     | {"local_damper", "thermal_drift", "clock_error"}
@@ -174,9 +173,14 @@ _MOVES_POLES = frozenset(
 def pool(bench: Bench, fit: Fit) -> list[Candidate]:
     """The candidates worth a look after a fit: all of the bench, and those of the channels that stand out."""
     rig = bench.data.rig
-    order = np.argsort(channel_share(fit))[::-1]
-    suspects = [bench.data.channels[i] for i in order[:2]]
-    pairs = swaps(tuple(sorted(bench.data.channels[i] for i in order[:3])))
+    shares = [channel_share(fit)]
+    if len(bench.poles):
+        # A channel far off drags the fit with it; the beam the poles tell of shows it all the same.
+        u = start(fit.problem.candidates, fit.u[bench.free.size :], bench.free, bench.poles).u
+        shares.append(channel_share(replace(fit, u=u)))
+    order = list(dict.fromkeys(int(i) for s in shares for i in np.argsort(s)[::-1][:2]))
+    suspects = [bench.data.channels[i] for i in order]
+    pairs = swaps(tuple(sorted({bench.data.channels[i] for s in shares for i in np.argsort(s)[::-1][:3]})))
     found = structural(rig) + chained(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
     present = {(c.effect, c.place) for c in fit.problem.candidates}
     return [
