@@ -20,6 +20,9 @@ import numpy as np
 from cases import CASES, Case
 from ours import cramer_rao, identified
 
+from modallab.identification.criteria import mac
+from modallab.schema.model import ModalModel
+
 HERE = Path(__file__).parent
 ORDER = {"A": 60, "B": 80, "close": 40}
 PEERS = ("sdypy", "sdynpy", "pyyeti")
@@ -31,7 +34,19 @@ def ours(case: Case, order: int | None) -> dict:
     took = time.process_time() - begin
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     found = {"f": [], "zeta": []} if model is None else {"f": model.frequency_hz, "zeta": model.damping_ratio}
-    return {**found, "cpu_s": took, "mib": memory}
+    return {**found, "cpu_s": took, "mib": memory, "mac": worst_mac(case, model)}
+
+
+def worst_mac(case: Case, model: ModalModel | None) -> float:
+    """Least MAC of a found mode's shape, from its loudest input, with the true one."""
+    if model is None:
+        return float("nan")
+    values = []
+    for r, f in enumerate(model.frequency_hz):
+        true = case.truth.phi[int(np.argmin(np.abs(case.truth.frequency_hz - f)))]
+        column = model.modal_constants[r][:, np.argmax(np.sum(np.abs(model.modal_constants[r]), axis=0))]
+        values.append(float(mac(column[None], true[None, : column.size])[0, 0]))
+    return min(values)
 
 
 def peer(python: Path, name: str, case: Case, order: int) -> dict:
@@ -58,10 +73,11 @@ def line(name: str, case: Case, result: dict) -> str:
         if near.size:
             i = near[np.argmin(np.abs(f[near] - true_f))]
             errors.append((abs(f[i] / true_f - 1), abs(zeta[i] / true_z - 1)))
+    shapes = f"   worst MAC {result['mac']:.7f}" if "mac" in result else ""
     worst = 100 * np.array(errors).max(axis=0) if errors else (np.nan, np.nan)
     return (
         f"{name:8s} {len(errors):3d} of {truth.zeta.size:2d} {worst[0]:11.5f} {worst[1]:14.4f} "
-        f"{result['cpu_s']:9.2f} {result['mib']:9.0f}"
+        f"{result['cpu_s']:9.2f} {result['mib']:9.0f}{shapes}"
     )
 
 

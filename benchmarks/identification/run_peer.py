@@ -12,6 +12,7 @@ import json
 import resource
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -42,7 +43,8 @@ def sdynpy(frequency_hz, mobility, wanted_hz, order):
     coordinates = np.stack([np.repeat(outputs[:, None], n_in, axis=1), np.repeat(inputs[None], n_out, axis=0)], axis=-1)
     frfs = sdpy.data_array(sdpy.data.FunctionTypes.FREQUENCY_RESPONSE_FUNCTION, frequency_hz, mobility, coordinates)
     fit = PolyPy(frfs, displacement_derivative=1)
-    fit.compute_poles(order)
+    # Its orders are multiples of the number of inputs.
+    fit.compute_poles(np.arange(2, order // n_in + 1) * n_in)
     stable = [p[p["freq_stable"] & p["damp_stable"]] for p in fit.pole_list]
     picked = []
     for wanted in wanted_hz:
@@ -68,6 +70,14 @@ def pyyeti(frequency_hz, mobility, wanted_hz, order):
 PEERS = {"sdypy": sdypy, "sdynpy": sdynpy, "pyyeti": pyyeti}
 
 
+def peak_mib() -> float:
+    """Peak memory of this process. Linux keeps the parent's peak in `ru_maxrss` over a fork, in `VmHWM` it does not."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return next(float(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmHWM")) / 1024
+
+
 def main() -> None:
     name, path, order = sys.argv[1], sys.argv[2], int(sys.argv[3])
     data = np.load(path)
@@ -81,7 +91,7 @@ def main() -> None:
     result |= {
         "cpu_s": time.process_time() - begin,
         "wall_s": time.monotonic() - wall,
-        "mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "mib": peak_mib(),
     }
     print(json.dumps(result))
 

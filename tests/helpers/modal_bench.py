@@ -90,9 +90,10 @@ def impact_blocks(
     for point in points:
         for hit in range(hits):
             at, width = 0.05 + rng.uniform(0, 5e-4), rng.uniform(3e-3, 5e-3)
-            force = blow(n * factor, rate_hz * factor, at, width, rng.uniform(60, 120))
+            # Longer than the block: the filter must not see the block's end as a step.
+            force = blow((n + 256) * factor, rate_hz * factor, at, width, rng.uniform(60, 120))
             both = np.vstack([force, respond(system, force, point, rate_hz * factor)])
-            samples = lowpass(both, factor)
+            samples = lowpass(both, factor)[:, :n]
             if rest:
                 samples[1:] += _ringing(system, rng, rest, n, rate_hz)
             samples[0] += force_noise * rng.standard_normal(n)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.errors import DataError, IdentificationError
-from modallab.identification.impact import identify_impact
+from modallab.identification.impact import identify_impact, model_error
 from modallab.identification.options import Options
 from modallab.spectra.scale import to_signals_of
 
@@ -147,3 +147,16 @@ def test_what_is_no_impact_test_is_refused(change, says):
     signals, rig = spoiled(change)
     with pytest.raises(DataError, match=says):
         identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))
+
+
+def test_what_no_linear_modes_explain_is_said():
+    rng = np.random.default_rng(12)
+    system, rig = bench.modes(rng), bench.rig(5)
+    good = to_signals_of(bench.impact_blocks(system, rng, hits=3), rig)
+    model, fit = identify_impact(good, rig, Options(band_hz=(2.9, 400.0)))
+    assert model_error(fit, good) == pytest.approx(1, abs=0.1)
+    assert not any("silence" in note for note in model.notes)
+    bent = with_responses(good, lambda y: y + 0.002 * y**2)
+    model, fit = identify_impact(bent, rig, Options(band_hz=(2.9, 400.0)))
+    assert model_error(fit, bent) > 1.1
+    assert any("silence" in note for note in model.notes)

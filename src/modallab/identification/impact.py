@@ -39,6 +39,9 @@ STAND_INS = (1.05,)
 """A pole that begins at this multiple of the upper edge stands for the modes above."""
 MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
+SILENCE_NEEDED = 1000
+"""Samples before the blows, over all outputs and blocks, that tell the noise to some 2 %."""
+MODEL_ERROR_FROM = 1.1
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 
@@ -78,6 +81,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
             *notes,
             "The search for the poles had not settled when it was ended; the uncertainties may be too small.",
         )
+    notes = (*notes, *_model_error_notes(model_error(fit, signals)))
     readings = half_power_readings(fit, groups, rig, band, keep)
     return model_of_fit(fit, keep, rig, "impact", band, readings, notes), fit
 
@@ -155,6 +159,31 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Bl
         ]
         return Blows(blocks, None, np.repeat(np.array(noise)[:, None], width, axis=1)), ()
     return Blows(blocks, np.array(sigmas), None), _ringing_notes(ringing)
+
+
+def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
+    """How many times the noise of the silence before the blows the fit leaves over, median over outputs.
+
+    1 where the model explains the blocks; NaN where there is too little silence to tell.
+    """
+    cut = [s.responses[:, : find_blow(s.force).first] for s in signals]
+    quiet = [q - q.mean(axis=1, keepdims=True) for q in cut if q.shape[1] > 1]
+    free = sum(q.shape[1] - 1 for q in quiet)
+    if free * len(fit.point.noise) < SILENCE_NEEDED:
+        return float("nan")
+    variance = np.sum([np.sum(q**2, axis=1) for q in quiet], axis=0) / free
+    # A DFT line's real part holds half of n times the variance of a sample.
+    silence = np.sqrt(variance * signals[0].force.size / 2)
+    return float(np.median(fit.point.noise / np.maximum(silence, np.finfo(float).tiny)))
+
+
+def _model_error_notes(ratio: float) -> tuple[str, ...]:
+    if not ratio > MODEL_ERROR_FROM:
+        return ()
+    return (
+        f"The model leaves over {ratio:.3g} times the noise of the silence before the blows: something acts that no "
+        "linear modes explain. The uncertainties are too small, and weak modes may stand for what is wrong.",
+    )
 
 
 def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
