@@ -33,6 +33,15 @@ class Basis(Protocol):
         """psi, displacement (order 0) or slope (1), in kg^-1/2, (points, modes)."""
         ...
 
+    @property
+    def modes(self) -> Modes:
+        """The undamped modes behind it."""
+        ...
+
+    def project(self, rows: Floats) -> Floats | Complex:
+        """psi of loads known by what they do to each undamped mode, (loads, modes behind) to (loads, modes)."""
+        ...
+
     def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
         """Static displacement per force (put = 0) or moment (1) that all modes beyond add, (points,)."""
         ...
@@ -68,6 +77,15 @@ class ModalBasis:
     def shapes(self, x_m: Floats, order: int = 0) -> Floats:
         """At unit modal mass in kg^-1/2, (points, modes)."""
         return self.beam.shapes(x_m, len(self.omega), order)
+
+    @property
+    def modes(self) -> Modes:
+        """The undamped modes behind it."""
+        return self.beam
+
+    def project(self, rows: Floats) -> Floats:
+        """The first of them."""
+        return rows[..., : len(self.omega)]
 
     def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
         """Static flexibility of all modes beyond, (points,)."""
@@ -106,7 +124,7 @@ class DampedBasis:
     """
 
     def __init__(self, modes: Modes, zeta: Floats, dampers: Sequence[Damper], reach: float) -> None:
-        self._modes = modes
+        self.modes = modes
         self._omega = modes.omega(len(zeta))
         self._poles, self._vectors = _complex_modes(modes, self._omega, zeta, dampers, reach)
 
@@ -122,23 +140,27 @@ class DampedBasis:
 
     def shapes(self, x_m: Floats, order: int = 0) -> Complex:
         """psi, (points, modes)."""
-        return self._modes.shapes(x_m, len(self._omega), order) @ self._vectors
+        return self.modes.shapes(x_m, len(self._omega), order) @ self._vectors
+
+    def project(self, rows: Floats) -> Complex:
+        """By the complex modes' own share of each undamped one."""
+        return rows[..., : len(self._omega)] @ self._vectors
 
     def remainder(self, x_m: Floats, force_x_m: float, put: int = 0) -> Floats:
         """Static flexibility of all modes beyond, (points,)."""
         own = self.shapes(x_m) * self.shapes(np.array([force_x_m]), put) / (-self._poles * self.scale)
-        return self._modes.flexibility(x_m, force_x_m, 0, put) - own.imag.sum(axis=1)
+        return self.modes.flexibility(x_m, force_x_m, 0, put) - own.imag.sum(axis=1)
 
     @property
     def participation(self) -> Complex:
         """Integral of mass times shape, against the base's acceleration."""
-        return -self._modes.participation(len(self._omega)) @ self._vectors
+        return -self.modes.participation(len(self._omega)) @ self._vectors
 
     def base_remainder(self, x_m: Floats) -> Floats:
         """Of all real modes in the state space, less what the complex ones kept add."""
-        real = -self._modes.participation(len(self._omega)) / self._omega**2
+        real = -self.modes.participation(len(self._omega)) / self._omega**2
         own = self.shapes(x_m) * self.participation / (-self._poles * self.scale)
-        return self._modes.shapes(x_m, len(self._omega)) @ real - own.imag.sum(axis=1)
+        return self.modes.shapes(x_m, len(self._omega)) @ real - own.imag.sum(axis=1)
 
 
 def _complex_modes(

@@ -15,8 +15,8 @@ from modallab.schema.block import Campaign
 from modallab.schema.effects import Effect, Parameter, Place
 from modallab.schema.rig import Converter, Rig
 from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.effects.kinds import KINDS, allowed
-from modallab_simulators.cantilever.trial import make_trial, sound_trial
+from modallab_simulators.cantilever.effects.kinds import KINDS, OPTIONS, allowed
+from modallab_simulators.cantilever.trial import LEVELS_N, make_trial, sound_trial
 
 GAP_RANGE = (1.5, 300.0)
 _CLOSE = 0.05
@@ -37,6 +37,8 @@ _SLOPES: dict[tuple[str, str], float] = {
     ("clamp_translation", "k_trans"): -1.0,
     ("loose_mount", "hz"): -2.0,
     ("clipping", "fraction_of_peak"): -1.0,
+    ("clamp_friction", "k_slip"): -1.0,
+    ("clearance", "k_contact"): -1.0,
 }
 """How the gap of a small effect goes with its main number, on logarithms; 1 for all others."""
 
@@ -142,6 +144,7 @@ class _Shape:
         self.main: Parameter | None = next((p for p in self._kind.parameters if p.high > p.low * 1.5), None)
         self._place = _drawn_place(rig, self._rng, name)
         self._others = self._drawn_others()
+        self._tied = self._drawn_ties(rig)
         self._sign = float(self._rng.choice([-1.0, 1.0])) if self.main and self.main.signed else 1.0
         if self.main:
             low, high = self.main.bounds(rig.beam)
@@ -154,7 +157,9 @@ class _Shape:
         if self.main:
             value = self._sign * exp(size)
             parameters[self.main.name] = 1 + value if self.main.name == "gain" else value
-        ordered = {p.name: parameters[p.name] for p in self._kind.parameters}
+            parameters |= {name: share * value**power for name, (share, power) in self._tied.items()}
+        names = [*(p.name for p in self._kind.parameters), *OPTIONS.get(self._kind.name, ())]
+        ordered = {name: parameters[name] for name in names if name in parameters}
         return Effect(effect=self._kind.name, parameters=ordered, place=self._place)
 
     def _drawn_others(self) -> dict[str, float]:
@@ -163,7 +168,22 @@ class _Shape:
             "hz": float(self._rng.choice([50.0, 60.0])),
             "zeta": exp(self._rng.uniform(log(0.02), log(0.1))),
         }
-        return {p.name: drawn[p.name] for p in self._kind.parameters if p is not self.main}
+        return {p.name: drawn[p.name] for p in self._kind.parameters if p is not self.main and p.name in drawn}
+
+    def _drawn_ties(self, rig: Rig) -> dict[str, tuple[float, float]]:
+        """Numbers that go with the main one, as (share, power): share times its power."""
+        beam, rng = rig.beam, self._rng
+        assert beam is not None
+        ei = beam.youngs_modulus_pa * beam.width_m * beam.thickness_m**3 / 12
+        moment = LEVELS_N["high"] * 0.4 * beam.length_m
+        if self._kind.name == "clamp_friction":
+            ratio = rng.uniform(3.0, 8.0)
+            limit = exp(rng.uniform(log(0.02), log(0.2))) * moment * (1 - 1 / ratio)
+            return {"k_stick": (ratio, 1.0), "moment_limit": (limit, 0.0)}
+        if self._kind.name == "clearance":
+            play = exp(rng.uniform(log(0.1), log(0.5))) * moment
+            return {"gap": (play, -1.0), "k_within": (rng.uniform(6.0, 11.0) * ei / beam.length_m, 0.0)}
+        return {}
 
     def _room(self, rig: Rig) -> float:
         """How far a sensor or a blow can move without leaving the beam."""

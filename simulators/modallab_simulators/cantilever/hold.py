@@ -12,18 +12,22 @@ _OFFSETS = tuple(range(-REACH, REACH + 2))
 TAPS = len(_OFFSETS)
 
 
-def step_taps(poles: NDArray[np.complex128], step_s: float) -> NDArray[np.complex128]:
+def step_taps(
+    poles: NDArray[np.complex128], step_s: float, first: float = 0.0, last: float = 1.0
+) -> NDArray[np.complex128]:
     """Integral of exp(p (T - s)) u(s) over one step T, as weights on the force samples about it, (poles, TAPS).
+
+    With `first` and `last` the integral over that share of the step, of exp(p (last T - s)) u(s).
 
     Between samples u is the polynomial through the ten nearest, which up to a tenth of the internal rate is the
     band-limited signal to 3e-6. A first-order hold would err by 3 % there, and let images of the force through.
     The integral is exact to rounding (Gauss-Legendre).
     """
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    at = (nodes + 1) / 2
+    at = first + (last - first) * (nodes + 1) / 2
     basis = np.stack([_lagrange(at, k, _OFFSETS) for k in _OFFSETS])
-    kernel: NDArray[np.complex128] = np.exp(np.multiply.outer(poles, (1 - at) * step_s))
-    return (kernel * (weights * step_s / 2)) @ basis.T.astype(np.complex128)
+    kernel: NDArray[np.complex128] = np.exp(np.multiply.outer(poles, (last - at) * step_s))
+    return (kernel * (weights * (step_s * (last - first) / 2))) @ basis.T.astype(np.complex128)
 
 
 def _lagrange(at: NDArray[np.float64], k: int, offsets: tuple[int, ...]) -> NDArray[np.float64]:

@@ -11,9 +11,12 @@ from modallab_simulators.cantilever.chain import Chain, Hum
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.effects.injected import Injected
+from modallab_simulators.cantilever.effects.nonlinear import drag_of, elements_of
+from modallab_simulators.cantilever.effects.structure import on_root
+from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
-from modallab_simulators.cantilever.structure import Drive, Floats, Structure
+from modallab_simulators.cantilever.structure import Drive, Floats, Moving, Structure
 from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
 from modallab_simulators.cantilever.truth import Truth, oversampling
 
@@ -41,7 +44,7 @@ class Site:
         """Between internal samples."""
         return 1 / (self.rate_hz * self.oversample)
 
-    def age(self, bench_s: float, *, exactly: bool = False) -> Structure:
+    def age(self, bench_s: float, *, exactly: bool = False) -> Moving:
         """The structure after some bench time: anew at a start, and else where a drift has gone on a good deal."""
         if not self._truth.drift:
             return self.structure
@@ -74,7 +77,7 @@ class Site:
         rails = self._sound_chain.volts_per_count * self._sound_chain.high
         return _HEADROOM / float(np.max(peaks / rails))
 
-    def _peaks(self, structure: Structure, chain: Chain, width_s: float, x_m: float) -> Floats:
+    def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Floats:
         """Of a blow of 1 N, in V, (rows,)."""
         first, count = structure.times(0)
         unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
@@ -82,7 +85,7 @@ class Site:
         return np.max(np.abs(seen), axis=1) * np.abs(chain.volts_per_si)
 
     @cached_property
-    def _sound(self) -> Structure:
+    def _sound(self) -> Moving:
         if not self._truth.effects.effects:
             return self.structure
         return self._built(replace(self._truth, effects=Injected()), 0.0)
@@ -91,9 +94,12 @@ class Site:
     def _sound_chain(self) -> Chain:
         return Chain.of(self._rig, self._test, Injected())
 
-    def _built(self, truth: Truth, progress: float) -> Structure:
+    def _built(self, truth: Truth, progress: float) -> Moving:
         basis = truth.basis(self.rate_hz, self._test, progress, self.oversample)
-        return Structure(basis, outputs_of(self._rig, truth.effects), self.rate_hz, self.oversample)
+        linear = Structure(basis, outputs_of(self._rig, truth.effects), self.rate_hz, self.oversample)
+        elements = elements_of(on_root(truth.beam_at(progress), truth.effects), truth.effects)
+        drag = drag_of(truth.effects, truth.true.beam.length_m)
+        return FedStructure(linear, elements, drag, self.step_s) if elements or drag else linear
 
     def _clipped(self, chain: Chain) -> Chain:
         for effect in self._truth.effects.of("clipping"):

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.structure import BLOCK, Structure
+from modallab_simulators.cantilever.structure import BLOCK, Drive, Moving
 
-StructureAt = Callable[[int], Structure]
+StructureAt = Callable[[int], Moving]
 """The structure as it is in a stretch."""
 
 
@@ -52,7 +52,7 @@ class SampleStream:
             if passed != self._block:
                 self._step_to(passed)
             if self._counts is None:
-                self._advance()
+                self._after = self._structure.pass_over(self._before, self._drives())
                 # What follows starts from this stretch's end; it need not be computed again.
                 self._counts = self._passed
         self.position = max(self.position, position)
@@ -77,13 +77,12 @@ class SampleStream:
         self._counts = None
 
     def _compute(self) -> NDArray[np.generic]:
-        seen = self._advance()
+        seen, self._after = self._structure.advance(self._before, self._drives())
         times = (self._block * BLOCK + np.arange(BLOCK)) / self._rate_hz
         self._counts = self._chain.convert(seen, self._noise, times)
         return self._counts
 
-    def _advance(self) -> NDArray[np.float64]:
+    def _drives(self) -> list[Drive]:
         first, count = self._structure.times(self._block)
         self._excitation.forget(first * self._step_s)
-        seen, self._after = self._structure.advance(self._before, self._excitation.drives(first, count, self._step_s))
-        return seen
+        return self._excitation.drives(first, count, self._step_s)

@@ -12,7 +12,7 @@ at the filter's far end and of the force samples since. The state is all a stret
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,20 @@ BLOCK = 960
 _TINY = 1e-150
 _PLAIN = Sensor()
 
-Load = Literal["force", "moment", "base"]
+Load = Literal["force", "moment", "base", "spread"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Spread:
+    """A load spread along the beam.
+
+    Attributes:
+        psi: what it puts into each oscillator, (modes,).
+        rest: what all modes beyond add statically at each output's place, (outputs,).
+    """
+
+    psi: Floats | Complex
+    rest: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +76,9 @@ class Drive:
         x_m: where.
         force_n: on the internal samples of `Structure.times`; of a moment in N m, of the base in m/s^2.
         volts_per_n: of the generator behind it; 0 for a hammer.
-        load: a force, a moment, or an acceleration of the base.
+        load: a force, a moment, an acceleration of the base, or a load spread along the beam.
         seen: whether the force transducer feels it.
+        spread: which, if it is.
     """
 
     x_m: float
@@ -72,6 +86,42 @@ class Drive:
     volts_per_n: float = 0.0
     load: Load = "force"
     seen: bool = True
+    spread: Spread | None = None
+
+
+class Moving(Protocol):
+    """A structure in time, with a state of whatever kind."""
+
+    @property
+    def oversample(self) -> int:
+        """Internal samples per delivered one."""
+        ...
+
+    @property
+    def latency(self) -> int:
+        """Delivered samples by which the force is delayed."""
+        ...
+
+    @property
+    def at_rest(self) -> Any:
+        """The state of a beam that has never moved."""
+        ...
+
+    def taken_over(self, other: Any, state: Any) -> Any:
+        """This structure's state where every mode moves as another's does."""
+        ...
+
+    def times(self, block: int) -> tuple[int, int]:
+        """First internal sample and number of those whose force a stretch needs."""
+        ...
+
+    def advance(self, state: Any, drives: Sequence[Drive]) -> tuple[Floats, Any]:
+        """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
+        ...
+
+    def pass_over(self, state: Any, drives: Sequence[Drive]) -> Any:
+        """The state after a stretch of which nobody wants the outputs."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,7 +137,7 @@ class Structure:
     """Turns forces into what the converter sees, one stretch of BLOCK delivered samples after another."""
 
     def __init__(self, basis: Basis, outputs: Sequence[Output], rate_hz: float, oversample: int) -> None:
-        self.oversample = oversample
+        self._oversample = oversample
         self._step_s = 1 / (rate_hz * oversample)
         self._basis = basis
         self._outputs = tuple(outputs)
@@ -106,7 +156,22 @@ class Structure:
         seen = self._gains * tails
         self._seen = np.stack([seen.imag, seen.real], axis=2).reshape(len(outputs), -1)
         self._drive_taps = state_taps(self._poles, self._step_s, oversample)
-        self._inputs: dict[tuple[float, float, Load, bool], tuple[Complex, Complex]] = {}
+        self._inputs: dict[tuple[float, float, Load, bool, Spread | None], tuple[Complex, Complex]] = {}
+
+    @property
+    def oversample(self) -> int:
+        """Internal samples per delivered one."""
+        return self._oversample
+
+    @property
+    def basis(self) -> Basis:
+        """What is integrated in time."""
+        return self._basis
+
+    @property
+    def places_m(self) -> Floats:
+        """Where each output is, (outputs,)."""
+        return self._x
 
     @property
     def latency(self) -> int:
@@ -129,8 +194,8 @@ class Structure:
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
-        first = (block * BLOCK - self._span - 1) * self.oversample
-        return first, (BLOCK + self._columns - 1) * self.oversample
+        first = (block * BLOCK - self._span - 1) * self._oversample
+        return first, (BLOCK + self._columns - 1) * self._oversample
 
     def advance(self, state: Complex, drives: Sequence[Drive]) -> tuple[Floats, Complex]:
         """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
@@ -143,28 +208,43 @@ class Structure:
         spectrum = np.zeros((len(self._outputs), self._fft // 2 + 1), dtype=np.complex128)
         for drive in drives:
             into, kernel = self._input(drive)
-            driving += self._modal_drive(drive.force_n, into)
+            self._put(driving, drive.force_n, into)
             spectrum += self._filtered(drive.force_n, kernel)
         states, after = self._scan.driven(state, driving)
         seen = irfft(spectrum, self._fft, axis=1)[:, self._columns - 1 : self._columns - 1 + BLOCK]
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
-    def _modal_drive(self, force: Floats, into: Complex) -> Complex:
+    def pass_over(self, state: Complex, drives: Sequence[Drive]) -> Complex:
+        """The state after a stretch of which nobody wants the outputs."""
+        if not drives:
+            return _flushed(self._scan.free(state)[1]) if state.any() else state
+        driving = np.zeros((BLOCK, len(state)), dtype=np.complex128)
+        for drive in drives:
+            self._put(driving, drive.force_n, self._input(drive)[0])
+        return _flushed(self._scan.driven(state, driving)[1])
+
+    def _put(self, driving: Complex, force: Floats, into: Complex) -> None:
+        """Add what a force puts into the oscillators between delivered samples."""
         width = self._drive_taps.shape[0]
-        windows = np.lib.stride_tricks.sliding_window_view(force, width)[self.oversample - REACH :: self.oversample]
-        driving = np.ascontiguousarray(windows[:BLOCK]) @ self._drive_taps.view(np.float64)
-        return driving.view(np.complex128) * into
+        windows = np.lib.stride_tricks.sliding_window_view(force, width)[self._oversample - REACH :: self._oversample]
+        windows = np.ascontiguousarray(windows[:BLOCK])
+        only = np.flatnonzero(into)
+        if len(only) == len(into):
+            driving += (windows @ self._drive_taps.view(np.float64)).view(np.complex128) * into
+        else:
+            taps = np.ascontiguousarray(self._drive_taps[:, only]).view(np.float64)
+            driving[:, only] += (windows @ taps).view(np.complex128) * into[only]
 
     def _filtered(self, force: Floats, kernel: Complex) -> Complex:
-        phases = np.ascontiguousarray(force.reshape(-1, self.oversample).T)
+        phases = np.ascontiguousarray(force.reshape(-1, self._oversample).T)
         return np.einsum("cjf,jf->cf", kernel, rfft(phases, self._fft, axis=1))
 
     def _filters_of(self) -> dict[float, _Filter]:
-        wait = self._wait * self.oversample
+        wait = self._wait * self._oversample
         filters: dict[float, _Filter] = {}
         for later_s in dict.fromkeys(o.later_s for o in self._outputs):
-            taps = lowpass(self.oversample, later_s / self._step_s, wait)
+            taps = lowpass(self._oversample, later_s / self._step_s, wait)
             filters[later_s] = _Filter(taps, *modal_taps(self._poles, self._step_s, taps))
         return filters
 
@@ -184,7 +264,7 @@ class Structure:
         return gains
 
     def _input(self, drive: Drive) -> tuple[Complex, Complex]:
-        key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen)
+        key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen, drive.spread)
         if key not in self._inputs:
             if len(self._inputs) > 64:
                 self._inputs.clear()
@@ -195,7 +275,9 @@ class Structure:
     def _coupling(self, drive: Drive) -> tuple[Complex, Floats]:
         """What a unit load puts into each oscillator, (poles,), and at once into each output, (outputs, 3)."""
         basis, at = self._basis, np.array([drive.x_m])
-        if drive.load == "base":
+        if drive.spread is not None:
+            psi, rest = drive.spread.psi, drive.spread.rest
+        elif drive.load == "base":
             psi, rest = basis.participation, basis.base_remainder(self._x)
         else:
             put = 1 if drive.load == "moment" else 0
@@ -224,9 +306,9 @@ class Structure:
         return np.array(rows)
 
     def _kernel(self, taps: Floats) -> Complex:
-        padded = np.zeros((len(taps), self._columns * self.oversample))
-        padded[:, self.oversample - REACH : self.oversample - REACH + taps.shape[1]] = taps
-        phases = padded.reshape(len(taps), self._columns, self.oversample)[:, ::-1].transpose(0, 2, 1)
+        padded = np.zeros((len(taps), self._columns * self._oversample))
+        padded[:, self._oversample - REACH : self._oversample - REACH + taps.shape[1]] = taps
+        phases = padded.reshape(len(taps), self._columns, self._oversample)[:, ::-1].transpose(0, 2, 1)
         return rfft(np.ascontiguousarray(phases), self._fft, axis=2)
 
 

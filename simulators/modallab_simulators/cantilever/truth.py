@@ -38,7 +38,7 @@ class Truth:
 
     def modes(self, test: Test, progress: float = 0.0) -> Modes:
         """The undamped structure in a test, at a share of the campaign's time."""
-        return modes_of(self._beam_at(progress), self.effects, self.rig, test)
+        return modes_of(self.beam_at(progress), self.effects, self.rig, test)
 
     def basis(self, rate_hz: float, test: Test, progress: float, oversample: int) -> Basis:
         """The modes that are integrated in time at a delivered rate: those to 0.4 of the internal rate."""
@@ -62,7 +62,8 @@ class Truth:
         """The relative change of EI over the campaign."""
         return self.effects.number("thermal_drift", "EI_drift", 0.0)
 
-    def _beam_at(self, progress: float) -> CantileverBeam:
+    def beam_at(self, progress: float) -> CantileverBeam:
+        """The bare beam at a share of the campaign's time."""
         beam, change = self.true.beam, 1 + self.drift * progress
         if change == 1:
             return beam

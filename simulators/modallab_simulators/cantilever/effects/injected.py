@@ -61,8 +61,11 @@ def inject(effects: Sequence[Effect], rig: Rig) -> Injected:
     """
     problems: list[str] = []
     placed = tuple(_at_shaker(e, rig, problems) for e in effects)
+    if sum(e.effect in ("clamp_friction", "clearance") for e in placed) > 1:
+        problems.append("clamp_friction and clearance are both the joint at the root; allowed: one of them")
     for place, effect in enumerate(placed):
         problems += _channel_problems(effect, rig)
+        problems += _number_problems(effect, rig)
         problems += _repeated(effect, placed[:place])
     if problems:
         raise ConfigurationError("\n".join(problems), remedy="correct the effects in the bench's address")
@@ -90,6 +93,16 @@ def _channel_problems(effect: Effect, rig: Rig) -> list[str]:
         elif effect.effect == "position_error":
             found += _off_the_beam(effect, row, rig)
     return found
+
+
+def _number_problems(effect: Effect, rig: Rig) -> list[str]:
+    numbers = effect.parameters
+    if effect.effect == "clamp_friction" and numbers["k_stick"] <= numbers["k_slip"]:
+        return [f"clamp_friction: k_stick is {numbers['k_stick']:g}; allowed: above k_slip, {numbers['k_slip']:g}"]
+    moving = {"velocity", "displacement"} & {c.quantity for c in rig.channels}
+    if effect.effect == "floor_vibration" and moving:
+        return ["floor_vibration: the rig has velocity or displacement channels; allowed: accelerometers only"]
+    return []
 
 
 def _off_the_beam(effect: Effect, row: int, rig: Rig) -> list[str]:

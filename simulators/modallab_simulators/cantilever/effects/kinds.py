@@ -10,9 +10,14 @@ OUTSIDE: Mapping[str, EffectKind] = {}
 
 KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **OUTSIDE}
 
-OPTIONS: Mapping[str, tuple[str, ...]] = {"thermal_drift": ("over_s",), "clipping": ("peak_v",)}
+OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "thermal_drift": ("over_s",),
+    "clipping": ("peak_v",),
+    "clearance": ("k_within",),
+}
 """Numbers that say how this bench plays an effect, and are no part of the effect: over how many seconds of bench time a
-drift runs; what a channel would reach, if the bench shall not work it out from its hardest blow."""
+drift runs; what a channel would reach, if the bench shall not work it out from its hardest blow; what still holds the
+root within the play."""
 
 LIMITS: Mapping[str, tuple[float, float]] = {
     "EI_loss": (0.0, 0.99),

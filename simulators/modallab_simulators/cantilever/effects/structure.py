@@ -1,5 +1,6 @@
 """The true structure with its linear effects: roots, losses of stiffness, attachments, dampers."""
 
+from dataclasses import replace
 from math import inf
 
 from modallab.schema.rig import Rig
@@ -9,12 +10,13 @@ from modallab_simulators.cantilever.basis import Damper
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam, Loss
 from modallab_simulators.cantilever.effects.injected import Injected
+from modallab_simulators.cantilever.effects.nonlinear import joint_stiffness
 from modallab_simulators.cantilever.modes import Modes
 
 
 def modes_of(beam: CantileverBeam, effects: Injected, rig: Rig, test: Test) -> Modes:
     """The undamped modes of the structure in one test; the bare beam if nothing of it is changed."""
-    beam = _on_root(beam, effects)
+    beam = on_root(beam, effects)
     length = beam.length_m
     losses = [Loss(_x(e.place) * length, e.parameters["EI_loss"]) for e in effects.of("stiffness_loss")]
     bare: Modes = CrackedBeam(beam, losses) if losses else beam
@@ -28,14 +30,13 @@ def dampers_of(effects: Injected, length_m: float) -> tuple[Damper, ...]:
     return tuple(Damper(_x(e.place) * length_m, e.parameters["c"]) for e in effects.of("local_damper"))
 
 
-def _on_root(beam: CantileverBeam, effects: Injected) -> CantileverBeam:
-    # The root's own spring and that of the effect are in series.
-    k_rot = effects.number("clamp_rotation", "k_rot", inf)
-    if k_rot == inf:
+def on_root(beam: CantileverBeam, effects: Injected) -> CantileverBeam:
+    """The beam on all that turns at its root: its own spring, that of the effect, a joint at its stiffest."""
+    added = [effects.number("clamp_rotation", "k_rot", inf), joint_stiffness(effects)]
+    if min(added) == inf:
         return beam
     own = 0.0 if beam.kappa == inf else 1 / beam.kappa
-    added = beam.bending_stiffness_n_m2 / beam.length_m / k_rot
-    return CantileverBeam(beam.length_m, beam.bending_stiffness_n_m2, beam.mass_kg_m, 1 / (own + added))
+    return replace(beam, kappa=1 / (own + sum(beam.bending_stiffness_n_m2 / beam.length_m / k for k in added)))
 
 
 def _attachments(effects: Injected, rig: Rig, length: float) -> list[Attachment]:

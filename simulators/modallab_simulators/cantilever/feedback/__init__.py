@@ -1,0 +1,1 @@
+"""Local nonlinear forces, fed back to the modes at every internal step."""
