@@ -7,6 +7,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
+# As `make` and the commands do: before anything imports NumPy, which reads it once.
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
 
 @pytest.fixture(scope="session")
 def practice() -> Path:

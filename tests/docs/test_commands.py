@@ -101,7 +101,8 @@ def _run(command: list[str], folder: Path) -> list[str]:
             main(words)
         else:
             assert command[0] == "python"
-            runpy.run_path(words[0], run_name="__main__")
+            # A process it spawns looks for the script by this path, from another folder.
+            runpy.run_path(str(folder / words[0]), run_name="__main__")
     return said.getvalue().splitlines()
 
 
