@@ -1,0 +1,66 @@
+"""A small campaign made by the twin itself, block by block."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.schema.block import Block
+from modallab.schema.effects import Effect
+from modallab.schema.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.effects import apply
+from modallab.twin.predict import predict_blow, predict_sine
+from modallab.twin.structure import Structure
+
+LENGTH = 1.0
+STEP, NOISE = 10 / 32768, 0.0003
+LINES = (3, 5, 6, 12, 24, 30, 32, 40, 60, 84, 90, 108)
+
+
+def bench(rig: Rig, effects: tuple[Effect, ...]) -> Twin:
+    assert rig.beam is not None
+    structure = Structure.of(rig.beam, 0.006)
+    zeta = structure.zeta * np.linspace(0.7, 1.5, len(structure.zeta))
+    twin = Twin(replace(structure, youngs_modulus_pa=2.06e11, density_kg_m3=7840.0, zeta=zeta))
+    for effect in effects:
+        twin = apply(twin, effect, rig)
+    return twin
+
+
+def _finish(rig: Rig, block: Block, force: np.ndarray, answer: np.ndarray, rng: np.random.Generator, spoil) -> Block:
+    sensitivity = np.array([c.sensitivity(block.test) for c in rig.channels])
+    volts = np.vstack([force, answer]) * sensitivity[:, None]
+    volts = spoil(volts + NOISE * rng.standard_normal(volts.shape), block)
+    return replace(block, samples=np.clip(np.round(volts / STEP), -32768, 32767).astype(np.int16))
+
+
+def _block(rig: Rig, name: str, test: str, rate: float, point: int, **more) -> Block:
+    names = tuple(c.name for c in rig.channels)
+    empty = np.zeros((11, 1), dtype=np.int16)
+    return Block(name, test, 0, rate, empty, np.full(11, STEP), ("V",) * 11, names, drive_point=point, **more)
+
+
+def blow(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generator, spoil) -> Block:
+    n, start = 2048, 100 + int(rng.integers(0, 3))
+    force = np.zeros(n)
+    force[start : start + 9] = 60 * rng.uniform(0.8, 1.2) * np.hanning(9)
+    x = np.array([LENGTH * k / 10 for k in range(1, 11)])
+    answer = predict_blow(twin, force, 2000.0, LENGTH * point / 10, tuple(range(1, 11)), x, 0.0)
+    return _finish(
+        rig,
+        _block(rig, f"impact_p{point:02d}_{hit}", "impact", 2000.0, point),
+        force * twin.chain.force_gain,
+        answer * twin.chain.force_gain,
+        rng,
+        spoil,
+    )
+
+
+def sine(rig: Rig, twin: Twin, line: int, level: str, rng: np.random.Generator, spoil) -> Block:
+    n, hz = 1024, line / 1.024
+    amplitude = {"low": 0.1, "high": 0.4}[level] * np.exp(1j * rng.uniform(0, 2 * np.pi))
+    x = np.array([LENGTH * k / 10 for k in range(1, 11)])
+    answer = predict_sine(twin, complex(amplitude), hz, n, 1000.0, 0.4 * LENGTH, tuple(range(1, 11)), x, 0.5)
+    force = np.real(amplitude * np.exp(2j * np.pi * hz * np.arange(n) / 1000.0))
+    block = _block(rig, f"sine_{level}_{hz:07.3f}", "sine", 1000.0, 4, level=level, frequency_hz=round(hz, 3))
+    return _finish(rig, block, force * twin.chain.force_gain, answer * twin.chain.force_gain, rng, spoil)
