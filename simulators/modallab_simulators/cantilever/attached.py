@@ -38,6 +38,15 @@ class Attachment:
     stiffness: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Absorber:
+    """A mass that hangs at `x_m` on a spring."""
+
+    x_m: float
+    mass_kg: float
+    stiffness_n_m: float
+
+
 class AttachedModes:
     """A structure with attachments, behind the interface of its modes.
 
@@ -45,10 +54,19 @@ class AttachedModes:
         bare: the structure without.
         attachments: at places off the root; one on the root changes nothing.
         root_n_m: spring against which the root shifts; inf is held.
+        absorbers: masses on springs, off the root too.
     """
 
-    def __init__(self, bare: Modes, attachments: Sequence[Attachment], root_n_m: float = inf) -> None:
-        self._bare, self._root = bare, root_n_m
+    def __init__(
+        self,
+        bare: Modes,
+        attachments: Sequence[Attachment],
+        root_n_m: float = inf,
+        absorbers: Sequence[Absorber] = (),
+    ) -> None:
+        self._bare, self._root, self._absorbers = bare, root_n_m, tuple(absorbers)
+        # Where an absorber hangs, the beam needs what a load there bends.
+        attachments = [*attachments, *(Attachment(a.x_m) for a in absorbers)]
         self._at = tuple(a for a in attachments if a.x_m > _NOTHING * bare.length_m)
 
     @property
@@ -59,7 +77,8 @@ class AttachedModes:
     @property
     def total_mass_kg(self) -> float:
         """Of the beam and the masses on it."""
-        return self._bare.total_mass_kg + sum(a.mass for a in self._at if a.order == 0)
+        masses = [a.mass for a in self._at if a.order == 0] + [a.mass_kg for a in self._absorbers]
+        return self._bare.total_mass_kg + sum(masses)
 
     def omega(self, count: int) -> Floats:
         """Natural frequencies in rad/s, (count,)."""
@@ -73,9 +92,16 @@ class AttachedModes:
         """Displacement or slope of the modes, (points, count)."""
         return self._basis(x_m, order) @ self._solved[1][:, :count]
 
+    def hung_modes(self) -> list[int]:
+        """For each absorber the mode that is most its own."""
+        vectors, count = self._solved[1], len(self._absorbers)
+        hung = vectors[len(vectors) - count :]
+        return [int(np.argmax(np.abs(row))) for row in hung]
+
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,)."""
-        own = np.concatenate([self._bare.participation(KEPT), self._shift_mass, self._residual_moment])
+        hung = np.array([a.mass_kg for a in self._absorbers])
+        own = np.concatenate([self._bare.participation(KEPT), self._shift_mass, self._residual_moment, hung])
         total = own @ self._solved[1][:, :count]
         for attachment in self._at:
             if attachment.order == 0:
@@ -128,6 +154,7 @@ class AttachedModes:
         for a in self._at:
             there = self._bare.shapes(np.array([a.x_m]), KEPT, a.order)[0]
             columns.append((self._bare.flexibility(x_m, a.x_m, order, a.order) - over @ there)[:, None])
+        columns.append(np.zeros((len(x_m), len(self._absorbers))))
         return np.concatenate(columns, axis=1)
 
     @cached_property
@@ -137,21 +164,26 @@ class AttachedModes:
             row = self._basis(np.array([a.x_m]), a.order)[0]
             mass += a.mass * np.outer(row, row)
             stiffness += a.stiffness * np.outer(row, row)
+        for place, absorber in enumerate(reversed(self._absorbers), 1):
+            stretch = self._basis(np.array([absorber.x_m]), 0)[0]
+            stretch[-place] -= 1.0
+            mass[-place, -place] = absorber.mass_kg
+            stiffness += absorber.stiffness_n_m * np.outer(stretch, stretch)
         # At unit mass each, vectors of very different size can share one factorisation.
         scale = np.diag(mass) ** -0.5
         values, vectors = eigh(stiffness * np.outer(scale, scale), mass * np.outer(scale, scale))
         return np.sqrt(np.maximum(values, 0.0)), vectors * scale[:, None]
 
     def _bare_matrices(self) -> tuple[Floats, Floats]:
-        shifts, n = len(self._shift_mass), KEPT + len(self._shift_mass) + len(self._at)
+        shifts, last = len(self._shift_mass), KEPT + len(self._shift_mass) + len(self._at)
+        n = last + len(self._absorbers)
         mass, stiffness = np.eye(n), np.zeros((n, n))
         stiffness[:KEPT, :KEPT] = np.diag(self._bare.omega(KEPT) ** 2)
-        beyond = slice(KEPT + shifts, n)
+        beyond = slice(KEPT + shifts, last)
         mass[beyond, beyond] = self._beyond @ self._beyond.T
-        for column, a in enumerate(self._at):
+        for column in range(len(self._at)):
             rows = [self._basis(np.array([b.x_m]), b.order)[0, KEPT + shifts + column] for b in self._at]
             stiffness[beyond, KEPT + shifts + column] = rows
-            assert a.x_m > 0
         if shifts:
             mass[KEPT, KEPT], stiffness[KEPT, KEPT] = self._bare.total_mass_kg, self._root
             mass[KEPT, :KEPT] = mass[:KEPT, KEPT] = self._bare.participation(KEPT)

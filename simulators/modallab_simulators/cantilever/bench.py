@@ -107,13 +107,19 @@ class CantileverBench:
         self._starts += 1
         site, began_s = self._site, self._age_s
         site.age(began_s, exactly=True)
-        self._excitation = Excitation(self._shaker_x, self._settings.n_per_v, site.floor_of_start(self._starts))
+        self._excitation = Excitation(
+            self._shaker_x,
+            self._settings.n_per_v,
+            site.floor_of_start(self._starts),
+            self._truth.effects.number("amplifier_harmonics", "share", 0.0),
+        )
         self._stream = SampleStream(
             lambda block: site.age(began_s + block * BLOCK / site.rate_hz),
             site.chain_of_start(self._starts),
             self._excitation,
             site.rate_hz,
             generator(self._settings.seed, Stream.NOISE, self._starts),
+            generator(self._settings.seed, Stream.FLAWS, self._starts),
         )
         self._began_s = time.monotonic()
         self._state = "running"

@@ -1,6 +1,6 @@
 """Preamplifiers and converter: from what a row sees to counts."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Self
 
@@ -30,6 +30,21 @@ class Hum:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Luck:
+    """What chance does to a stretch of samples.
+
+    Attributes:
+        noise: (rows, n) of unit variance.
+        lost: (rows, n) which samples are lost, or None.
+        late: (n,) how late each instant is, in its own standard deviation, or None.
+    """
+
+    noise: NDArray[np.float32]
+    lost: NDArray[np.bool_] | None = None
+    late: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Chain:
     """The chain of all rows, in rig order.
 
@@ -42,6 +57,9 @@ class Chain:
         dtype: of the counts.
         clip_v: (rows,) beyond which a row goes no further.
         hum: the mains.
+        knee_v: (rows,) towards which a row saturates softly.
+        lost_share: (rows,) of the samples.
+        jitter_s: standard deviation of every instant.
     """
 
     volts_per_si: Floats
@@ -51,7 +69,10 @@ class Chain:
     high: int
     dtype: np.dtype[np.generic]
     clip_v: Floats
-    hum: Hum = field(default_factory=Hum)
+    hum: Hum
+    knee_v: Floats
+    lost_share: Floats
+    jitter_s: float
 
     @classmethod
     def of(cls, rig: Rig, test: Test, effects: Injected) -> Self:
@@ -62,15 +83,19 @@ class Chain:
         """
         converter = rig.converter or Converter()
         sensors = [rig.channels[sensor] for sensor in sensor_rows(rig, effects)]
-        full = 2 ** (converter.bits - 1)
+        full, rows = 2 ** (converter.bits - 1), range(len(rig.channels))
         return cls(
             np.array([_volts_per_si(rig, c, test) * _gain(c, effects) for c in sensors]),
             np.array([(c.range_v or converter.range_v) / full for c in rig.channels]),
-            np.array([converter.noise_rms_v * _noise(row, effects) for row in range(len(rig.channels))]),
+            np.array([converter.noise_rms_v * _row(effects, row, "noisy_channel", "factor", 1.0) for row in rows]),
             -full,
             full - 1,
             np.dtype(np.int16 if converter.bits <= 16 else np.int32),
             np.full(len(rig.channels), inf),
+            Hum(),
+            np.array([_row(effects, row, "soft_saturation", "volts", inf) for row in rows]),
+            np.array([_row(effects, row, "dropouts", "share", 0.0) for row in rows]),
+            effects.number("timing_jitter", "seconds_rms", 0.0),
         )
 
     def clipped(self, row: int, level_v: float) -> Self:
@@ -79,15 +104,28 @@ class Chain:
         levels[row] = level_v
         return replace(self, clip_v=levels)
 
-    def convert(self, seen: Floats, noise: NDArray[np.float32], times_s: Floats) -> NDArray[np.generic]:
-        """Counts of what the rows see in SI units at some times, both (rows, n); noise is of unit variance."""
+    def draw(self, noise: np.random.Generator, flaws: np.random.Generator, count: int) -> Luck:
+        """What chance does to the next `count` samples; the noise is the same whatever flaws the bench has."""
+        rows = len(self.volts_per_si)
+        lost = flaws.random((rows, count)) < self.lost_share[:, None] if self.lost_share.any() else None
+        late = flaws.standard_normal(count) if self.jitter_s else None
+        return Luck(noise.standard_normal((rows, count), dtype=np.float32), lost, late)
+
+    def convert(self, seen: Floats, luck: Luck, times_s: Floats) -> NDArray[np.generic]:
+        """Counts of what the rows see in SI units at some times, both (rows, n)."""
+        if luck.late is not None:
+            seen = seen + np.gradient(seen, times_s, axis=1) * (self.jitter_s * luck.late)
         counts = seen * (self.volts_per_si / self.volts_per_count)[:, None]
-        counts += noise * (self.noise_rms_v / self.volts_per_count).astype(np.float32)[:, None]
+        for row in np.flatnonzero(np.isfinite(self.knee_v)):
+            counts[row] /= np.sqrt(1 + (counts[row] * self.volts_per_count[row] / self.knee_v[row]) ** 2)
+        counts += luck.noise * (self.noise_rms_v / self.volts_per_count).astype(np.float32)[:, None]
         if self.hum.volts:
             counts += self.hum.on(len(seen), times_s) / self.volts_per_count[:, None]
         for row in np.flatnonzero(np.isfinite(self.clip_v)):
             level = self.clip_v[row] / self.volts_per_count[row]
             np.clip(counts[row], -level, level, out=counts[row])
+        if luck.lost is not None:
+            counts[luck.lost] = 0.0
         np.rint(counts, out=counts)
         np.clip(counts, self.low, self.high, out=counts)
         return counts.astype(self.dtype)
@@ -112,6 +150,6 @@ def _gain(channel: Channel, effects: Injected) -> float:
     return (gain.parameters["gain"] if gain else 1.0) * (sign.parameters["sign"] if sign else 1.0)
 
 
-def _noise(row: int, effects: Injected) -> float:
-    noisy = effects.on("noisy_channel", row)
-    return noisy.parameters["factor"] if noisy else 1.0
+def _row(effects: Injected, row: int, effect: str, name: str, default: float) -> float:
+    found = effects.on(effect, row)
+    return found.parameters[name] if found else default

@@ -3,7 +3,7 @@
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Channel, Rig
 from modallab_simulators.cantilever.effects.injected import Injected
-from modallab_simulators.cantilever.sensor import Sensor, high_pass, mount
+from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount
 from modallab_simulators.cantilever.structure import Output
 
 _ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -68,4 +68,7 @@ def _sensor(channel: Channel, effects: Injected) -> Sensor:
     loose = effects.on("loose_mount", channel.index)
     if loose:
         sensor = sensor.then(mount(loose.parameters["hz"], loose.parameters["zeta"]))
+    lag = effects.on("preamp_lag", channel.index)
+    if lag:
+        sensor = sensor.then(low_pass(lag.parameters["corner_hz"]))
     return sensor

@@ -30,6 +30,7 @@ class Stream(IntEnum):
     KNOCKS = 8
     EFFECT = 9
     GAP = 10
+    FLAWS = 11
 
 
 def generator(seed: int, stream: Stream, *place: int) -> np.random.Generator:

@@ -20,7 +20,8 @@ from modallab_simulators.cantilever.trial import LEVELS_N, make_trial, sound_tri
 
 GAP_RANGE = (1.5, 300.0)
 _CLOSE = 0.05
-_TRIES = 14
+_TRIES = 10
+_NARROW = 0.02
 
 PLACES: dict[str, tuple[float, float]] = {
     "added_mass": (0.3, 1.0),
@@ -29,8 +30,12 @@ PLACES: dict[str, tuple[float, float]] = {
     "ground_spring": (0.3, 1.0),
     "local_damper": (0.3, 1.0),
     "cubic_spring": (0.5, 1.0),
+    "support_resonance": (0.3, 1.0),
 }
 """Between which shares of the length an effect is put; elsewhere it would hardly show."""
+
+SEEN_BY_FORCE = frozenset({"amplifier_harmonics"})
+"""What the force channel sees opens no gap, of whatever size it is: a diagnosis had better not be misled."""
 
 _SLOPES: dict[tuple[str, str], float] = {
     ("clamp_rotation", "k_rot"): -1.0,
@@ -38,6 +43,11 @@ _SLOPES: dict[tuple[str, str], float] = {
     ("loose_mount", "hz"): -2.0,
     ("clipping", "fraction_of_peak"): -1.0,
     ("clamp_friction", "k_slip"): -1.0,
+    ("torsion", "offset"): 2.0,
+    ("cross_axis", "share"): 2.0,
+    ("preamp_lag", "corner_hz"): -1.0,
+    ("soft_saturation", "volts"): -2.0,
+    ("dropouts", "share"): 0.5,
     ("clearance", "k_contact"): -1.0,
 }
 """How the gap of a small effect goes with its main number, on logarithms; 1 for all others."""
@@ -83,6 +93,9 @@ def draw_effect(rig: Rig, seed: int, name: str, wanted: float | None = None) -> 
     ruler = _Ruler(rig, seed)
     if shape.main is None:
         return DrawnEffect(shape.at(0.0), target, ruler.gap((shape.at(0.0),)))
+    if name in SEEN_BY_FORCE:
+        effect = shape.at(generator(seed, Stream.GAP, 1).uniform(*shape.span))
+        return DrawnEffect(effect, target, ruler.gap((effect,)))
     slope = _SLOPES.get((name, shape.main.name), 1.0)
     size, gap = _solve(lambda s: ruler.gap((shape.at(s),)), shape.span, slope, target)
     return DrawnEffect(shape.at(size), target, gap)
@@ -117,7 +130,7 @@ class _Ruler:
         return sqrt(squares)
 
     def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
-        if any(e.effect == "clock_error" for e in effects):
+        if any(e.effect in ("clock_error", "amplifier_harmonics") for e in effects):
             return sound_trial(self._rig, self._seed, effects)
         if self._sound is None:
             self._sound = sound_trial(self._rig, self._seed, ())
@@ -165,10 +178,15 @@ class _Shape:
     def _drawn_others(self) -> dict[str, float]:
         drawn = {
             "sign": -1.0,
-            "hz": float(self._rng.choice([50.0, 60.0])),
+            "hz": self._drawn_hz(),
             "zeta": exp(self._rng.uniform(log(0.02), log(0.1))),
         }
         return {p.name: drawn[p.name] for p in self._kind.parameters if p is not self.main and p.name in drawn}
+
+    def _drawn_hz(self) -> float:
+        if self._kind.name == "mains_hum":
+            return float(self._rng.choice([50.0, 60.0]))
+        return exp(self._rng.uniform(log(10.0), log(100.0)))
 
     def _drawn_ties(self, rig: Rig) -> dict[str, tuple[float, float]]:
         """Numbers that go with the main one, as (share, power): share times its power."""
@@ -237,7 +255,7 @@ def _solve(
         off = log(max(gap(size), 1e-12) / wanted)
         met.append((size, off))
         below, above = (size, above) if off < 0 else (below, size)
-        if abs(off) < log(1 + _CLOSE) or abs(above - below) < 1e-3:
+        if abs(off) < log(1 + _CLOSE) or abs(above - below) < _NARROW:
             break
         guess = size - off / _slope(met, slope)
         inside = min(below, above) < guess < max(below, above)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from modallab_simulators.cantilever.effects.outside import AMPLIFIER_V
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Blow
 from modallab_simulators.cantilever.shaker import Emission
@@ -11,10 +12,13 @@ from modallab_simulators.cantilever.structure import Drive
 class Excitation:
     """The timeline of all forces, in seconds since the stream began."""
 
-    def __init__(self, shaker_x_m: float | None, n_per_v: float, floor: Floor | None = None) -> None:
+    def __init__(
+        self, shaker_x_m: float | None, n_per_v: float, floor: Floor | None = None, harmonics: float = 0.0
+    ) -> None:
         self._shaker_x_m = shaker_x_m
         self._n_per_v = n_per_v
         self._floor = floor
+        self._harmonics = harmonics
         self._blows: list[Blow] = []
         self._emissions: list[Emission] = []
 
@@ -53,4 +57,7 @@ class Excitation:
         if emissions and self._shaker_x_m is not None:
             volts = np.sum([e.volts(times) for e in emissions], axis=0)
             drives.append(Drive(self._shaker_x_m, volts * self._n_per_v, 1 / self._n_per_v))
+            if self._harmonics:
+                bent = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
+                drives.append(Drive(self._shaker_x_m, bent * self._n_per_v))
         return drives + shaking

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_simulators.cantilever.chain import Chain
+from modallab_simulators.cantilever.chain import Chain, Luck
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.structure import BLOCK, Drive, Moving
 
@@ -21,16 +21,22 @@ class SampleStream:
     """
 
     def __init__(
-        self, structure_at: StructureAt, chain: Chain, excitation: Excitation, rate_hz: float, rng: np.random.Generator
+        self,
+        structure_at: StructureAt,
+        chain: Chain,
+        excitation: Excitation,
+        rate_hz: float,
+        rng: np.random.Generator,
+        flaws: np.random.Generator,
     ) -> None:
         self.position = 0
         self._structure_at, self._structure = structure_at, structure_at(0)
-        self._chain, self._excitation, self._rng = chain, excitation, rng
+        self._chain, self._excitation, self._rng, self._flaws = chain, excitation, rng, flaws
         self._rate_hz = rate_hz
         self._step_s = 1 / (rate_hz * self._structure.oversample)
         self._block = -1
         self._before = self._after = self._structure.at_rest
-        self._noise = np.zeros((0, 0), dtype=np.float32)
+        self._luck = Luck(np.zeros((0, 0), dtype=np.float32))
         self._counts: NDArray[np.generic] | None = None
         self._passed = np.zeros((0, 0), dtype=np.int16)
 
@@ -73,13 +79,13 @@ class SampleStream:
         if structure is not self._structure:
             self._after, self._structure = structure.taken_over(self._structure, self._after), structure
         self._block, self._before = block, self._after
-        self._noise = self._rng.standard_normal((len(self._chain.volts_per_si), BLOCK), dtype=np.float32)
+        self._luck = self._chain.draw(self._rng, self._flaws, BLOCK)
         self._counts = None
 
     def _compute(self) -> NDArray[np.generic]:
         seen, self._after = self._structure.advance(self._before, self._drives())
         times = (self._block * BLOCK + np.arange(BLOCK)) / self._rate_hz
-        self._counts = self._chain.convert(seen, self._noise, times)
+        self._counts = self._chain.convert(seen, self._luck, times)
         return self._counts
 
     def _drives(self) -> list[Drive]:

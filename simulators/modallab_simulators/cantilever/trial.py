@@ -70,7 +70,8 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
     A force channel with a wrong gain is the one thing it does not follow.
     """
     clocks = [e.parameters["relative"] for e in effects if e.effect == "clock_error"]
-    visit = _Visit(rig, seed, (), 1 + sum(clocks))
+    forces = [e for e in effects if e.effect == "amplifier_harmonics"]
+    visit = _Visit(rig, seed, forces, 1 + sum(clocks))
     return Campaign(rig, tuple(visit.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 

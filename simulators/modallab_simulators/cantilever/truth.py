@@ -5,17 +5,18 @@ from dataclasses import dataclass, replace
 from math import ceil, pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 from modallab_simulators.cantilever.address import Settings
-from modallab_simulators.cantilever.attached import KEPT
+from modallab_simulators.cantilever.attached import KEPT, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, DampedBasis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
 from modallab_simulators.cantilever.effects.injected import Injected, inject
-from modallab_simulators.cantilever.effects.structure import dampers_of, modes_of
+from modallab_simulators.cantilever.effects.structure import SIDE_ZETA, beside, dampers_of, modes_of
 from modallab_simulators.cantilever.modes import Modes
 
 BAND_HZ = 1000.0
@@ -54,8 +55,18 @@ class Truth:
             )
         dampers = dampers_of(self.effects, modes.length_m)
         if dampers:
-            return DampedBasis(modes, draw_damping(self.seed, KEPT, self.zeta), dampers, reach)
-        return ModalBasis(modes, modes.omega(count), draw_damping(self.seed, count, self.zeta))
+            basis: Basis = DampedBasis(modes, self._damping(modes, KEPT), dampers, reach)
+        else:
+            basis = ModalBasis(modes, modes.omega(count), self._damping(modes, count))
+        return beside(basis, self.true, self.effects, self.rig, reach)
+
+    def _damping(self, modes: Modes, count: int) -> NDArray[np.float64]:
+        """Damping ratios of the modes: the beam's own keep theirs where an absorber's stands among them, (count,)."""
+        zeta = draw_damping(self.seed, count, self.zeta)
+        hung = sorted(modes.hung_modes()) if isinstance(modes, AttachedModes) else []
+        for place in hung:
+            zeta = np.insert(zeta, place, SIDE_ZETA) if place < count else zeta
+        return zeta[:count]
 
     @property
     def drift(self) -> float:
@@ -81,7 +92,7 @@ class Truth:
         return {
             "seed": str(self.seed),
             "frequency_hz": json.dumps((modes.omega(count) / (2 * pi)).tolist()),
-            "damping_ratio": json.dumps(draw_damping(self.seed, count, self.zeta).tolist()),
+            "damping_ratio": json.dumps(self._damping(modes, count).tolist()),
             "points": json.dumps([p.id for p in self.rig.points]),
             "shapes_per_sqrt_kg": json.dumps(shapes.tolist()),
             "youngs_modulus_pa": repr(self.true.youngs_modulus_pa),

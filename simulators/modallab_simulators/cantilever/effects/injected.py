@@ -49,8 +49,21 @@ def told(effect: Effect) -> dict[str, object]:
     }
 
 
-_SEVERAL = frozenset({"added_mass", "stiffness_loss", "ground_spring", "local_damper"})
-_PER_CHANNEL = frozenset({"gain_error", "polarity", "noisy_channel", "position_error", "loose_mount", "clipping"})
+_SEVERAL = frozenset(
+    {
+        "added_mass",
+        "stiffness_loss",
+        "ground_spring",
+        "local_damper",
+        "cubic_spring",
+        "breathing_crack",
+        "support_resonance",
+    }
+)
+
+
+def _per_channel(name: str) -> bool:
+    return KINDS[name].place == "channel"
 
 
 def inject(effects: Sequence[Effect], rig: Rig) -> Injected:
@@ -120,7 +133,7 @@ def _repeated(effect: Effect, before: Sequence[Effect]) -> list[str]:
     for other in before:
         if other.effect != effect.effect or effect.effect in _SEVERAL:
             continue
-        if effect.effect not in _PER_CHANNEL:
+        if not _per_channel(effect.effect):
             return [f"{effect.effect} occurs twice; allowed: once"]
         if other.place == effect.place:
             return [f"{effect.effect} occurs twice on row {effect.place['channel']}; allowed: once a row"]

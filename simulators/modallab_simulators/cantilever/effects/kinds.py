@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from math import inf
 
-from modallab.schema.effects import CATALOGUE, EffectKind, Parameter
-
-OUTSIDE: Mapping[str, EffectKind] = {}
-"""Effects with a name of their own here, for practising what no catalogue names."""
+from modallab.schema.effects import CATALOGUE, EffectKind
+from modallab_simulators.cantilever.effects.outside import OUTSIDE
 
 KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **OUTSIDE}
 
@@ -29,6 +27,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "seconds": (0.0, 0.02),
     "seconds_per_channel": (0.0, 0.001),
     "sign": (-1.0, -1.0),
+    "share": (0.0, 1.0),
 }
 """Beyond these a number makes no sense, or no bench."""
 
@@ -39,8 +38,3 @@ def allowed(kind: EffectKind, name: str) -> tuple[float, float]:
         return LIMITS[name]
     signed = any(p.name == name and p.signed for p in kind.parameters)
     return (-inf if signed else 0.0), inf
-
-
-def needed(kind: EffectKind) -> tuple[Parameter, ...]:
-    """The parameters an effect must be given."""
-    return kind.parameters

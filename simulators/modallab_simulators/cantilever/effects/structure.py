@@ -1,17 +1,26 @@
 """The true structure with its linear effects: roots, losses of stiffness, attachments, dampers."""
 
+from collections.abc import Mapping
 from dataclasses import replace
-from math import inf
+from math import inf, pi
+
+import numpy as np
 
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
-from modallab_simulators.cantilever.attached import AttachedModes, Attachment
-from modallab_simulators.cantilever.basis import Damper
+from modallab_simulators.cantilever.attached import Absorber, AttachedModes, Attachment
+from modallab_simulators.cantilever.basis import Basis, Damper, JoinedBasis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam, Loss
+from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effects.injected import Injected
 from modallab_simulators.cantilever.effects.nonlinear import joint_stiffness
 from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.preloaded import PreloadedModes
+from modallab_simulators.cantilever.torsion import TorsionBar
+
+SIDE_ZETA = 0.004
+"""Damping ratio of modes that are none of bending in the drive's direction."""
 
 
 def modes_of(beam: CantileverBeam, effects: Injected, rig: Rig, test: Test) -> Modes:
@@ -20,9 +29,36 @@ def modes_of(beam: CantileverBeam, effects: Injected, rig: Rig, test: Test) -> M
     length = beam.length_m
     losses = [Loss(_x(e.place) * length, e.parameters["EI_loss"]) for e in effects.of("stiffness_loss")]
     bare: Modes = CrackedBeam(beam, losses) if losses else beam
+    preload = effects.number("axial_preload", "force", 0.0)
+    bare = PreloadedModes(bare, preload) if preload else bare
     attachments = [*_attachments(effects, rig, length), *(_at_shaker(effects, length) if test == "sine" else ())]
     root = effects.number("clamp_translation", "k_trans", inf)
-    return AttachedModes(bare, attachments, root) if attachments or root != inf else bare
+    hung = [_absorber(e.place, e.parameters, length) for e in effects.of("support_resonance")]
+    return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != inf else bare
+
+
+def beside(basis: Basis, true: TrueBeam, effects: Injected, rig: Rig, reach: float) -> Basis:
+    """The basis with families of modes that are none of bending in the drive's direction, if sensors see any."""
+    assert rig.beam is not None
+    width, beam = rig.beam.width_m, true.beam
+    offset = effects.number("torsion", "offset", 0.0)
+    if offset:
+        bar = TorsionBar.of(beam.length_m, width, true.thickness_m, true.youngs_modulus_pa, true.density_kg_m3)
+        basis = JoinedBasis(basis, _family(bar, reach), offset)
+    share = effects.number("cross_axis", "share", 0.0)
+    if share:
+        across = replace(beam, bending_stiffness_n_m2=beam.bending_stiffness_n_m2 * (width / true.thickness_m) ** 2)
+        basis = JoinedBasis(basis, _family(across, reach), share)
+    return basis
+
+
+def _family(modes: Modes, reach: float) -> ModalBasis:
+    count = modes.count_below(reach)
+    return ModalBasis(modes, modes.omega(count), np.full(count, SIDE_ZETA))
+
+
+def _absorber(place: object, numbers: Mapping[str, float], length: float) -> Absorber:
+    return Absorber(_x(place) * length, numbers["mass"], numbers["mass"] * (2 * pi * numbers["hz"]) ** 2)
 
 
 def dampers_of(effects: Injected, length_m: float) -> tuple[Damper, ...]:

@@ -1,0 +1,68 @@
+"""Torsional modes of a clamped bar with a thin rectangular section (Blevins, table 8-16)."""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+POISSON = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class TorsionBar:
+    """A bar clamped at x = 0, behind the interface of its modes; what moves is its angle in rad.
+
+    Attributes:
+        length_m: L.
+        stiffness_n_m2: G J.
+        inertia_kg_m: rho I_p, per length.
+    """
+
+    length_m: float
+    stiffness_n_m2: float
+    inertia_kg_m: float
+
+    @classmethod
+    def of(cls, length_m: float, width_m: float, thickness_m: float, modulus_pa: float, density: float) -> "TorsionBar":
+        """A flat bar: J = w h^3 (1 / 3 - 0.21 h / w) (Roark, table 10.7), I_p = w h (w^2 + h^2) / 12."""
+        shear = modulus_pa / (2 * (1 + POISSON))
+        constant = width_m * thickness_m**3 * (1 / 3 - 0.21 * thickness_m / width_m)
+        polar = width_m * thickness_m * (width_m**2 + thickness_m**2) / 12
+        return cls(length_m, shear * constant, density * polar)
+
+    @property
+    def total_mass_kg(self) -> float:
+        """Of its turning: the moment of inertia in kg m^2."""
+        return self.inertia_kg_m * self.length_m
+
+    def omega(self, count: int) -> Floats:
+        """Natural frequencies in rad/s, (count,)."""
+        speed = sqrt(self.stiffness_n_m2 / self.inertia_kg_m)
+        return self._waves(count) * speed
+
+    def count_below(self, omega: float) -> int:
+        """How many modes lie below `omega` in rad/s."""
+        return int(np.searchsorted(self.omega(400), omega))
+
+    def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
+        """Angle of the modes, (points, count)."""
+        if order:
+            raise ValueError("the slope of an angle is asked of nobody")
+        angle: Floats = np.sin(np.multiply.outer(x_m, self._waves(count)))
+        angle *= sqrt(2 / self.total_mass_kg)
+        return angle
+
+    def participation(self, count: int) -> Floats:
+        """Nothing: a base that shifts turns no bar."""
+        return np.zeros(count)
+
+    def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
+        """Static angle at `x_m` per moment about the bar's axis at `force_x_m`, (points,)."""
+        near: Floats = np.minimum(x_m, force_x_m)
+        return near / self.stiffness_n_m2
+
+    def _waves(self, count: int) -> Floats:
+        return (np.arange(1, count + 1) - 0.5) * pi / self.length_m
