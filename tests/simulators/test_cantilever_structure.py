@@ -10,7 +10,8 @@ from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.hammer import Contact
-from modallab_simulators.cantilever.structure import BLOCK, Drive, Output, Structure
+from modallab_simulators.cantilever.loads import BLOCK, Drive, Output
+from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import oversampling
 
 BEAM = CantileverBeam(0.777, 205e9 * 0.05 * 0.004**3 / 12, 7850 * 0.05 * 0.004, 13.0)

@@ -14,10 +14,10 @@ from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Blow
+from modallab_simulators.cantilever.loads import BLOCK
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
-from modallab_simulators.cantilever.structure import BLOCK
 from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
 

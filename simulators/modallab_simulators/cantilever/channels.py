@@ -3,8 +3,8 @@
 from modallab.errors import ConfigurationError
 from modallab.schema.rig import Channel, Rig
 from modallab_simulators.cantilever.effects.injected import Injected
+from modallab_simulators.cantilever.loads import Output
 from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount
-from modallab_simulators.cantilever.structure import Output
 
 _ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 

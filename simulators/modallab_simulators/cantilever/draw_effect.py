@@ -1,27 +1,21 @@
-"""Draws effects for blind trials: where they are, and how large, so that the gap they open has a wanted size.
+"""Draws effects for blind trials: where they are, and how large, so that the gap they open has a wanted size."""
 
-The gap is the rms over all accelerometer records of the difference between a trial with the effect and the one a
-perfect twin without it would predict from the same forces, in units of the channels' own noise.
-"""
-
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import exp, hypot, log, sqrt
+from math import exp, log
 
 import numpy as np
 
 from modallab.errors import ConfigurationError
-from modallab.schema.block import Campaign
 from modallab.schema.effects import Effect, Parameter, Place
-from modallab.schema.rig import Converter, Rig
+from modallab.schema.rig import Rig
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.effects.kinds import KINDS, OPTIONS, allowed
-from modallab_simulators.cantilever.trial import LEVELS_N, make_trial, sound_trial
+from modallab_simulators.cantilever.gap_size import Ruler, gap_of, solve
+from modallab_simulators.cantilever.trial import LEVELS_N
+
+__all__ = ["DrawnEffect", "draw_effect", "draw_gap", "gap_of"]
 
 GAP_RANGE = (1.5, 300.0)
-_CLOSE = 0.05
-_TRIES = 10
-_NARROW = 0.02
 
 PLACES: dict[str, tuple[float, float]] = {
     "added_mass": (0.3, 1.0),
@@ -90,61 +84,15 @@ def draw_effect(rig: Rig, seed: int, name: str, wanted: float | None = None) -> 
         raise ConfigurationError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(KINDS))}")
     target = draw_gap(seed) if wanted is None else wanted
     shape = _Shape(rig, seed, name)
-    ruler = _Ruler(rig, seed)
+    ruler = Ruler(rig, seed)
     if shape.main is None:
         return DrawnEffect(shape.at(0.0), target, ruler.gap((shape.at(0.0),)))
     if name in SEEN_BY_FORCE:
         effect = shape.at(generator(seed, Stream.GAP, 1).uniform(*shape.span))
         return DrawnEffect(effect, target, ruler.gap((effect,)))
     slope = _SLOPES.get((name, shape.main.name), 1.0)
-    size, gap = _solve(lambda s: ruler.gap((shape.at(s),)), shape.span, slope, target)
+    size, gap = solve(lambda s: ruler.gap((shape.at(s),)), shape.span, slope, target)
     return DrawnEffect(shape.at(size), target, gap)
-
-
-def gap_of(rig: Rig, seed: int, effects: Sequence[Effect]) -> float:
-    """The gap some effects open in the trial of a seed, in noise units."""
-    return _Ruler(rig, seed).gap(effects)
-
-
-class _Ruler:
-    """Measures gaps in the trials of one seed."""
-
-    def __init__(self, rig: Rig, seed: int) -> None:
-        converter = rig.converter or Converter()
-        self._seed, self._noise_v = seed, converter.noise_rms_v
-        self._floor_v = hypot(converter.noise_rms_v, converter.volts_per_count / sqrt(12))
-        # Without noise, and with counts too fine to matter, nothing but the effects makes the difference.
-        quiet = converter.model_copy(update={"noise_rms_v": 0.0, "bits": 30})
-        self._rig = rig.model_copy(update={"converter": quiet})
-        self._sound: Campaign | None = None
-
-    def gap(self, effects: Sequence[Effect]) -> float:
-        """In noise units."""
-        recorded, _ = make_trial(self._rig, self._seed, effects)
-        gain = np.prod([e.parameters["gain"] for e in effects if e.effect == "force_gain"], initial=1.0)
-        squares = _mean_square(recorded, self._sound_for(effects), float(gain)) / self._floor_v**2
-        share = (self._noise_v / self._floor_v) ** 2 / len(self._rig.responses)
-        for effect in effects:
-            if effect.effect == "noisy_channel":
-                squares += (effect.parameters["factor"] ** 2 - 1) * share
-        return sqrt(squares)
-
-    def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
-        if any(e.effect in ("clock_error", "amplifier_harmonics") for e in effects):
-            return sound_trial(self._rig, self._seed, effects)
-        if self._sound is None:
-            self._sound = sound_trial(self._rig, self._seed, ())
-        return self._sound
-
-
-def _mean_square(recorded: Campaign, sound: Campaign, gain: float) -> float:
-    rows = [c.index for c in recorded.rig.responses]
-    total, count = 0.0, 0
-    for one, other in zip(recorded.blocks, sound.blocks, strict=True):
-        difference = (one.samples[rows] - gain * other.samples[rows]) * one.scale[rows, None]
-        total += float(np.sum(difference**2))
-        count += difference.size
-    return total / count
 
 
 class _Shape:
@@ -239,43 +187,3 @@ def _drawn_place(rig: Rig, rng: np.random.Generator, name: str) -> dict[str, Pla
         "all": {"x" if kind.stage == "structure" else "channel": "all"},
     }
     return fixed.get(kind.place, {})
-
-
-def _solve(
-    gap: Callable[[float], float], span: tuple[float, float], slope: float, wanted: float
-) -> tuple[float, float]:
-    """The size at which the gap is within 5 % of the wanted one; else the nearest that was met.
-
-    A secant on logarithms, kept between the nearest sizes below and above. Gaps that have grown out of all proportion
-    say little about the slope, so it is not taken for less than a third of what it is for a small effect.
-    """
-    below, above = span if slope > 0 else (span[1], span[0])
-    size, met = sum(span) / 2, list[tuple[float, float]]()
-    for _ in range(_TRIES):
-        off = log(max(gap(size), 1e-12) / wanted)
-        met.append((size, off))
-        below, above = (size, above) if off < 0 else (below, size)
-        if abs(off) < log(1 + _CLOSE) or abs(above - below) < _NARROW:
-            break
-        guess = size - off / _slope(met, slope)
-        inside = min(below, above) < guess < max(below, above)
-        size = guess if inside else _between(below, above, met)
-    size, off = min(met, key=lambda pair: abs(pair[1]))
-    return size, wanted * exp(off)
-
-
-def _slope(met: Sequence[tuple[float, float]], small: float) -> float:
-    if len(met) < 2:
-        return small
-    (one, first), (two, second) = met[-2:]
-    steepness = (second - first) / (two - one) / small
-    return small * min(max(steepness, 1 / 3), 3.0)
-
-
-def _between(below: float, above: float, met: Sequence[tuple[float, float]]) -> float:
-    # An end that was never tried may itself be the answer.
-    tried = {size for size, _ in met}
-    for end in (below, above):
-        if end not in tried and (met[-1][1] < 0) == (end == above):
-            return end
-    return (below + above) / 2

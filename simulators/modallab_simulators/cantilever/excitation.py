@@ -5,8 +5,8 @@ import numpy as np
 from modallab_simulators.cantilever.effects.outside import AMPLIFIER_V
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Blow
+from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.shaker import Emission
-from modallab_simulators.cantilever.structure import Drive
 
 
 class Excitation:

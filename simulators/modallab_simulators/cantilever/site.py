@@ -16,7 +16,8 @@ from modallab_simulators.cantilever.effects.structure import on_root
 from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
-from modallab_simulators.cantilever.structure import Drive, Floats, Moving, Structure
+from modallab_simulators.cantilever.loads import Drive, Floats, Moving
+from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
 from modallab_simulators.cantilever.truth import Truth, oversampling
 

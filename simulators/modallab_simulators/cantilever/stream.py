@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from modallab_simulators.cantilever.chain import Chain, Luck
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.structure import BLOCK, Drive, Moving
+from modallab_simulators.cantilever.loads import BLOCK, Drive, Moving
 
 StructureAt = Callable[[int], Moving]
 """The structure as it is in a stretch."""

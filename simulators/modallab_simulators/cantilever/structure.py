@@ -12,7 +12,6 @@ at the filter's far end and of the force samples since. The state is all a stret
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,108 +19,16 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
+from modallab_simulators.cantilever.feeds import plain_feeds, sensed_feeds, transfer
 from modallab_simulators.cantilever.hold import REACH, difference_taps
 from modallab_simulators.cantilever.lift import modal_taps, state_taps
+from modallab_simulators.cantilever.loads import BLOCK, Drive, Load, Output, Spread
 from modallab_simulators.cantilever.scan import Complex, Scan
-from modallab_simulators.cantilever.sensor import Sensor
 
 Floats = NDArray[np.float64]
 
-BLOCK = 960
-"""Delivered samples in one stretch: with the filter's length it fills an FFT of 1024."""
 
 _TINY = 1e-150
-_PLAIN = Sensor()
-
-Load = Literal["force", "moment", "base", "spread"]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Spread:
-    """A load spread along the beam.
-
-    Attributes:
-        psi: what it puts into each oscillator, (modes,).
-        rest: what all modes beyond add statically at each output's place, (outputs,).
-    """
-
-    psi: Floats | Complex
-    rest: Floats
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """What one channel sees.
-
-    Attributes:
-        kind: the motion of a point, the force, or the generator's voltage.
-        x_m: where, for a motion.
-        order: derivative of the displacement: 0, 1 or 2.
-        later_s: how much later than the force it is sampled.
-        sensor: what becomes of the motion before it is volts.
-    """
-
-    kind: Literal["motion", "force", "voltage"]
-    x_m: float = 0.0
-    order: int = 0
-    later_s: float = 0.0
-    sensor: Sensor = _PLAIN
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Drive:
-    """A load on the beam.
-
-    Attributes:
-        x_m: where.
-        force_n: on the internal samples of `Structure.times`; of a moment in N m, of the base in m/s^2.
-        volts_per_n: of the generator behind it; 0 for a hammer.
-        load: a force, a moment, an acceleration of the base, or a load spread along the beam.
-        seen: whether the force transducer feels it.
-        spread: which, if it is.
-    """
-
-    x_m: float
-    force_n: Floats
-    volts_per_n: float = 0.0
-    load: Load = "force"
-    seen: bool = True
-    spread: Spread | None = None
-
-
-class Moving(Protocol):
-    """A structure in time, with a state of whatever kind."""
-
-    @property
-    def oversample(self) -> int:
-        """Internal samples per delivered one."""
-        ...
-
-    @property
-    def latency(self) -> int:
-        """Delivered samples by which the force is delayed."""
-        ...
-
-    @property
-    def at_rest(self) -> Any:
-        """The state of a beam that has never moved."""
-        ...
-
-    def taken_over(self, other: Any, state: Any) -> Any:
-        """This structure's state where every mode moves as another's does."""
-        ...
-
-    def times(self, block: int) -> tuple[int, int]:
-        """First internal sample and number of those whose force a stretch needs."""
-        ...
-
-    def advance(self, state: Any, drives: Sequence[Drive]) -> tuple[Floats, Any]:
-        """Filtered outputs of one stretch in SI units, (outputs, BLOCK), and the state for the next."""
-        ...
-
-    def pass_over(self, state: Any, drives: Sequence[Drive]) -> Any:
-        """The state after a stretch of which nobody wants the outputs."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -286,10 +193,10 @@ class Structure:
         into, feeds = [psi.astype(np.complex128)], np.zeros((len(self._outputs), 3))
         for row, output in enumerate(self._outputs):
             if output.kind == "motion":
-                plain = _plain_feeds(shares[row], basis.poles, rest[row], output.order, drive.load == "base")
-                feeds[row] = _sensed_feeds(plain, output.sensor)
+                plain = plain_feeds(shares[row], basis.poles, rest[row], output.order, drive.load == "base")
+                feeds[row] = sensed_feeds(plain, output.sensor)
                 c = shares[row] * basis.poles**output.order
-                into.append(np.array([_transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
+                into.append(np.array([transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
             elif output.kind == "force":
                 feeds[row, 0] = 1.0 if drive.seen else 0.0
             else:
@@ -310,35 +217,6 @@ class Structure:
         padded[:, self._oversample - REACH : self._oversample - REACH + taps.shape[1]] = taps
         phases = padded.reshape(len(taps), self._columns, self._oversample)[:, ::-1].transpose(0, 2, 1)
         return rfft(np.ascontiguousarray(phases), self._fft, axis=2)
-
-
-def _plain_feeds(shares: Complex | Floats, poles: Complex, rest: float, order: int, base: bool) -> Floats:
-    """Weights of f, f' and f'' in the derivative of an order of a point's motion, (3,)."""
-    feeds = np.zeros(3)
-    feeds[order] = rest
-    if order:
-        feeds[order - 1] += float(np.sum(shares).imag)
-    if order == 2:
-        feeds[0] += float(np.sum(shares * poles).imag)
-    if base:
-        # An accelerometer feels the base's own acceleration too.
-        feeds[0] += 1.0 if order == 2 else 0.0
-    return feeds
-
-
-def _sensed_feeds(feeds: Floats, sensor: Sensor) -> Floats:
-    """The same behind a sensor: of (w0 + w1 s + w2 s^2) H(s), the part that is a polynomial."""
-    sensed = sensor.direct * feeds
-    for pole, residue in sensor.pairs:
-        sensed[0] += (residue * (feeds[1] + feeds[2] * pole)).real
-        sensed[1] += (residue * feeds[2]).real
-    return sensed
-
-
-def _transfer(c: Complex, poles: Complex, feeds: Floats, s: complex) -> complex:
-    """What a unit load makes of a point's motion at a complex frequency."""
-    modal = (c / (s - poles) - np.conj(c) / (s - np.conj(poles))).sum() / 2j
-    return complex(modal + feeds[0] + feeds[1] * s + feeds[2] * s * s)
 
 
 def _flushed(state: Complex) -> Complex:

@@ -61,8 +61,9 @@ class TorsionBar:
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static angle at `x_m` per moment about the bar's axis at `force_x_m`, (points,)."""
-        near: Floats = np.minimum(x_m, force_x_m)
+        near = np.minimum(x_m, force_x_m, dtype=np.float64)
         return near / self.stiffness_n_m2
 
     def _waves(self, count: int) -> Floats:
-        return (np.arange(1, count + 1) - 0.5) * pi / self.length_m
+        odd = np.arange(1, count + 1, dtype=np.float64) - 0.5
+        return odd * (pi / self.length_m)

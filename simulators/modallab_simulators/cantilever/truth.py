@@ -12,8 +12,9 @@ from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes
-from modallab_simulators.cantilever.basis import Basis, DampedBasis, ModalBasis
+from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.damped import DampedBasis
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
 from modallab_simulators.cantilever.effects.injected import Injected, inject
 from modallab_simulators.cantilever.effects.structure import SIDE_ZETA, beside, dampers_of, modes_of

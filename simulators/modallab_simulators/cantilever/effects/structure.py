@@ -9,12 +9,14 @@ import numpy as np
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 from modallab_simulators.cantilever.attached import Absorber, AttachedModes, Attachment
-from modallab_simulators.cantilever.basis import Basis, Damper, JoinedBasis, ModalBasis
+from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import CrackedBeam, Loss
+from modallab_simulators.cantilever.damped import Damper
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effects.injected import Injected
 from modallab_simulators.cantilever.effects.nonlinear import joint_stiffness
+from modallab_simulators.cantilever.joined import JoinedBasis
 from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.preloaded import PreloadedModes
 from modallab_simulators.cantilever.torsion import TorsionBar

@@ -19,7 +19,8 @@ from modallab_simulators.cantilever.feedback.elements import (
 )
 from modallab_simulators.cantilever.feedback.march import CRACK, CUBIC, FRICTION, PLAY, march
 from modallab_simulators.cantilever.hold import REACH, step_taps
-from modallab_simulators.cantilever.structure import BLOCK, Drive, Spread, Structure
+from modallab_simulators.cantilever.loads import BLOCK, Drive, Spread
+from modallab_simulators.cantilever.structure import Structure
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
