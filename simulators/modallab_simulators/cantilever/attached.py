@@ -103,9 +103,9 @@ class AttachedModes:
         hung = np.array([a.mass_kg for a in self._absorbers])
         own = np.concatenate([self._bare.participation(KEPT), self._shift_mass, self._residual_moment, hung])
         total = own @ self._solved[1][:, :count]
-        for attachment in self._at:
+        for attachment, row in zip(self._at, self._rows, strict=True):
             if attachment.order == 0:
-                total += attachment.mass * self.shapes(np.array([attachment.x_m]), count)[0]
+                total += attachment.mass * (row @ self._solved[1][:, :count])
         return total
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
@@ -133,12 +133,23 @@ class AttachedModes:
     def _shift_mass(self) -> Floats:
         return np.array([self._bare.total_mass_kg]) if self._shifts else np.zeros(0)
 
+    def _of_each(self, count: int) -> Floats:
+        """What the bare modes do at each attachment, (attachments, count)."""
+        rows = np.empty((len(self._at), count))
+        for order in (0, 1):
+            chosen = [k for k, a in enumerate(self._at) if a.order == order]
+            if chosen:
+                rows[chosen] = self._bare.shapes(np.array([self._at[k].x_m for k in chosen]), count, order)
+        return rows
+
+    @cached_property
+    def _there(self) -> Floats:
+        return self._of_each(KEPT)
+
     @cached_property
     def _beyond(self) -> Floats:
         """What the modes beyond do at each attachment, over omega^2, (attachments, modes)."""
-        omega = self._bare.omega(BEYOND)[KEPT:]
-        rows = [self._bare.shapes(np.array([a.x_m]), BEYOND, a.order)[0, KEPT:] / omega**2 for a in self._at]
-        return np.array(rows).reshape(len(self._at), BEYOND - KEPT)
+        return self._of_each(BEYOND)[:, KEPT:] / self._bare.omega(BEYOND)[KEPT:] ** 2
 
     @property
     def _residual_moment(self) -> Floats:
@@ -151,17 +162,21 @@ class AttachedModes:
         if self._shifts:
             columns.append(np.full((len(x_m), 1), 1.0 if order == 0 else 0.0))
         over = modes / self._bare.omega(KEPT) ** 2
-        for a in self._at:
-            there = self._bare.shapes(np.array([a.x_m]), KEPT, a.order)[0]
+        for a, there in zip(self._at, self._there, strict=True):
             columns.append((self._bare.flexibility(x_m, a.x_m, order, a.order) - over @ there)[:, None])
         columns.append(np.zeros((len(x_m), len(self._absorbers))))
         return np.concatenate(columns, axis=1)
 
     @cached_property
+    def _rows(self) -> Floats:
+        """The Ritz vectors at each attachment, (attachments, vectors)."""
+        rows = [self._basis(np.array([a.x_m for a in self._at]), order) for order in (0, 1)]
+        return np.array([rows[a.order][k] for k, a in enumerate(self._at)]).reshape(rows[0].shape)
+
+    @cached_property
     def _solved(self) -> tuple[Floats, Floats]:
         mass, stiffness = self._bare_matrices()
-        for a in self._at:
-            row = self._basis(np.array([a.x_m]), a.order)[0]
+        for a, row in zip(self._at, self._rows, strict=True):
             mass += a.mass * np.outer(row, row)
             stiffness += a.stiffness * np.outer(row, row)
         for place, absorber in enumerate(reversed(self._absorbers), 1):
@@ -181,9 +196,7 @@ class AttachedModes:
         stiffness[:KEPT, :KEPT] = np.diag(self._bare.omega(KEPT) ** 2)
         beyond = slice(KEPT + shifts, last)
         mass[beyond, beyond] = self._beyond @ self._beyond.T
-        for column in range(len(self._at)):
-            rows = [self._basis(np.array([b.x_m]), b.order)[0, KEPT + shifts + column] for b in self._at]
-            stiffness[beyond, KEPT + shifts + column] = rows
+        stiffness[beyond, beyond] = self._rows[:, beyond]
         if shifts:
             mass[KEPT, KEPT], stiffness[KEPT, KEPT] = self._bare.total_mass_kg, self._root
             mass[KEPT, :KEPT] = mass[:KEPT, KEPT] = self._bare.participation(KEPT)
