@@ -20,6 +20,7 @@ from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
+from modallab_simulators.cantilever.visit import EVERYDAY, Visit
 
 RATES_HZ = (100.0, 10_000.0)
 OUTPUT_RANGE_V = 10.0
@@ -39,14 +40,12 @@ class CantileverBench:
         url: its address.
         rig: what stands there.
         settings: what the address says.
-        first_start: how many starts and blows went before, which counts where noise and blows are drawn.
-        stretch: how much longer than meant all takes that excites. A converter that runs faster by as much sees the
-            same forces as one that is right sees without.
+        visit: the circumstances.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, first_start: int = 0, stretch: float = 1.0) -> None:
+    def __init__(self, url: str, rig: Rig, settings: Settings, visit: Visit = EVERYDAY) -> None:
         self._rig, self._settings = rig, settings
-        self._truth = draw_truth(settings, rig)
+        self._truth = draw_truth(settings, rig, visit)
         self._rows = len(outputs_of(rig, self._truth.effects))
         self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
         self._info = BenchInfo(
@@ -57,8 +56,8 @@ class CantileverBench:
             facts=self._truth.facts(),
         )
         self._state: State = "open"
-        self._starts = self._swings = first_start
-        self._stretch = stretch
+        self._starts = self._swings = visit.first_start
+        self._visit = visit
         self._blow_s = 0.0
         self._age_s = 0.0
 
@@ -144,7 +143,8 @@ class CantileverBench:
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        self._excitation.emit(Emission(burst, start / self._site.rate_hz, self._clock))
+        start_s = start / self._site.rate_hz
+        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._visit.straight_ramp))
         self._stream.changed()
         return start + self._site.structure.latency
 
@@ -188,14 +188,14 @@ class CantileverBench:
 
     @property
     def _clock(self) -> float:
-        return (1 + self._truth.clock) / self._stretch - 1
+        return (1 + self._truth.clock) / self._visit.stretch - 1
 
     def _drawn_swing(self) -> Swing:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
         rng = generator(settings.seed, Stream.HITS, self._swings)
         swing = draw_swing(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
-        return swing.stretched(self._rate / self._site.rate_hz, self._stretch)
+        return swing.stretched(self._rate / self._site.rate_hz, self._visit.stretch)
 
     def _with_knock(self, blow: Blow) -> list[Blow]:
         """The blow, and before it what it finds still ringing: a knock the transducer does not feel."""

@@ -22,12 +22,14 @@ class Emission:
         start_s: on the converter's clock.
         clock: how fast the generator's clock runs relative to the converter's, less one.
         cut_s: when it was brought to zero before its end, or None.
+        straight: whether it rises along a straight line, not along a cosine.
     """
 
     burst: Burst
     start_s: float
     clock: float
     cut_s: float | None = None
+    straight: bool = False
 
     @property
     def end_s(self) -> float:
@@ -40,7 +42,7 @@ class Emission:
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 
     def volts(self, times_s: Floats) -> Floats:
-        """Output in V: a sine under a cosine taper, exactly 0 outside the burst."""
+        """Output in V: a sine under its taper, exactly 0 outside the burst."""
         own = (times_s - self.start_s) * (1 + self.clock)
         wave = self.burst.amplitude_v * np.sin(2 * np.pi * self.burst.frequency_hz * own) * self._taper(own)
         if self.cut_s is not None:
@@ -51,5 +53,5 @@ class Emission:
         burst = self.burst
         if burst.ramp_s == 0:
             return np.ones_like(own_s)
-        edge = np.minimum(own_s, burst.duration_s - own_s) / burst.ramp_s
-        return (1 - np.cos(np.pi * np.clip(edge, 0, 1))) / 2
+        edge = np.clip(np.minimum(own_s, burst.duration_s - own_s) / burst.ramp_s, 0, 1)
+        return edge if self.straight else (1 - np.cos(np.pi * edge)) / 2

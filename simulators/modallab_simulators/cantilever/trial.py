@@ -24,6 +24,7 @@ from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects.injected import inject, told
 from modallab_simulators.cantilever.truth import Truth
+from modallab_simulators.cantilever.visit import Visit
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
 """Where the operator strikes six times each, and how hard, in N: softer where the beam gives way."""
@@ -38,6 +39,9 @@ REACTION_S = (1.2, 1.7)
 
 RECORD_S = 60.0
 """From the beginning of one record to that of the next."""
+
+_CIRCUMSTANCES = Visit(one_clock=True, straight_ramp=True, modes=15)
+"""One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
 _N_PER_V = 2.0
@@ -86,14 +90,14 @@ class _Visit:
     """One visit to the bench, record after record."""
 
     def __init__(self, rig: Rig, seed: int, effects: Sequence[Effect], stretch: float = 1.0) -> None:
-        self._rig, self._stretch = rig, stretch
+        self._rig, self._visit = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._clipping = tuple(inject(effects, rig).of("clipping"))
         played = tuple(_timed(e) for e in effects if e.effect != "clipping")
         self._settings = Settings(
             seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
         )
         self._order = 0
-        self.truth = CantileverBench("sim://cantilever", rig, self._settings).truth
+        self.truth = CantileverBench("sim://cantilever", rig, self._settings, self._visit).truth
 
     def blocks(self) -> list[Block]:
         """All records, in the order of time."""
@@ -129,7 +133,8 @@ class _Visit:
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
     def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
-        bench = CantileverBench("sim://cantilever", self._rig, settings, number * _REPEATS, self._stretch)
+        visit = replace(self._visit, first_start=number * _REPEATS)
+        bench = CantileverBench("sim://cantilever", self._rig, settings, visit)
         delivery = bench.configure(Request(test, RATES_HZ[test]))
         bench.rest_until(self._order * RECORD_S)
         return bench, delivery

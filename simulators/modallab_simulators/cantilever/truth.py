@@ -18,10 +18,12 @@ from modallab_simulators.cantilever.damped import DampedBasis
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
 from modallab_simulators.cantilever.effects.injected import Injected, inject
 from modallab_simulators.cantilever.effects.structure import SIDE_ZETA, beside, dampers_of, modes_of
+from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.visit import EVERYDAY, Visit
 
 BAND_HZ = 1000.0
-MAX_MODES = 200
+MAX_MODES = 120
 _OVERSAMPLE = 4
 _INTERNAL_HZ = 8000.0
 _REACH = 0.4
@@ -29,7 +31,17 @@ _REACH = 0.4
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Truth:
-    """What the seed has drawn for this bench, and what was put into it."""
+    """What the seed has drawn for this bench, and what was put into it.
+
+    Attributes:
+        true: the beam.
+        clock: how fast the generator's clock runs relative to the converter's, less one.
+        zeta: damping ratios that are not drawn.
+        seed: which draws.
+        rig: where it stands.
+        effects: what was put into it.
+        few: how many modes the beam has in all; None for as many as there are.
+    """
 
     true: TrueBeam
     clock: float
@@ -37,17 +49,19 @@ class Truth:
     seed: int
     rig: Rig
     effects: Injected
+    few: int | None = None
 
     def modes(self, test: Test, progress: float = 0.0) -> Modes:
         """The undamped structure in a test, at a share of the campaign's time."""
-        return modes_of(self.beam_at(progress), self.effects, self.rig, test)
+        inertia = self.true.beam.mass_kg_m * self.true.thickness_m**2 / 12
+        return modes_of(self.beam_at(progress), self.effects, self.rig, test, inertia)
 
     def basis(self, rate_hz: float, test: Test, progress: float, oversample: int) -> Basis:
         """The modes that are integrated in time at a delivered rate: those to 0.4 of the internal rate."""
         internal_hz = rate_hz * oversample
         reach = 2 * pi * _REACH * internal_hz
         modes = self.modes(test, progress)
-        count = modes.count_below(reach)
+        count = min(modes.count_below(reach), self.few or MAX_MODES + 1)
         limit = MAX_MODES if not self.effects.effects else KEPT // 2
         if count > limit:
             raise ConfigurationError(
@@ -56,9 +70,10 @@ class Truth:
             )
         dampers = dampers_of(self.effects, modes.length_m)
         if dampers:
-            basis: Basis = DampedBasis(modes, self._damping(modes, KEPT), dampers, reach)
+            basis: Basis = DampedBasis(modes, self._damping(modes, self.few or KEPT), dampers, reach)
         else:
             basis = ModalBasis(modes, modes.omega(count), self._damping(modes, count))
+        basis = FewModes(basis, self.few) if self.few else basis
         return beside(basis, self.true, self.effects, self.rig, reach)
 
     def _damping(self, modes: Modes, count: int) -> NDArray[np.float64]:
@@ -114,7 +129,7 @@ def oversampling(rate_hz: float) -> int:
     return max(_OVERSAMPLE, ceil(_INTERNAL_HZ / rate_hz))
 
 
-def draw_truth(settings: Settings, rig: Rig) -> Truth:
+def draw_truth(settings: Settings, rig: Rig, visit: Visit = EVERYDAY) -> Truth:
     """Draw the truth of a rig's bench.
 
     Raises:
@@ -132,4 +147,6 @@ def draw_truth(settings: Settings, rig: Rig) -> Truth:
             f"the beam's first mode is at {first:.0f} Hz, above {BAND_HZ:g} Hz",
             remedy="choose a longer or thinner beam",
         )
-    return Truth(true, draw_clock(settings.seed), settings.zeta, settings.seed, rig, inject(settings.effects, rig))
+    clock = 0.0 if visit.one_clock else draw_clock(settings.seed)
+    effects = inject(settings.effects, rig)
+    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, visit.modes)

@@ -19,20 +19,30 @@ from modallab_simulators.cantilever.effects.nonlinear import joint_stiffness
 from modallab_simulators.cantilever.joined import JoinedBasis
 from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.preloaded import PreloadedModes
+from modallab_simulators.cantilever.rotary import RotaryModes
 from modallab_simulators.cantilever.torsion import TorsionBar
 
 SIDE_ZETA = 0.004
 """Damping ratio of modes that are none of bending in the drive's direction."""
 
 
-def modes_of(beam: CantileverBeam, effects: Injected, rig: Rig, test: Test) -> Modes:
-    """The undamped modes of the structure in one test; the bare beam if nothing of it is changed."""
+def modes_of(beam: CantileverBeam, effects: Injected, rig: Rig, test: Test, rotary_inertia_kg_m: float = 0.0) -> Modes:
+    """The undamped modes of the structure in one test; the bare beam if nothing of it is changed.
+
+    Args:
+        beam: the intact beam.
+        effects: what is wrong with it.
+        rig: where sensors and shaker are.
+        test: which one; the shaker hangs on the beam in the sine test only.
+        rotary_inertia_kg_m: of the slices of the beam, per length.
+    """
     beam = on_root(beam, effects)
     length = beam.length_m
     losses = [Loss(_x(e.place) * length, e.parameters["EI_loss"]) for e in effects.of("stiffness_loss")]
     bare: Modes = CrackedBeam(beam, losses) if losses else beam
     preload = effects.number("axial_preload", "force", 0.0)
     bare = PreloadedModes(bare, preload) if preload else bare
+    bare = RotaryModes(bare, rotary_inertia_kg_m) if rotary_inertia_kg_m else bare
     attachments = [*_attachments(effects, rig, length), *(_at_shaker(effects, length) if test == "sine" else ())]
     root = effects.number("clamp_translation", "k_trans", inf)
     hung = [_absorber(e.place, e.parameters, length) for e in effects.of("support_resonance")]
