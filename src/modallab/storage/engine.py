@@ -1,0 +1,65 @@
+"""The database: SQLite in the data folder, or PostgreSQL by its address."""
+
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.engine.interfaces import DBAPIConnection
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError
+
+from modallab.errors import StorageError
+
+BUSY_S = 30.0
+_DIALECTS = ("sqlite", "postgresql")
+
+
+def open_engine(url: str) -> Engine:
+    """An engine for an SQLAlchemy URL: `sqlite:///path`, or `postgresql+psycopg://user:password@machine/name`.
+
+    A transaction may write unless its connection has the execution option `reading=True`. Writers to SQLite wait for
+    each other for up to `BUSY_S`; readers wait for nobody.
+
+    Raises:
+        StorageError: no such kind of database, or its driver is not installed.
+    """
+    scheme = url.split(":", 1)[0]
+    if scheme.partition("+")[0] not in _DIALECTS:
+        raise StorageError(
+            f"{scheme}: is no database modallab can use",
+            where="database",
+            remedy="use sqlite:/// or postgresql+psycopg://",
+        )
+    if scheme.startswith("sqlite"):
+        engine = create_engine(url, connect_args={"timeout": BUSY_S})
+        event.listen(engine, "connect", _prepare_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+        return engine
+    return _postgresql(url)
+
+
+def _postgresql(url: str) -> Engine:
+    try:
+        # A server that was restarted is found anew by the next transaction.
+        return create_engine(url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True)
+    except (ImportError, NoSuchModuleError) as error:
+        raise StorageError(
+            f"no driver for PostgreSQL: {error}", where="database", remedy="pip install 'modallab[postgresql]'"
+        ) from error
+    except (ArgumentError, ValueError) as error:
+        raise StorageError(
+            "the address cannot be understood",
+            where="database",
+            remedy="write it as postgresql+psycopg://user:password@machine:5432/name",
+        ) from error
+
+
+def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
+    # The driver would otherwise begin by itself, deferred: a reader that turns writer meets BUSY without a wait.
+    connection.isolation_level = None  # pyright: ignore[reportAttributeAccessIssue]
+    cursor = connection.cursor()
+    cursor.execute("PRAGMA journal_mode=WAL")
+    cursor.execute("PRAGMA synchronous=FULL")
+    cursor.execute("PRAGMA foreign_keys=ON")
+    cursor.close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    reading = connection.get_execution_options().get("reading", False)
+    connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
