@@ -2,7 +2,8 @@
 
 from math import pi
 
-from modallab.acquisition.sine import block_name, burst_of
+from modallab.acquisition.sine import burst_of
+from modallab.acquisition.target import block_name
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import PlanError
 from modallab.schema.plan import ImpactPlan, Plan, SinePlan, least_rate_hz

@@ -3,6 +3,7 @@
 import os
 import signal
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -10,17 +11,20 @@ from modallab.acquisition.link import Link
 from modallab.acquisition.messages import Ended, Ready
 from modallab.acquisition.run import Order, quieten, run_plan
 from modallab.acquisition.supervisor import LifeLine
+from modallab.acquisition.trip import TripLatch
 from modallab.backend.loader import open_bench
 from modallab.backend.protocol import Bench
 from modallab.errors import BenchError, ModallabError
-from modallab.schema.plan import Plan
+from modallab.schema.plan import Plan, SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage import Store
 
 BROKEN_FILE_EXIT = 3
 
 
-def serve(connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None) -> None:
+def serve(
+    connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None, supervision: str = ""
+) -> None:
     """Open the bench, bring its output to zero, and run plans until told to leave or until the owner is gone.
 
     Args:
@@ -29,18 +33,34 @@ def serve(connection: Connection, url: str, rig: Rig, folder: Path, life_line: C
         rig: what stands on it.
         folder: where the recordings go.
         life_line: to the supervisor, if there is one.
+        supervision: what ends the output should this process die, in words; told before anything is driven.
     """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     link = Link(connection)
     try:
-        _serve(link, url, rig, folder, LifeLine(life_line))
+        _serve(link, url, rig, folder, Guard(LifeLine(life_line), TripLatch(folder, url), supervision))
     except Exception as error:
         link.send(Ended(_expected(error)))
     link.flush()
 
 
-def _serve(link: Link, url: str, rig: Rig, folder: Path, life: LifeLine) -> None:
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """What answers for the output besides this process.
+
+    Attributes:
+        life: to the supervisor.
+        latch: of the emergency stop.
+        supervision: in words.
+    """
+
+    life: LifeLine
+    latch: TripLatch
+    supervision: str
+
+
+def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
@@ -48,26 +68,29 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, life: LifeLine) -> None
             store.recover()
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
-                _run(link, bench, rig, store, command.plan, life)
-                life.idle()
+                _run(link, bench, rig, store, command.plan, guard)
+                guard.life.idle()
     finally:
         quieten(bench)
         with suppress(BenchError):
             bench.close()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, life: LifeLine) -> None:
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Guard) -> None:
     error: ModallabError | None = None
     unusable = False
 
     def control() -> Order | None:
-        life.working()
+        guard.life.working(driving=isinstance(plan, SinePlan))
         return link.order()
 
     try:
         with store.begin(plan, rig, bench.info) as recorder:
             try:
-                run_plan(bench, rig, plan, recorder, link.send, control)
+                run_plan(
+                    bench, rig, plan, recorder, link.send, control,
+                    wishes=link.wishes, latch=guard.latch, supervision=guard.supervision,
+                )  # fmt: skip
             finally:
                 unusable = recorder.unusable
     except Exception as raised:

@@ -1,6 +1,7 @@
 """What a running test has at hand."""
 
-from dataclasses import dataclass, replace
+import time
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +10,11 @@ from modallab.acquisition.chain import Chain
 from modallab.acquisition.rest import Floor, Rest, fading, floor_of, rest_of
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream, Watch
+from modallab.acquisition.wishes import Wishes
 from modallab.backend.protocol import Bench
 from modallab.backend.recut import Recut
 from modallab.errors import SamplesLostError
-from modallab.schema.events import BlockAcknowledged, Progress
+from modallab.schema.events import BlockAcknowledged, BlockDropped, Progress
 from modallab.schema.rig import Rig
 from modallab.storage import BlockNote, Recorder
 
@@ -20,6 +22,9 @@ MotionWindow = NDArray[np.float64]
 
 FLOOR_WINDOWS = 4
 """Windows the noise floor is taken from."""
+
+PAUSE_LOOK_S = 0.02
+"""Between two looks whether a pause is over, where time is virtual and does not go on by itself."""
 
 MAX_RESTARTS = 3
 """Gaps a run survives; a machine that loses samples more often is not fit for the rate."""
@@ -42,6 +47,7 @@ class Context:
         stream: its samples.
         block: samples of a block, as the device counts.
         recut: how blocks are read back at another rate than the device's; None if at its own.
+        wishes: what the owner wants besides.
     """
 
     bench: Bench
@@ -53,6 +59,7 @@ class Context:
     stream: Stream
     block: int
     recut: Recut | None = None
+    wishes: Wishes = field(default_factory=Wishes)
 
     @property
     def window(self) -> int:
@@ -96,6 +103,34 @@ class Context:
             kept = self.recorder.record(self.stream.cut(first, self.block), note)
         self.emit(kept)
         return kept
+
+    @property
+    def pause_wanted(self) -> bool:
+        """Whether the test should go to its next boundary and pause there; before the first block it cannot."""
+        return self.wishes.paused and self.life.state in ("acquiring", "paused")
+
+    def pause_if_wanted(self, watch: Watch | None = None) -> None:
+        """At a boundary: while a pause is wished for, keep the output at 0 V and go on reading and watching."""
+        if self.pause_wanted and self.life.state == "acquiring":
+            self.bench.zero()
+            self.life.enter("paused", "paused by the operator")
+        if self.life.state != "paused":
+            return
+        while self.wishes.paused:
+            if self.bench.info.real_time:
+                # What the device delivers must be taken, or its buffer would run over.
+                self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
+            else:
+                self.stream.poll()
+                time.sleep(PAUSE_LOOK_S)
+        self.life.enter("acquiring", "resumed by the operator")
+
+    def drop(self, name: str, reason: str) -> bool:
+        """Let a block no longer count, and tell; whether there was one that did."""
+        dropped = self.recorder.drop(name, reason)
+        if dropped:
+            self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
+        return dropped
 
     def progress(self, done: int, total: int, what: str) -> None:
         """Tell how far the run is."""

@@ -1,11 +1,14 @@
 """The impact test: at every point, wait for rest, ask for a blow, keep it, say whether it counts."""
 
-from dataclasses import asdict, dataclass
+from collections import deque
+from dataclasses import asdict, dataclass, field, replace
 
 from modallab.acquisition.context import Context, measure_floor
 from modallab.acquisition.hits import Blow, blow_of, refusals
 from modallab.acquisition.rest import Floor, Rest, residual_ratio
+from modallab.acquisition.target import Target
 from modallab.acquisition.trigger import Trigger
+from modallab.acquisition.wishes import Drop
 from modallab.errors import BenchError, BenchTimeoutError, SamplesLostError
 from modallab.schema.events import HitRefused, HitWanted
 from modallab.schema.plan import ImpactPlan
@@ -38,6 +41,8 @@ class ImpactTest:
         floor: noise at rest.
         refused: refused blows at the present point.
         restarts: how often the bench had to be started anew.
+        todo: hits that are still wanted.
+        kept: good hits by the name of their record.
     """
 
     context: Context
@@ -45,66 +50,93 @@ class ImpactTest:
     floor: Floor
     refused: int = 0
     restarts: int = 0
+    todo: deque[Target] = field(default_factory=deque[Target])
+    kept: dict[str, Target] = field(default_factory=dict[str, Target])
 
     def run(self) -> None:
-        """All points, all hits.
+        """All points, all hits; a hit that is dropped is asked for again.
 
         Raises:
             BenchTimeoutError: no blow came in time.
             BenchError: too many blows at one point were refused.
             SamplesLostError: the device lost samples too often.
         """
-        total = len(self.plan.points) * self.plan.hits
-        for number, point in enumerate(self.plan.points):
-            self.refused = 0
-            for hit in range(1, self.plan.hits + 1):
-                done = number * self.plan.hits + hit
-                self._good_hit(point, hit, (done - 1, total))
-                self.context.progress(done, total, f"point {point}, hit {hit} of {self.plan.hits}")
+        self.todo.extend(Target(point, hit) for point in self.plan.points for hit in range(1, self.plan.hits + 1))
+        point = 0
+        while self.todo:
+            target = self.todo.popleft()
+            if target.point != point:
+                point, self.refused = target.point, 0
+            self._good_hit(target)
+            self.kept[target.name] = target
+            self._obey()
+            self.context.progress(*self._progress, f"point {target.point}, hit {target.hit} of {self.plan.hits}")
 
-    def _good_hit(self, point: int, hit: int, progress: tuple[int, int]) -> None:
+    @property
+    def _progress(self) -> tuple[int, int]:
+        """Good hits, and how many are wanted."""
+        return len(self.kept), len(self.plan.points) * self.plan.hits
+
+    def _obey(self) -> None:
+        for request in self.context.wishes.take():
+            if isinstance(request, Drop) and self.context.drop(request.block, request.reason):
+                target = self.kept.pop(request.block, None)
+                if target is not None:
+                    self.todo.appendleft(replace(target, again=target.again + 1))
+
+    def _good_hit(self, target: Target) -> None:
         refused_before = self.refused
         good = False
         while not good:
             try:
-                good = self._hit(point, hit, self.refused - refused_before, progress)
+                self.context.pause_if_wanted()
+                good = self._hit(target, self.refused - refused_before)
             except SamplesLostError as error:
                 self.restarts += 1
                 self.context.restart(error, self.restarts)
-                self._tell_refused(point, f"samples were lost: {error.what}; the bench was started anew")
+                self._tell_refused(target.point, f"samples were lost: {error.what}; the bench was started anew")
 
-    def _hit(self, point: int, hit: int, refused: int, progress: tuple[int, int]) -> bool:
-        rest = self._wait_for_rest(progress)
-        trigger = self._wait_for_blow(point, hit)
+    def _hit(self, target: Target, refused: int) -> bool:
+        rest = self._wait_for_rest()
+        trigger = None if self.context.pause_wanted else self._wait_for_blow(target)
+        if trigger is None:
+            return False
         first = trigger - self._pre_trigger
         self.context.stream.advance_to(first + self.context.block)
-        return self._keep(point, (f"impact_p{point:02d}_{hit}", f"_refused_{refused + 1}"), first, rest)
+        return self._keep(target.point, (target.name, f"_refused_{refused + 1}"), first, rest)
 
     @property
     def _pre_trigger(self) -> int:
         return self.context.stream.samples_of(self.plan.pre_trigger_s)
 
-    def _wait_for_rest(self, progress: tuple[int, int]) -> Rest:
+    def _wait_for_rest(self) -> Rest:
         """Read until the beam rests, block by block; past the plan's patience go on with what there is."""
         context, stream = self.context, self.context.stream
         last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
         waited = 0
         while not (rest := context.rest_now(self.floor)).quiet and stream.next < last:
+            self._obey()
+            if context.pause_wanted:
+                break
             waited += 1
             if waited % TELL_BLOCKS == 0:
-                context.progress(*progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
+                context.progress(*self._progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
             stream.advance_to(stream.next + context.block)
         return rest
 
-    def _wait_for_blow(self, point: int, hit: int) -> int:
+    def _wait_for_blow(self, target: Target) -> int | None:
+        """The sample of the trigger; None if a pause came first."""
         context, plan, stream = self.context, self.plan, self.context.stream
         if context.life.state == "arming":
             context.life.enter("armed")
         trigger = Trigger(plan.trigger_n, plan.hysteresis_n)
         last = stream.next + stream.samples_of(plan.hit_timeout_s)
-        context.emit(HitWanted(run=context.recorder.run, point=point, hit=hit, of=plan.hits))
-        context.bench.prompt_hit(point)
+        context.emit(HitWanted(run=context.recorder.run, point=target.point, hit=target.hit, of=plan.hits))
+        context.bench.prompt_hit(target.point)
         while stream.next < last:
+            self._obey()
+            if context.pause_wanted:
+                return None
             chunk = stream.pull(stream.chunk)
             found = trigger.scan(context.chain.force_n(chunk.samples))
             if found is not None:
@@ -112,7 +144,7 @@ class ImpactTest:
                     context.life.enter("acquiring")
                 return chunk.first_sample + found
         raise BenchTimeoutError(
-            f"no blow above {plan.trigger_n:g} N at point {point} within {plan.hit_timeout_s:g} s",
+            f"no blow above {plan.trigger_n:g} N at point {target.point} within {plan.hit_timeout_s:g} s",
             where=context.bench.info.url,
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )

@@ -6,8 +6,20 @@ from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Thread
 
-from modallab.acquisition.messages import Abort, Beat, Close, Command, Report, RunPlan, Stop
+from modallab.acquisition.messages import (
+    Abort,
+    Beat,
+    Close,
+    Command,
+    EmergencyStop,
+    Pause,
+    Report,
+    Resume,
+    RunPlan,
+    Stop,
+)
 from modallab.acquisition.run import Order
+from modallab.acquisition.wishes import Drop, Repeat, Wishes
 
 HEARTBEAT_S = 0.25
 SILENCE_S = 5.0
@@ -25,6 +37,7 @@ class Link:
         self._connection = connection
         self._silence_s = silence_s
         self._order: Order | None = None
+        self.wishes = Wishes()
         self._plans: SimpleQueue[RunPlan | None] = SimpleQueue()
         self._reports: SimpleQueue[Report | None] = SimpleQueue()
         self._sender = Thread(target=self._send_all, name="reports", daemon=True)
@@ -73,12 +86,18 @@ class Link:
             Beat: lambda: None,
             Stop: lambda: self._wish("stop"),
             Abort: lambda: self._wish("abort"),
+            EmergencyStop: lambda: self._wish("emergency"),
+            Pause: self.wishes.pause,
+            Resume: self.wishes.resume,
             Close: self._leave,
         }
         if isinstance(command, RunPlan):
             # A stop that came too late for the run before is no stop of this one.
             self._order = None
+            self.wishes.forget()
             self._plans.put(command)
+        elif isinstance(command, Repeat | Drop):
+            self.wishes.ask(command)
         else:
             act[type(command)]()
 

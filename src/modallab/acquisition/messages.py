@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from modallab.acquisition.wishes import Drop, Repeat
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import ModallabError
 from modallab.schema.events import Event
@@ -26,6 +27,21 @@ class Abort:
 
 
 @dataclass(frozen=True, slots=True)
+class EmergencyStop:
+    """As abort; the rig is tripped already."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Pause at the next boundary between blocks or bursts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on."""
+
+
+@dataclass(frozen=True, slots=True)
 class Close:
     """End the run if there is one, release the bench, and leave."""
 
@@ -35,7 +51,7 @@ class Beat:
     """The owner lives."""
 
 
-Command = RunPlan | Stop | Abort | Close | Beat
+Command = RunPlan | Stop | Abort | EmergencyStop | Pause | Resume | Repeat | Drop | Close | Beat
 
 
 @dataclass(frozen=True, slots=True)

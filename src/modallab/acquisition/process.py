@@ -11,12 +11,25 @@ from threading import Lock, Thread
 from typing import Self
 
 from modallab.acquisition.child import serve
+from modallab.acquisition.controls import RunControls
+from modallab.acquisition.last_resort import zero_from_outside
 from modallab.acquisition.link import HEARTBEAT_S
-from modallab.acquisition.messages import Abort, Beat, Close, Command, Ended, Ready, Report, RunPlan, Stop
+from modallab.acquisition.messages import (
+    Abort,
+    Beat,
+    Close,
+    Command,
+    EmergencyStop,
+    Ended,
+    Ready,
+    Report,
+    RunPlan,
+    Stop,
+)
 from modallab.acquisition.supervisor import start_supervisor
-from modallab.backend.loader import open_output
+from modallab.acquisition.trip import Trip, TripLatch
 from modallab.backend.protocol import BenchInfo
-from modallab.errors import BenchError
+from modallab.errors import BenchError, ModallabError
 from modallab.schema.events import Event
 from modallab.schema.plan import Plan
 from modallab.schema.rig import Rig
@@ -28,7 +41,7 @@ LEAVE_S = 10.0
 _OPEN: "weakref.WeakSet[RigProcess]" = weakref.WeakSet()
 
 
-class RigProcess:
+class RigProcess(RunControls):
     """One bench in one spawned process: commands go in, events come out.
 
     However the owner ends, the process brings the output to zero, commits what it has, and leaves: on `close`, when the
@@ -37,14 +50,18 @@ class RigProcess:
 
     def __init__(self, url: str, rig: Rig, data_folder: Path) -> None:
         """Start the process for the bench at `url`, which records into `data_folder`."""
-        self._url, self._rig, self._folder = url, rig, data_folder
+        super().__init__(data_folder)
+        self._url, self._rig = url, rig
         self._info: BenchInfo | None = None
         context = multiprocessing.get_context("spawn")
-        self.supervisor = start_supervisor(url, rig)
+        self.latch = TripLatch(data_folder, url)
+        self.supervisor, self.supervision = start_supervisor(url, rig, data_folder)
         life_line = None if self.supervisor is None else self.supervisor.life_line
         self._connection, theirs = context.Pipe()
         self.process = context.Process(
-            target=serve, args=(theirs, url, rig, data_folder, life_line), name=f"rig {rig.name}"
+            target=serve,
+            args=(theirs, url, rig, data_folder, life_line, self.supervision),
+            name=f"rig {rig.name}",
         )
         self.process.start()
         # Only the child may hold the other ends, or its death would not be heard.
@@ -53,7 +70,6 @@ class RigProcess:
             self.supervisor.handed_over()
         self._sending = Lock()
         self._closed = Flag()
-        self._running = False
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
         _OPEN.add(self)
 
@@ -82,7 +98,7 @@ class RigProcess:
         _ = self.info
         if self._running:
             raise BenchError("a run is going on", remedy="wait for its end, or stop it")
-        self._running = True
+        self._begin(plan)
         try:
             self._send(RunPlan(plan))
             yield from self._events()
@@ -97,17 +113,33 @@ class RigProcess:
         """End the active run; what it has recorded is kept and marked as invalid."""
         self._send(Abort())
 
-    def emergency_stop(self) -> None:
-        """Bring the output to 0 V past the rig's process where there is another way, and abort the run.
+    def emergency_stop(self, why: str = "by the operator") -> None:
+        """Bring the output to 0 V past the rig's process where there is another way, trip the rig, abort the run.
+
+        From any thread, in any state, with or without a run. Nothing is armed any more, by this process or a later one,
+        until `reset_trip`. It is not a safety-rated stop.
 
         Raises:
-            BenchError: neither the supervisor nor the process could be told.
+            BenchError: the supervisor or the process could not be told; the rig is tripped all the same.
+            StorageError: the trip could not be written; the output is at 0 V all the same.
         """
         try:
             if self.supervisor is not None:
                 self.supervisor.zero()
         finally:
-            self.abort()
+            try:
+                self.latch.trip("emergency stop", why)
+            finally:
+                self._send(EmergencyStop())
+
+    @property
+    def trip(self) -> Trip | None:
+        """What has tripped the rig: an emergency stop, or its process' silence or death while it drove; None if not."""
+        return self.latch.read()
+
+    def reset_trip(self) -> Trip | None:
+        """Let the rig be armed again, after somebody has looked at the bench; returns what had tripped it."""
+        return self.latch.reset()
 
     def close(self) -> None:
         """Stop the active run, bring the output to zero, release the bench, end the process."""
@@ -146,6 +178,7 @@ class RigProcess:
                         raise report.error
                     return
                 if not isinstance(report, Ready):
+                    self._saw(report)
                     yield report
         except BenchError:
             finished = True
@@ -173,7 +206,10 @@ class RigProcess:
             raise self._died() from error
 
     def _died(self) -> BenchError:
-        output = "" if self._closed.is_set() else self._zero_output()
+        output = "" if self._closed.is_set() else zero_from_outside(self._url, self._rig)
+        if output and self._driving:
+            with suppress(ModallabError):
+                self.latch.trip("death", "the acquisition process died while it drove")
         self.process.join(LEAVE_S)
         if not self._closed.is_set():
             with Store(self._folder) as store:
@@ -182,20 +218,6 @@ class RigProcess:
             f"the acquisition process ended (exit code {self.process.exitcode}){output}",
             remedy="start it again; every acknowledged block is kept and its run marked as interrupted",
         )
-
-    def _zero_output(self) -> str:
-        # A killed process zeroes nothing, and some outputs go on without it.
-        try:
-            output = open_output(self._url, self._rig)
-            if output is None:
-                return ""
-            try:
-                output.zero()
-            finally:
-                output.close()
-        except Exception as error:
-            return f"; the output could not be brought to 0 V from here, switch the amplifier off: {error}"
-        return "; the output was brought to 0 V from outside"
 
     def _send(self, command: Command) -> None:
         try:

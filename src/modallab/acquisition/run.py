@@ -1,26 +1,28 @@
 """One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from modallab.acquisition.chain import chain_of
 from modallab.acquisition.checks import require_possible
 from modallab.acquisition.context import Context
 from modallab.acquisition.impact import run_impact
-from modallab.acquisition.sine import run_sine
+from modallab.acquisition.sine import longest_burst_s, run_sine
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream
+from modallab.acquisition.trip import TripLatch
+from modallab.acquisition.wishes import Drop, Wishes
 from modallab.backend.protocol import Bench, Delivery, Request
 from modallab.backend.recut import Recut
 from modallab.errors import BenchError, ModallabError, PlanError
-from modallab.schema.events import Failed
-from modallab.schema.plan import ImpactPlan, Plan
+from modallab.schema.events import BlockDropped, Failed, Notice
+from modallab.schema.plan import ImpactPlan, Plan, SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage import Recorder, Store
 
-Order = Literal["stop", "abort", "lost"]
-"""What may be asked of a running test; `lost`: whoever asked for the run is gone."""
+Order = Literal["stop", "abort", "emergency", "lost"]
+"""How a running test may be told to end; `lost`: whoever asked for the run is gone."""
 
 Control = Callable[[], Order | None]
 
@@ -48,6 +50,10 @@ def run_plan(
     emit: Emit,
     control: Control = lambda: None,
     chunk_s: float | None = None,
+    *,
+    wishes: Wishes | None = None,
+    latch: TripLatch | None = None,
+    supervision: str = "",
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -59,17 +65,23 @@ def run_plan(
         emit: takes the events, in order.
         control: asked before every read whether to end.
         chunk_s: how much to read at once; nothing that is recorded depends on it.
+        wishes: what else is wanted of the test while it runs.
+        latch: of the emergency stop; without one there is none.
+        supervision: what ends the output should this process die; told before anything is driven.
 
     Raises:
+        TrippedError: the rig was tripped and not reset.
         ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
     """
     life = Lifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
+    setup = Setup(bench, rig, plan, recorder, emit, life, control, chunk_s, wishes or Wishes(), latch, supervision)
     try:
         try:
-            _work(Setup(bench, rig, plan, recorder, emit, life, control, chunk_s))
+            _work(setup)
         except OrderedEndError as end:
             quieten(bench)
+            _drop_left(setup)
             _end(life, end.order)
     except BaseException as error:
         quieten(bench)
@@ -106,11 +118,34 @@ class Setup:
     life: Lifecycle
     control: Control
     chunk_s: float
+    wishes: Wishes = field(default_factory=Wishes)
+    latch: TripLatch | None = None
+    supervision: str = ""
+
+    def poll(self) -> None:
+        """Look, before every read, whether the run shall go on.
+
+        Raises:
+            OrderedEndError: it was told to end.
+            TrippedError: somebody else has brought the output to 0 V.
+        """
+        order = self.control()
+        if order is not None:
+            raise OrderedEndError(order)
+        trip = self.latch.read() if self.latch is not None and self.latch.tripped else None
+        if trip is not None and trip.cause == "emergency stop":
+            raise OrderedEndError("emergency")
+        if trip is not None and self.latch is not None:
+            self.latch.require_reset()
 
 
 def _work(setup: Setup) -> None:
     setup.life.enter("arming")
+    if setup.latch is not None:
+        setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
+    if isinstance(setup.plan, SinePlan):
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
     context = _prepare(setup)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan)
@@ -118,9 +153,23 @@ def _work(setup: Setup) -> None:
         run_sine(context, setup.plan)
     setup.bench.zero()
     setup.bench.stop()
+    _drop_left(setup)
     setup.life.enter("processing")
     setup.recorder.close_file()
     setup.life.enter("done")
+
+
+def _what_ends_it(plan: SinePlan, supervision: str) -> str:
+    longest = longest_burst_s(plan)
+    told = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
+    return f"{told}; {supervision}" if supervision else told
+
+
+def _drop_left(setup: Setup) -> None:
+    # A wish that came after the last look is still a wish; there is no more time to ask for the hit again.
+    for request in setup.wishes.take():
+        if isinstance(request, Drop) and setup.recorder.drop(request.block, request.reason):
+            setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 
 def _prepare(setup: Setup) -> Context:
@@ -136,15 +185,9 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-
-    def poll() -> None:
-        order = setup.control()
-        if order is not None:
-            raise OrderedEndError(order)
-
-    stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=poll)
+    stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=setup.poll)
     bench.start()
-    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut)
+    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut, setup.wishes)
 
 
 def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
@@ -163,7 +206,7 @@ def _end(life: Lifecycle, order: Order) -> None:
     life.enter("stopping", _SAID[order])
     if order == "stop":
         life.enter("done", _SAID[order])
-    elif order == "abort":
+    elif order in ("abort", "emergency"):
         life.enter("aborted", _SAID[order], valid=False)
     else:
         life.enter("failed", _SAID[order])
@@ -172,6 +215,7 @@ def _end(life: Lifecycle, order: Order) -> None:
 _SAID: dict[Order, str] = {
     "stop": "stopped by the operator",
     "abort": "aborted by the operator",
+    "emergency": "emergency stop",
     "lost": "interrupted: the process that asked for the run is gone",
 }
 

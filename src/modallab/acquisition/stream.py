@@ -49,6 +49,10 @@ class Stream:
         """Whole number of samples nearest to a duration."""
         return round(seconds * self.rate_hz)
 
+    def poll(self) -> None:
+        """Look whether the run shall go on, as is done before every read."""
+        self._poll()
+
     def pull(self, count: int) -> Chunk:
         """The next `count` samples, at most `chunk`.
 

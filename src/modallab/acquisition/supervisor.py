@@ -9,10 +9,13 @@ import multiprocessing
 import signal
 import time
 from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from threading import Lock
 from typing import Literal
 
+from modallab.acquisition.trip import TripLatch
 from modallab.backend.loader import has_output, open_output
 from modallab.backend.protocol import OutputHandle
 from modallab.errors import BenchError, ModallabError
@@ -21,12 +24,15 @@ from modallab.schema.rig import Rig
 SILENCE_S = 1.0
 """A rig's process that is at work and says nothing for so long does not do its work."""
 
+DIED = "the acquisition process died while it drove"
+SILENT = f"the acquisition process said nothing for {SILENCE_S:g} s while it drove"
+
 BEAT_S = 0.1
 READY_S = 30.0
 LEAVE_S = 5.0
 TRIES = 3
 
-Sign = Literal["working", "idle"]
+Sign = Literal["driving", "working", "idle"]
 Order = Literal["zero", "leave"]
 
 
@@ -37,11 +43,11 @@ class LifeLine:
         self._connection = connection
         self._said_s = 0.0
 
-    def working(self) -> None:
-        """A test is on, and all is well."""
+    def working(self, *, driving: bool) -> None:
+        """A test is on, with or without excitation, and all is well."""
         if time.monotonic() - self._said_s >= BEAT_S:
             self._said_s = time.monotonic()
-            self._say("working")
+            self._say("driving" if driving else "working")
 
     def idle(self) -> None:
         """No test is on: silence means nothing."""
@@ -61,8 +67,8 @@ class LifeLine:
 class Supervisor:
     """The owner's end."""
 
-    def __init__(self, url: str, rig: Rig) -> None:
-        """Start the process, and wait until it has its handle.
+    def __init__(self, url: str, rig: Rig, data_folder: Path) -> None:
+        """Start the process, and wait until it has its handle; the latch it trips is in `data_folder`.
 
         Raises:
             BenchError: the output cannot be had: then nothing should be driven either.
@@ -72,7 +78,10 @@ class Supervisor:
         self._connection, theirs = context.Pipe()
         self._sending = Lock()
         self.process = context.Process(
-            target=supervise, args=(watched, theirs, url, rig), name=f"supervisor of {rig.name}", daemon=True
+            target=supervise,
+            args=(watched, theirs, url, rig, data_folder),
+            name=f"supervisor of {rig.name}",
+            daemon=True,
         )
         self.process.start()
         # Only the other processes may hold these ends, or their deaths would not be heard.
@@ -123,21 +132,23 @@ class Supervisor:
             raise answer
 
 
-def start_supervisor(url: str, rig: Rig) -> Supervisor | None:
-    """A supervisor for a bench whose output outlives its process and that the rig allows to drive.
+def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor | None, str]:
+    """A supervisor for a bench whose output outlives its process and that the rig allows to drive, and what to say.
 
-    None where there is nothing to supervise, or no second way to the output: then a burst's own end, a watchdog and
-    the owner are left, and an emergency stop goes through the rig's process.
+    Without one only what is finite is relied on: a burst's own end and a watchdog where there is one. The second value
+    says so, in words for the operator, before anything is driven.
     """
     if rig.shaker_point is None or not has_output(url):
-        return None
+        return None, "the output ends with the process that drives it"
     try:
-        return Supervisor(url, rig)
-    except ModallabError:
-        return None
+        return Supervisor(url, rig, data_folder), "a supervisor holds a handle of its own to the output"
+    except ModallabError as error:
+        watchdog = rig.excitation.watchdog_s if rig.excitation is not None else None
+        left = f"the device's watchdog ({watchdog:g} s)" if watchdog else "the burst's own end"
+        return None, f"there is NO supervisor ({error.what}): should the acquisition die, only {left} ends the output"
 
 
-def supervise(watched: Connection, owner: Connection, url: str, rig: Rig) -> None:
+def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_folder: Path) -> None:
     """What runs in the supervisor's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -149,33 +160,43 @@ def supervise(watched: Connection, owner: Connection, url: str, rig: Rig) -> Non
         owner.send(BenchError(f"{url} has no output to supervise"))
         return
     owner.send("ready")
+    cause = None
     try:
-        _watch(watched, owner, handle)
+        cause = _watch(watched, owner, handle, TripLatch(data_folder, url))
     finally:
-        # The rig's process has left or died: nobody needs what it may still hold.
+        # The rig's process has left or died: nobody needs what it may still hold. To end the output comes first.
         _try(handle.release)
+        if cause is not None:
+            _try(cause)
         handle.close()
 
 
-def _watch(watched: Connection, owner: Connection, handle: OutputHandle) -> None:
-    heard_s, working = time.monotonic(), False
+def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: TripLatch) -> Callable[[], None] | None:
+    """Wait until one of the two is gone, or told to leave; returns what is left to do once the output is at 0 V."""
+    heard_s = time.monotonic()
+    sign: Sign = "idle"
     while True:
         ready = wait([watched, owner], timeout=BEAT_S)
         try:
             if watched in ready:
-                working = watched.recv() == "working"
+                sign = watched.recv()
                 heard_s = time.monotonic()
+        except (EOFError, OSError):
+            return partial(latch.trip, "death", DIED) if sign == "driving" else None
+        try:
             if owner in ready:
                 order: Order = owner.recv()
                 if order == "leave":
-                    return
+                    return None
                 owner.send(_try(handle.zero))
         except (EOFError, OSError):
-            # One of the two is gone; so is the reason to go on.
-            return
-        if working and time.monotonic() - heard_s > SILENCE_S:
+            # The rig's process hears of it too, and ends its run in good order.
+            return None
+        if sign != "idle" and time.monotonic() - heard_s > SILENCE_S:
             _try(handle.zero)
-            working = False
+            if sign == "driving":
+                _try(partial(latch.trip, "silence", SILENT))
+            sign = "idle"
 
 
 def _try(call: Callable[[], None]) -> ModallabError | None:

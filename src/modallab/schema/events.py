@@ -53,6 +53,23 @@ class BlockAcknowledged(Frozen):
     reason: str = ""
 
 
+class BlockDropped(Frozen):
+    """A block that was acknowledged no longer counts; its samples stay."""
+
+    kind: Literal["dropped"] = "dropped"
+    run: str
+    name: str
+    reason: str
+
+
+class Notice(Frozen):
+    """What the operator should know before or while something moves, such as how long a burst may last."""
+
+    kind: Literal["notice"] = "notice"
+    run: str
+    what: str
+
+
 class Progress(Frozen):
     """How far the run is."""
 
@@ -74,6 +91,7 @@ class Failed(Frozen):
 
 
 Event = Annotated[
-    StateChanged | HitWanted | HitRefused | BlockAcknowledged | Progress | Failed, Field(discriminator="kind")
+    StateChanged | HitWanted | HitRefused | BlockAcknowledged | BlockDropped | Notice | Progress | Failed,
+    Field(discriminator="kind"),
 ]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event)

@@ -97,6 +97,10 @@ class Recorder:
         self._n += 1
         return _acknowledge(block)
 
+    def drop(self, name: str, reason: str) -> bool:
+        """Say that the block of this name no longer counts; whether there was one that did."""
+        return drop(self._catalogue, self.run, name, reason)
+
     def close_file(self) -> None:
         """Close the file: no more blocks."""
         if self._writer is not None:
@@ -148,3 +152,11 @@ def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
         accepted=block.note.accepted,
         reason=block.note.reason,
     )
+
+
+def drop(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:
+    """Mark the accepted block `name` of a run as dropped, running or ended; whether there was one."""
+    found = [row for row in catalogue.blocks(run) if row.note.name == name and row.note.accepted]
+    for row in found:
+        catalogue.drop_block(run, row.n, reason, utc_now())
+    return bool(found)

@@ -19,7 +19,7 @@ from modallab.schema.rig import Rig
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
 from modallab.storage.lease import Lease
-from modallab.storage.recorder import Recorder, checksum, utc_now
+from modallab.storage.recorder import Recorder, checksum, drop, utc_now
 from modallab.storage.records import ENDED, BlockRecord, RunRecord
 from modallab.storage.samples import SampleReader, open_samples
 from modallab.storage.seal import seal
@@ -112,6 +112,34 @@ class Store:
         with open_samples(self._runs / f"{run}.h5") as reader:
             for row in wanted:
                 yield _block(record, row, reader)
+
+    def block(self, run: str, name: str) -> Block:
+        """One block of a run by its name, whether it counts or not, while the run goes on or after.
+
+        Raises:
+            StorageError: no such run or block, or one that is not what was acknowledged.
+        """
+        record = self.catalogue.run(run)
+        rows = [row for row in self.catalogue.blocks(run) if row.note.name == name]
+        if not rows:
+            raise StorageError(f"there is no block {name!r} in run {run}", where=str(self.folder), remedy="list them")
+        with open_samples(self._runs / f"{run}.h5") as reader:
+            return _block(record, rows[-1], reader)
+
+    def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
+        """Leave one accepted block of a run out from now on; its samples stay, and `refused` still reads them.
+
+        Raises:
+            StorageError: no such run, or no block of this name that counts.
+        """
+        self.catalogue.run(run)
+        if not drop(self.catalogue, run, block, reason):
+            counted = [row.note.name for row in self.catalogue.blocks(run) if row.note.accepted]
+            raise StorageError(
+                f"there is no block {block!r} that counts in run {run}",
+                where=str(self.folder),
+                remedy=f"name one of: {', '.join(counted) or 'none'}",
+            )
 
     def close(self) -> None:
         """Let go of the catalogue."""

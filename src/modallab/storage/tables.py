@@ -66,12 +66,22 @@ BLOCKS = Table(
     Column("facts", JSON, nullable=False),
 )
 
-for _verb in ("UPDATE", "DELETE"):
-    event.listen(
-        BLOCKS,
-        "after_create",
-        DDL(
-            f"CREATE TRIGGER blocks_no_{_verb.lower()} BEFORE {_verb} ON blocks "
-            f"BEGIN SELECT RAISE(ABORT, 'blocks are append-only'); END"
-        ).execute_if(dialect="sqlite"),
-    )
+DROPPED = Table(
+    "dropped",
+    METADATA,
+    Column("run", String(64), ForeignKey("runs.id"), primary_key=True),
+    Column("n", Integer, primary_key=True),
+    Column("reason", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+)
+
+for _table in (BLOCKS, DROPPED):
+    for _verb in ("UPDATE", "DELETE"):
+        event.listen(
+            _table,
+            "after_create",
+            DDL(
+                f"CREATE TRIGGER {_table.name}_no_{_verb.lower()} BEFORE {_verb} ON {_table.name} "
+                f"BEGIN SELECT RAISE(ABORT, '{_table.name} are append-only'); END"
+            ).execute_if(dialect="sqlite"),
+        )

@@ -1,0 +1,59 @@
+"""What the owner knows of the active run, from its events: state, hits so far, frequency i of n, the last block."""
+
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from modallab.schema.events import (
+    BlockAcknowledged,
+    BlockDropped,
+    Event,
+    HitRefused,
+    HitWanted,
+    Progress,
+    RunState,
+    StateChanged,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RunView:
+    """The active run, or the last one; each event makes a new view.
+
+    Attributes:
+        run: its name.
+        state: where it stands.
+        done: good hits, or frequencies, so far.
+        total: how many are wanted.
+        what: what was done last, or is waited for.
+        wanted: the blow that is waited for.
+        refused: blows refused so far.
+        blocks: names of the blocks that count, in order.
+        last_block: name of the last block that was kept, whether it counts or not.
+    """
+
+    run: str = ""
+    state: RunState = "created"
+    done: int = 0
+    total: int = 0
+    what: str = ""
+    wanted: HitWanted | None = None
+    refused: int = 0
+    blocks: tuple[str, ...] = field(default=())
+    last_block: str = ""
+
+    def after(self, event: Event) -> Self:
+        """The view once this event has happened."""
+        if isinstance(event, StateChanged):
+            return replace(self, run=event.run, state=event.state)
+        if isinstance(event, HitWanted):
+            return replace(self, wanted=event)
+        if isinstance(event, HitRefused):
+            return replace(self, refused=self.refused + 1)
+        if isinstance(event, BlockAcknowledged):
+            counted = (*self.blocks, event.name) if event.accepted else self.blocks
+            return replace(self, blocks=counted, last_block=event.name, wanted=None)
+        if isinstance(event, BlockDropped):
+            return replace(self, blocks=tuple(name for name in self.blocks if name != event.name))
+        if isinstance(event, Progress):
+            return replace(self, done=event.done, total=event.total, what=event.what)
+        return self

@@ -1,0 +1,112 @@
+"""A run in its own process is paused, repeated, dropped from outside, and looked at while it goes on."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modallab.acquisition.process import RigProcess
+from modallab.acquisition.states import IllegalTransitionError
+from modallab.errors import PlanError, StorageError
+from modallab.schema.plan import ImpactPlan, SinePlan
+from modallab.schema.rig import Rig
+from modallab.storage import Store, campaign_of
+
+URL = "sim://cantilever?seed=2&zeta=0.01&bad_hits=0"
+IMPACT = ImpactPlan(points=(10,), hits=3)
+SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, rest_s=2.0)
+
+
+def test_a_run_is_paused_and_goes_on(link_rig: Rig, tmp_path: Path) -> None:
+    states: list[str] = []
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(ImpactPlan(points=(10,), hits=20)):
+            if event.kind == "block" and event.n == 0:
+                process.pause()
+            if event.kind == "state":
+                states.append(event.state)
+                if event.state == "paused":
+                    with pytest.raises(IllegalTransitionError, match="paused cannot become paused"):
+                        process.pause()
+                    process.resume()
+                    process.stop()
+    assert states.count("paused") == 1
+    # To stop may overtake going on: both lead from paused to the end.
+    assert states[-2:] == ["stopping", "done"]
+
+
+def test_what_cannot_be_done_now_is_a_typed_error(link_rig: Rig, tmp_path: Path) -> None:
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for wish in (process.pause, process.resume):
+            with pytest.raises(IllegalTransitionError):
+                wish()
+        with pytest.raises(PlanError, match="no block 'impact_p10_1' counts"):
+            process.drop("impact_p10_1")
+        with pytest.raises(PlanError, match="no run is going on"):
+            process.repeat(20.0)
+        for event in process.run(IMPACT):
+            if event.kind == "block" and event.n == 0:
+                with pytest.raises(IllegalTransitionError):
+                    process.resume()
+                with pytest.raises(PlanError, match="no frequencies"):
+                    process.repeat(20.0)
+        with pytest.raises(IllegalTransitionError, match="done cannot become paused"):
+            process.pause()
+
+
+def test_a_hit_is_dropped_and_asked_for_again_or_after_the_run_left_out(link_rig: Rig, tmp_path: Path) -> None:
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(IMPACT):
+            if event.kind == "block" and event.name == "impact_p10_1":
+                process.drop("impact_p10_1", "the cable moved")
+        assert process.view.blocks == ("impact_p10_2", "impact_p10_1_again_1", "impact_p10_3") or (
+            process.view.blocks == ("impact_p10_1_again_1", "impact_p10_2", "impact_p10_3")
+        )
+        process.drop("impact_p10_3", "looked at later")
+        run = process.view.run
+        with pytest.raises(PlanError, match="impact_p10_3"):
+            process.drop("impact_p10_3")
+    with Store(tmp_path) as store:
+        assert len(campaign_of(store, [run]).blocks) == 2
+        reasons = {r.note.name: r.note.reason for r in store.catalogue.blocks(run) if not r.note.accepted}
+        assert reasons == {"impact_p10_1": "the cable moved", "impact_p10_3": "looked at later"}
+        with pytest.raises(StorageError, match="no block 'impact_p10_3' that counts"):
+            store.drop(run, "impact_p10_3")
+
+
+def test_a_frequency_is_repeated_in_the_run(link_rig: Rig, tmp_path: Path) -> None:
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(SINE):
+            if event.kind == "block" and event.name == "sine_low_020.000":
+                with pytest.raises(PlanError, match="not been recorded yet"):
+                    process.repeat(60.0)
+                process.repeat(20.0)
+        assert set(process.view.blocks) == {"sine_low_020.000_again_1", "sine_low_060.000"}
+
+
+def test_progress_and_the_last_block_are_there_while_the_run_goes_on(link_rig: Rig, tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        assert process.last_block() is None
+        for event in process.run(IMPACT):
+            if event.kind == "hit_wanted":
+                assert process.view.wanted == event
+            if event.kind == "block":
+                block = process.last_block()
+                assert block is not None
+                assert block.name == event.name
+                assert np.abs(block.samples[0]).max() > 100
+            if event.kind == "progress" and "hit" in event.what:
+                seen.append((process.view.done, process.view.total))
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_before_anything_is_driven_it_is_said_how_long_the_longest_burst_lasts(link_rig: Rig, tmp_path: Path) -> None:
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        events = list(process.run(SINE))
+    kinds = [e.state if e.kind == "state" else e.kind for e in events]
+    assert kinds.index("notice") < kinds.index("armed")
+    (notice,) = [e for e in events if e.kind == "notice"]
+    # settle 2 s, block 1.024 s, margin 0.1 s, ramp 1 s
+    assert "longest burst 4.124 s" in notice.what
+    assert "ends with the process" in notice.what
