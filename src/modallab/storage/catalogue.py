@@ -2,11 +2,11 @@
 
 from collections.abc import Generator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 from pydantic import TypeAdapter
-from sqlalchemy import Connection, Engine, create_engine, event, insert, select, update
-from sqlalchemy.engine.interfaces import DBAPIConnection
+from sqlalchemy import Connection, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from modallab.errors import FormatError, StorageError
@@ -14,11 +14,11 @@ from modallab.schema.plan import Plan
 from modallab.schema.rig import Rig
 from modallab.schema.versions import STORE as STORE_VERSION
 from modallab.storage.durable import failure
+from modallab.storage.engine import open_engine
 from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
-from modallab.storage.tables import BLOCKS, METADATA, RUNS, STORE
+from modallab.storage.tables import BLOCKS, DROPPED, METADATA, RUNS, STORE
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
-_BUSY_S = 30.0
 
 
 class Catalogue:
@@ -32,7 +32,7 @@ class Catalogue:
             FormatError: it is of a version this program does not know.
         """
         self._url = url
-        self.engine = _engine(url)
+        self.engine = open_engine(url)
         with self._writing() as connection:
             METADATA.create_all(connection)
             version = connection.scalar(select(STORE.c.format_version))
@@ -60,6 +60,13 @@ class Catalogue:
         with self._writing() as connection:
             connection.execute(insert(BLOCKS).values(_block_row(block)))
 
+    def drop_block(self, run: str, n: int, reason: str, utc: str) -> None:
+        """Commit that a block no longer counts, and why; its samples and its row stay. Once only: the first holds."""
+        known = select(DROPPED.c.n).where(DROPPED.c.run == run, DROPPED.c.n == n)
+        with self._writing() as connection:
+            if connection.scalar(known) is None:
+                connection.execute(insert(DROPPED).values(run=run, n=n, reason=reason, utc=utc))
+
     def runs(self) -> tuple[RunRecord, ...]:
         """All runs, in the order of time."""
         with self._reading() as connection:
@@ -78,10 +85,13 @@ class Catalogue:
         return _run(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:
-        """The blocks of a run, in the order they were recorded."""
+        """The blocks of a run, in the order they were recorded; a dropped one is not accepted, with that reason."""
         query = select(BLOCKS).where(BLOCKS.c.run == run).order_by(BLOCKS.c.n)
+        gone = select(DROPPED.c.n, DROPPED.c.reason).where(DROPPED.c.run == run)
         with self._reading() as connection:
-            return tuple(_block(row) for row in connection.execute(query).mappings())
+            reasons: dict[int, str] = {row.n: row.reason for row in connection.execute(gone)}
+            rows = [_block(row) for row in connection.execute(query).mappings()]
+        return tuple(_dropped(row, reasons[row.n]) if row.n in reasons else row for row in rows)
 
     def close(self) -> None:
         """Let go of the database."""
@@ -102,30 +112,6 @@ class Catalogue:
                 yield connection
         except SQLAlchemyError as error:
             raise StorageError(f"cannot be read: {error}", where=self._url, remedy="look at the disk") from error
-
-
-def _engine(url: str) -> Engine:
-    if not url.startswith("sqlite"):
-        return create_engine(url)
-    engine = create_engine(url, connect_args={"timeout": _BUSY_S})
-    event.listen(engine, "connect", _prepare_sqlite)
-    event.listen(engine, "begin", _begin_sqlite)
-    return engine
-
-
-def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
-    # The driver would otherwise begin by itself, deferred: a reader that turns writer meets BUSY without a wait.
-    connection.isolation_level = None  # pyright: ignore[reportAttributeAccessIssue]
-    cursor = connection.cursor()
-    cursor.execute("PRAGMA journal_mode=WAL")
-    cursor.execute("PRAGMA synchronous=FULL")
-    cursor.execute("PRAGMA foreign_keys=ON")
-    cursor.close()
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    reading = connection.get_execution_options().get("reading", False)
-    connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
 
 
 def _run_row(run: RunRecord) -> dict[str, Any]:
@@ -185,3 +171,7 @@ def _block_row(block: BlockRecord) -> dict[str, Any]:
 def _block(row: Any) -> BlockRecord:
     note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
     return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))
+
+
+def _dropped(block: BlockRecord, reason: str) -> BlockRecord:
+    return replace(block, note=replace(block.note, accepted=False, reason=reason))
