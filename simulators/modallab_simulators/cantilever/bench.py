@@ -134,8 +134,8 @@ class CantileverBench:
         samples = self._stream.take(count)
         return Chunk(first, samples, self._site.chain.overload(samples))
 
-    def play(self, burst: Burst) -> int:
-        """Start a burst a few samples from now."""
+    def play(self, burst: Burst, later_s: float = 0.0) -> int:
+        """Start a burst a few samples from now, or by some of a sample later than on one."""
         self._require("running", to="play")
         if self._shaker_x is None:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
@@ -143,7 +143,7 @@ class CantileverBench:
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        start_s = start / self._site.rate_hz
+        start_s = start / self._site.rate_hz + later_s
         self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._visit.straight_ramp))
         self._stream.changed()
         return start + self._site.structure.latency

@@ -7,7 +7,7 @@ the shaker has begun to rise.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import inf, pi
+from math import ceil, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,9 @@ REACTION_S = (1.2, 1.7)
 RECORD_S = 60.0
 """From the beginning of one record to that of the next."""
 
+LAST_ORDER = len(HITS) * 6 + len(LEVELS_N) * len(PAPER_LINES) - 1
+"""Place in time of a campaign's last record."""
+
 _CIRCUMSTANCES = Visit(one_clock=True, straight_ramp=True, modes=15)
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
@@ -63,9 +66,9 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
     Raises:
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
-    visit = _Visit(rig, seed, effects)
-    campaign = Campaign(rig, tuple(visit.blocks()), source=f"simulated trial, seed {seed}")
-    return campaign, _truth(visit.truth, effects)
+    operator = Operator(rig, seed, effects)
+    campaign = Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}")
+    return campaign, _truth(operator.truth, effects)
 
 
 def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
@@ -75,28 +78,37 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
     """
     clocks = [e.parameters["relative"] for e in effects if e.effect == "clock_error"]
     forces = [e for e in effects if e.effect == "amplifier_harmonics"]
-    visit = _Visit(rig, seed, forces, 1 + sum(clocks))
-    return Campaign(rig, tuple(visit.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
+    operator = Operator(rig, seed, forces, 1 + sum(clocks))
+    return Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 
 def _timed(effect: Effect) -> Effect:
     if effect.effect != "thermal_drift":
         return effect
-    records = len(HITS) * _REPEATS + len(LEVELS_N) * len(PAPER_LINES)
-    return effect.model_copy(update={"parameters": {**effect.parameters, "over_s": (records - 1) * RECORD_S}})
+    return effect.model_copy(update={"parameters": {**effect.parameters, "over_s": LAST_ORDER * RECORD_S}})
 
 
-class _Visit:
-    """One visit to the bench, record after record."""
+class Operator:
+    """Takes the records of one visit to the bench, one after another.
 
-    def __init__(self, rig: Rig, seed: int, effects: Sequence[Effect], stretch: float = 1.0) -> None:
+    Args:
+        rig: what is believed.
+        seed: of the trial.
+        effects: in the bench.
+        stretch: how much longer than meant all takes that excites, see `Visit`.
+        order: place in time of the first record.
+    """
+
+    def __init__(
+        self, rig: Rig, seed: int, effects: Sequence[Effect] = (), stretch: float = 1.0, order: int = 0
+    ) -> None:
         self._rig, self._visit = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._clipping = tuple(inject(effects, rig).of("clipping"))
         played = tuple(_timed(e) for e in effects if e.effect != "clipping")
         self._settings = Settings(
             seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
         )
-        self._order = 0
+        self._order = order
         self.truth = CantileverBench("sim://cantilever", rig, self._settings, self._visit).truth
 
     def blocks(self) -> list[Block]:
@@ -117,17 +129,21 @@ class _Visit:
                 samples = self._record(bench, delivery, first)
                 yield self._block(f"impact_p{point:02d}_{hit}", "impact", delivery, samples, point, first)
 
-    def sines(self) -> Iterator[Block]:
-        """Each frequency at each level, weaker where the beam answers more."""
+    def sines(self, lines: Sequence[int] = PAPER_LINES) -> Iterator[Block]:
+        """Each frequency, in lines of the block, at each level, weaker where the beam answers more."""
         if self._rig.shaker_point is None:
             raise ConfigurationError("the rig has no shaker", remedy="give the rig a shaker_point")
         bench, delivery = self._bench("sine", self._settings, len(HITS))
+        # The beam has had its eight seconds whatever the converter's clock makes of them.
+        rate_hz = delivery.rate_hz * (1 + self.truth.effects.number("clock_error", "relative", 0.0))
+        settle = ceil(SETTLE_S * rate_hz - 1e-9)
+        later_s = settle / rate_hz - SETTLE_S
         for level, force_n in LEVELS_N.items():
-            for line in PAPER_LINES:
+            for line in lines:
                 f = line / BLOCK_S
                 bench.start()
                 volts = force_n / self._give(f) / _N_PER_V
-                first = bench.play(Burst(f, volts, RAMP_S, SETTLE_S + BLOCK_S)) + round(SETTLE_S * delivery.rate_hz)
+                first = settle + bench.play(Burst(f, volts, RAMP_S, SETTLE_S + BLOCK_S), later_s)
                 samples = self._record(bench, delivery, first)
                 block = self._block(f"sine_{level}_{f:07.3f}", "sine", delivery, samples, self._rig.shaker_point, first)
                 yield replace(block, level=level, frequency_hz=round(f, 3))
