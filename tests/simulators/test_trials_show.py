@@ -1,0 +1,70 @@
+"""Whole trials: one without effects is at the floor, and one with what no force predicts shows it for what it is."""
+
+from importlib.resources import files
+
+import pytest
+
+from modallab.exchange.rig_file import parse_rig
+from modallab.gap.inspected import inspected
+from modallab.gap.nuisances import nuisances
+from modallab.gap.prepare import prepare
+from modallab.gap.reduce import Weights, reduce, thinned
+from modallab.gap.search import Bench, baseline
+from modallab.schema.effects import Effect
+from modallab.schema.rig import Rig
+from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial
+
+
+@pytest.fixture(scope="module")
+def link() -> Rig:
+    path = files("modallab.campaign") / "link_rig.yaml"
+    return parse_rig(path.read_text(encoding="utf-8"), str(path))
+
+
+def fitted(rig: Rig, seed: int, *effects: Effect):
+    campaign, _ = make_trial(rig, seed, effects)
+    prepared = prepare(campaign)
+    weights = Weights(prepared.noise_v, prepared.masked, prepared.floor.spectrum if prepared.floor else None)
+    data = reduce(campaign, prepared.blocks, weights)
+    free = nuisances(rig, 450.0)
+    bench = Bench(data, thinned(data, prepared.poles), free, prepared.poles, lambda _: True)
+    return prepared, baseline(bench)
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+def test_a_trial_without_effects_is_at_the_floor(link: Rig, seed: int):
+    prepared, fit = fitted(link, seed)
+    assert 0.9 < fit.gap < 1.08
+    assert not inspected(prepared, fit.problem.twin(fit.u))
+    assert not prepared.masked
+
+
+def test_a_trial_is_a_campaign_of_the_plan(link: Rig):
+    campaign, truth = make_trial(link, 3)
+    assert truth["effects"] == []
+    assert [b.order for b in campaign.blocks] == list(range(LAST_ORDER + 1))
+    hits = [b for b in campaign.blocks if b.test == "impact"]
+    assert [b.drive_point for b in hits] == [p for p in HITS for _ in range(6)]
+    sines = [b for b in campaign.blocks if b.test == "sine"]
+    assert {(b.level, b.frequency_hz) for b in sines} == {(level, b.frequency_hz) for level in LEVELS_N for b in sines}
+    assert len(sines) == 48
+    assert {b.duration_s for b in campaign.blocks} == {1.024}
+
+
+SHOWN = (
+    (Effect(effect="noisy_channel", parameters={"factor": 4.0}, place={"channel": 6}), "factor", 0.06),
+    (Effect(effect="mains_hum", parameters={"volts": 0.004, "hz": 60.0}, place={"channel": "all"}), "volts", 0.06),
+    (Effect(effect="clipping", parameters={"fraction_of_peak": 0.5}, place={"channel": 10}), "fraction_of_peak", 0.06),
+    (Effect(effect="residual_ringing", parameters={"fraction": 0.1}, place={"where": "impact"}), "fraction", 0.35),
+    (Effect(effect="floor_vibration", parameters={"rms_acc": 0.05}, place={"where": "base"}), "rms_acc", 0.35),
+)
+
+
+@pytest.mark.parametrize(("effect", "number", "tolerance"), SHOWN, ids=[e.effect for e, _, _ in SHOWN])
+def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, number: str, tolerance: float):
+    prepared, fit = fitted(link, 21, effect)
+    found = inspected(prepared, fit.problem.twin(fit.u))
+    assert [f.effect for f in found] == [effect.effect]
+    assert found[0].parameters[number] == pytest.approx(effect.parameters[number], rel=tolerance)
+    if isinstance(effect.place.get("channel"), int):
+        assert found[0].place["channel"] == effect.place["channel"]
