@@ -1,5 +1,7 @@
 """However the acquisition process ends, the output comes to 0 V in a device that outlives its client."""
 
+import os
+import signal
 import threading
 import time
 from pathlib import Path
@@ -8,6 +10,8 @@ import pytest
 from ni_server import NiServer
 
 from modallab.acquisition.process import RigProcess
+from modallab.acquisition.supervisor import BEAT_S, SILENCE_S
+from modallab.acquisition.trip import TrippedError
 from modallab.backend.loader import open_bench, open_output
 from modallab.backend.protocol import Burst, Request
 from modallab.errors import DeviceBusyError, ModallabError
@@ -46,12 +50,13 @@ def started(server: NiServer, rig: Rig, folder: Path) -> tuple[RigProcess, threa
     return process, runner
 
 
-def drain(process: RigProcess) -> None:
+def drain(process: RigProcess, ended_by: list[ModallabError] | None = None) -> None:
     try:
         for _ in process.run(PLAN):
             pass
-    except ModallabError:
-        return
+    except ModallabError as error:
+        if ended_by is not None:
+            ended_by.append(error)
 
 
 def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiServer, rig: Rig, tmp_path: Path):
@@ -65,6 +70,57 @@ def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiSe
     bench.start()
     assert bench.read(100, 5.0).first_sample == 0
     bench.close()
+
+
+def test_a_death_while_it_drove_trips_the_rig(paced: NiServer, rig: Rig, tmp_path: Path):
+    process, runner = started(paced, rig, tmp_path)
+    process.process.kill()
+    wait_for_volts(paced, on=False)
+    runner.join()
+    process.close()
+    with RigProcess(paced.url, rig, tmp_path) as later:
+        with pytest.raises(TrippedError, match="died while it drove"):
+            list(later.run(PLAN))
+        assert wait_for_volts(paced, on=False) < LIMIT_S
+        assert later.reset_trip() is not None
+
+
+def test_an_acquisition_that_falls_silent_for_a_second_is_brought_to_zero_and_trips_the_rig(
+    paced: NiServer, rig: Rig, tmp_path: Path
+):
+    ended_by: list[ModallabError] = []
+    process = RigProcess(paced.url, rig, tmp_path)
+    runner = threading.Thread(target=drain, args=(process, ended_by))
+    runner.start()
+    wait_for_volts(paced, on=True)
+    pid = process.process.pid
+    assert pid is not None
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        assert wait_for_volts(paced, on=False) < SILENCE_S + BEAT_S + LIMIT_S
+        while process.trip is None:
+            time.sleep(0.01)
+        assert process.trip.cause == "silence"
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    # When it comes to itself again, it finds the rig tripped, and drives nothing.
+    runner.join(PATIENCE_S)
+    (error,) = ended_by
+    assert isinstance(error, TrippedError)
+    with pytest.raises(TrippedError, match="silence"):
+        list(process.run(PLAN))
+    assert wait_for_volts(paced, on=False) < LIMIT_S
+    process.reset_trip()
+    process.close()
+
+
+def test_a_stop_in_good_order_trips_nothing(paced: NiServer, rig: Rig, tmp_path: Path):
+    process, runner = started(paced, rig, tmp_path)
+    process.stop()
+    runner.join(PATIENCE_S)
+    process.close()
+    assert process.trip is None
+    assert wait_for_volts(paced, on=False) < LIMIT_S
 
 
 def test_an_emergency_stop_needs_no_answer_from_the_acquisition_process(paced: NiServer, rig: Rig, tmp_path: Path):
