@@ -1,0 +1,114 @@
+"""Makes trials on the simulated bench, each with one effect or none, and diagnoses them.
+
+    python benchmarks/gap/trials.py TRIALS --share report --each 2 --none 10 --out trials.jsonl
+    python benchmarks/gap/practice.py TRIALS --score trials.jsonl
+
+Effects are drawn with gaps log-uniform from 1.5 to 300 noise units. Each trial has a folder in TRIALS with what the
+operator believes (rig.yaml) and the truth (truth.yaml), so that it is scored as a practice campaign is. A trial follows
+from its name: the two shares have no seed in common, and more trials of an effect leave those there are as they were.
+What is in the file already is skipped.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from rigs import drawn_rig
+
+from modallab.exchange.rig_file import dump_rig
+from modallab.gap.diagnose import diagnose
+from modallab.schema.block import Campaign
+from modallab.schema.effects import CATALOGUE
+from modallab_simulators.cantilever.draw_effect import draw_effect
+from modallab_simulators.cantilever.effects.kinds import KINDS
+from modallab_simulators.cantilever.trial import make_trial
+
+SHARES = {"calibrate": 1, "report": 2}
+NONE = "none"
+_MOST = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """One trial to be made: which share, which effect, the how manieth."""
+
+    share: str
+    effect: str
+    number: int
+
+    @property
+    def name(self) -> str:
+        """Of the trial's folder."""
+        return f"{self.effect}_{self.share}_{self.number:03d}"
+
+    @property
+    def seed(self) -> int:
+        """Of everything in the trial; no two trials have the same."""
+        kinds = [NONE, *KINDS]
+        return (SHARES[self.share] * len(kinds) + kinds.index(self.effect)) * _MOST + self.number
+
+
+def draws(share: str, effects: list[str], each: int, none: int) -> list[Draw]:
+    """The trials of a share, the first of every effect before the second."""
+    counts = dict.fromkeys(effects, each) | {NONE: none}
+    return [Draw(share, e, i) for i in range(max(counts.values())) for e, count in counts.items() if i < count]
+
+
+def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
+    """The campaign of a trial and its truth, with the gap its effect opens in noise units."""
+    rig = drawn_rig(draw.seed)
+    if draw.effect == NONE:
+        return make_trial(rig, draw.seed)
+    drawn = draw_effect(rig, draw.seed, draw.effect)
+    campaign, truth = make_trial(rig, draw.seed, (drawn.effect,))
+    return campaign, truth | {"gap_wanted": float(drawn.wanted), "gap": float(drawn.gap)}
+
+
+def left(listed: list[Draw], out: Path) -> Iterator[Draw]:
+    """Those that are not in the file."""
+    done = {json.loads(line)["name"] for line in out.read_text().splitlines()} if out.exists() else set()
+    return (draw for draw in listed if draw.name not in done)
+
+
+def run(trials: Path, draw: Draw, out: Path) -> None:
+    """Make a trial, write down what is believed and what is true, diagnose it, and add a line to the file."""
+    campaign, truth = made(draw)
+    folder = trials / draw.name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "rig.yaml").write_text(dump_rig(campaign.rig))
+    (folder / "truth.yaml").write_text(yaml.safe_dump(truth, sort_keys=False))
+    begun = time.process_time()
+    diagnosis = diagnose(campaign)
+    entry = {"name": draw.name, "seconds": time.process_time() - begun, "diagnosis": diagnosis.model_dump(mode="json")}
+    with out.open("a") as target:
+        target.write(json.dumps(entry) + "\n")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("trials", type=Path)
+    parser.add_argument("--share", choices=tuple(SHARES), default="report")
+    parser.add_argument(
+        "--effect", choices=tuple(KINDS), action="append", help="may occur many times; default: all named"
+    )
+    parser.add_argument("--each", type=int, default=2, help="trials of each effect")
+    parser.add_argument("--none", type=int, default=10, help="trials without effect")
+    parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("I", "OF"))
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no trial after so many")
+    parser.add_argument("--out", type=Path, required=True)
+    arguments = parser.parse_args()
+    first, of = arguments.part
+    listed = draws(arguments.share, arguments.effect or list(CATALOGUE), arguments.each, arguments.none)[first::of]
+    begun = time.monotonic()
+    for draw in left(listed, arguments.out):
+        if time.monotonic() - begun > 60 * arguments.minutes:
+            break
+        run(arguments.trials, draw, arguments.out)
+
+
+if __name__ == "__main__":
+    main()
