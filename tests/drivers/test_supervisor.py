@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -149,6 +150,36 @@ def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, ri
     assert handle is not None
     handle.release()
     handle.close()
+
+
+def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(ni_server: NiServer, rig: Rig):
+    bench = open_bench(ni_server.url, rig)
+    bench.configure(Request("sine", 1000.0))
+    bench.start()
+    handles = [h for h in (open_output(ni_server.url, rig), open_output(ni_server.url, rig)) if h is not None]
+    assert len(handles) == 2
+    failed: list[Exception] = []
+
+    def zero_often(zero: Callable[[], None]) -> None:
+        try:
+            for _ in range(15):
+                zero()
+        except ModallabError as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=zero_often, args=(z.zero,)) for z in (*handles, bench)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failed
+    # Nobody reset the device: the inputs of the one that reads were not touched.
+    bench.play(Burst(20.0, 0.5, 0.1, 1.0))
+    assert bench.read(300, 5.0).first_sample == 0
+    assert ni_server.say("levels 0.05")[OUTPUT] > 0.4
+    for handle in handles:
+        handle.close()
+    bench.close()
 
 
 def test_what_a_killed_client_left_is_refused_by_name_and_can_be_given_back(ni_server: NiServer, rig: Rig):

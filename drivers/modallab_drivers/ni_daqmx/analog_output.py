@@ -9,7 +9,7 @@ from nidaqmx.constants import AcquisitionType, RegenerationMode
 from modallab.backend.protocol import Burst
 from modallab.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import translated, typed
-from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 from modallab_drivers.order import burst_samples
 
 MIN_RATE_HZ = 5000.0
@@ -94,12 +94,8 @@ class AnalogOutput:
         A stopped output holds its last value, so 0 V is written after the stop.
         """
         self._drop()
-        with translated(self._where):
-            task = self._new("")
-            try:
-                task.write(0.0, auto_start=True)
-            finally:
-                task.close()
+        # A supervisor may be doing the same at this moment, and holds the output meanwhile.
+        patiently(self._write_zero, ZERO_WAIT_S)
 
     def close(self) -> None:
         """Bring it to 0 V and let go of it."""
@@ -108,6 +104,14 @@ class AnalogOutput:
     def abandon(self) -> None:
         """Forget the task of a device that is gone."""
         self._task = None
+
+    def _write_zero(self) -> None:
+        with translated(self._where):
+            task = self._new("")
+            try:
+                task.write(0.0, auto_start=True)
+            finally:
+                task.close()
 
     def _done(self) -> bool:
         try:

@@ -20,6 +20,8 @@ T = TypeVar("T")
 MESSAGE_BYTES = 256 << 20
 BUSY_TRIES = 6
 BUSY_WAIT_S = 0.1
+ZERO_WAIT_S = 0.01
+"""Two who bring the output to 0 V at the same time each hold it for a few milliseconds."""
 
 # A server that is cut off must be noticed: without pings a call would wait for ever.
 _OPTIONS = [
@@ -125,16 +127,21 @@ class Route:
             self._channel.close()
 
 
-def patiently(call: Callable[[], T]) -> T:
+def patiently(call: Callable[[], T], wait_s: float | None = None) -> T:
     """Try again for a while when another program holds what is needed.
+
+    Args:
+        call: to make.
+        wait_s: the first wait; each next one is that much longer. By default for another program to end.
 
     Raises:
         DeviceBusyError: it still does; the message names it.
     """
+    step_s = BUSY_WAIT_S if wait_s is None else wait_s
     for attempt in range(BUSY_TRIES - 1):
         with suppress(DeviceBusyError):
             return call()
-        time.sleep(BUSY_WAIT_S * (attempt + 1))
+        time.sleep(step_s * (attempt + 1))
     return call()
 
 

@@ -14,7 +14,7 @@ from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.inputs import session_name
 from modallab_drivers.ni_daqmx.plugs import output_of
-from modallab_drivers.ni_daqmx.route import Route
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 
 GROUP_BY_CHANNEL = 0
 
@@ -49,15 +49,32 @@ class SecondHandle:
             emergency_off(excitation)
         if not self._physical:
             return
-        try:
-            self._end_task(task_name(self._physical))
-            self._write_zero()
-        except BenchError:
-            # Whoever holds it is no task of ours, or ours was lost: the device lets go of everything.
-            with translated(self._where):
-                self._route.device(self._physical.partition("/")[0]).reset_device()
-            self._ready = self._made()
-            self._write_zero()
+        failed: BenchError | None = None
+        for way in (self._end, self._end_anew, self._end_by_reset):
+            try:
+                way()
+            except BenchError as error:
+                failed = error
+            else:
+                return
+        assert failed is not None
+        raise failed
+
+    def _end(self) -> None:
+        self._end_task(task_name(self._physical))
+        # Its owner, or another handle, may be bringing it to 0 V at this moment: no reason to reset the device.
+        patiently(self._write_zero, ZERO_WAIT_S)
+
+    def _end_anew(self) -> None:
+        # Our own task may be gone, when the device was reset or came back.
+        self._ready = self._made()
+        self._end()
+
+    def _end_by_reset(self) -> None:
+        # Whoever holds it is no task of ours: the device lets go of everything.
+        with translated(self._where):
+            self._route.device(self._physical.partition("/")[0]).reset_device()
+        self._end_anew()
 
     def release(self) -> None:
         """Give back what a client that died still holds on the server.
@@ -93,5 +110,9 @@ class SecondHandle:
         # Past `Task.write`, which asks three times what it writes to.
         ready = self._ready
         with translated(self._where):
-            ready._interpreter.write_analog_f64(ready._handle, 1, True, 1.0, GROUP_BY_CHANNEL, np.zeros(1))
-            ready.stop()
+            try:
+                ready._interpreter.write_analog_f64(ready._handle, 1, True, 1.0, GROUP_BY_CHANNEL, np.zeros(1))
+            finally:
+                # Not to hold it a moment longer than needed, whatever came of it.
+                with suppress(nidaqmx.errors.DaqError):
+                    ready.stop()

@@ -30,6 +30,8 @@ SILENT = f"the acquisition process said nothing for {SILENCE_S:g} s while it dro
 BEAT_S = 0.1
 READY_S = 30.0
 LEAVE_S = 5.0
+RELEASE_S = 20.0
+"""To give back what a dead process held, on a busy machine; killed earlier, it would stay reserved."""
 TRIES = 3
 
 Sign = Literal["driving", "working", "idle"]
@@ -112,7 +114,7 @@ class Supervisor:
                 self._connection.send("leave")
         except OSError:
             pass
-        self.process.join(LEAVE_S)
+        self.process.join(RELEASE_S)
         if self.process.is_alive():
             self.process.kill()
             self.process.join()
