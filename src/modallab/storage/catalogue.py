@@ -16,6 +16,7 @@ from modallab.schema.versions import STORE as STORE_VERSION
 from modallab.storage.durable import failure
 from modallab.storage.engine import open_engine
 from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
+from modallab.storage.service_tables import VERDICTS
 from modallab.storage.tables import BLOCKS, DROPPED, METADATA, RUNS, STORE
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
@@ -67,6 +68,12 @@ class Catalogue:
             if connection.scalar(known) is None:
                 connection.execute(insert(DROPPED).values(run=run, n=n, reason=reason, utc=utc))
 
+    def judge_block(self, run: str, n: int, *, accepted: bool, reason: str, operator: str, utc: str) -> None:
+        """Commit an operator's word on a block; the last one holds, also over a drop."""
+        row = {"run": run, "n": n, "accepted": accepted, "reason": reason, "operator": operator, "utc": utc}
+        with self._writing() as connection:
+            connection.execute(insert(VERDICTS).values(row))
+
     def runs(self) -> tuple[RunRecord, ...]:
         """All runs, in the order of time."""
         with self._reading() as connection:
@@ -91,7 +98,9 @@ class Catalogue:
         with self._reading() as connection:
             reasons: dict[int, str] = {row.n: row.reason for row in connection.execute(gone)}
             rows = [_block(row) for row in connection.execute(query).mappings()]
-        return tuple(_dropped(row, reasons[row.n]) if row.n in reasons else row for row in rows)
+            words = {row["n"]: row for row in connection.execute(_verdicts(run)).mappings()}
+        now = (_dropped(row, reasons[row.n]) if row.n in reasons else row for row in rows)
+        return tuple(_judged(row, words[row.n]) if row.n in words else row for row in now)
 
     def close(self) -> None:
         """Let go of the database."""
@@ -175,3 +184,12 @@ def _block(row: Any) -> BlockRecord:
 
 def _dropped(block: BlockRecord, reason: str) -> BlockRecord:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
+
+
+def _verdicts(run: str) -> Any:
+    return select(VERDICTS).where(VERDICTS.c.run == run).order_by(VERDICTS.c.seq)
+
+
+def _judged(block: BlockRecord, word: Any) -> BlockRecord:
+    reason = f"{word['reason']} (by {word['operator']})"
+    return replace(block, note=replace(block.note, accepted=word["accepted"], reason=reason))

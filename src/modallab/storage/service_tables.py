@@ -1,0 +1,112 @@
+"""The service's tables: campaigns, their runs, events, leases, verdicts, idempotency keys, who did what."""
+
+from sqlalchemy import DDL, JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, String, Table, Text, event
+
+from modallab.storage.tables import METADATA
+
+_SEQUENCE = BigInteger().with_variant(Integer, "sqlite")
+
+CAMPAIGNS = Table(
+    "campaigns",
+    METADATA,
+    Column("id", String(64), primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("note", Text, nullable=False, default=""),
+    Column("rig", String(64), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("revision", Integer, nullable=False, default=1),
+)
+
+CAMPAIGN_RUNS = Table(
+    "campaign_runs",
+    METADATA,
+    Column("run", String(64), primary_key=True),
+    Column("campaign", String(64), ForeignKey("campaigns.id"), nullable=False, index=True),
+    Column("rig", String(64), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("continues", String(64)),
+    Column("code", String(64), nullable=False, default=""),
+)
+
+CAMPAIGN_JOBS = Table(
+    "campaign_jobs",
+    METADATA,
+    Column("n", _SEQUENCE, primary_key=True, autoincrement=True),
+    Column("campaign", String(64), ForeignKey("campaigns.id"), nullable=False, index=True),
+    Column("job", String(96), nullable=False),
+    Column("kind", String(64), nullable=False),
+)
+
+EVENTS = Table(
+    "events",
+    METADATA,
+    Column("seq", _SEQUENCE, primary_key=True, autoincrement=True),
+    Column("utc", String(32), nullable=False),
+    Column("rig", String(64), nullable=False, default=""),
+    Column("campaign", String(64), nullable=False, default="", index=True),
+    Column("run", String(64), nullable=False, default="", index=True),
+    Column("kind", String(32), nullable=False),
+    Column("content", JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+AUDIT = Table(
+    "audit",
+    METADATA,
+    Column("seq", _SEQUENCE, primary_key=True, autoincrement=True),
+    Column("utc", String(32), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("action", String(64), nullable=False),
+    Column("target", Text, nullable=False),
+    Column("detail", JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+LEASES = Table(
+    "leases",
+    METADATA,
+    Column("rig", String(64), primary_key=True),
+    Column("id", String(64), nullable=False),
+    Column("fence", Integer, nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("boot", String(64), nullable=False),
+    Column("ttl_s", Float, nullable=False),
+    Column("expires_s", Float, nullable=False),
+)
+
+VERDICTS = Table(
+    "verdicts",
+    METADATA,
+    Column("seq", _SEQUENCE, primary_key=True, autoincrement=True),
+    Column("run", String(64), nullable=False, index=True),
+    Column("n", Integer, nullable=False),
+    Column("accepted", Boolean, nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+    sqlite_autoincrement=True,
+)
+
+IDEMPOTENCY = Table(
+    "idempotency",
+    METADATA,
+    Column("key", String(128), primary_key=True),
+    Column("request", String(64), nullable=False),
+    Column("boot", String(64), nullable=False),
+    Column("status", Integer),
+    Column("headers", JSON, nullable=False, default=dict),
+    Column("body", Text, nullable=False, default=""),
+    Column("created_utc", String(32), nullable=False),
+)
+
+for _table in (EVENTS, AUDIT, VERDICTS):
+    for _verb in ("UPDATE", "DELETE"):
+        event.listen(
+            _table,
+            "after_create",
+            DDL(
+                f"CREATE TRIGGER {_table.name}_no_{_verb.lower()} BEFORE {_verb} ON {_table.name} "
+                f"BEGIN SELECT RAISE(ABORT, '{_table.name} are append-only'); END"
+            ).execute_if(dialect="sqlite"),
+        )
