@@ -128,3 +128,15 @@ class DiskFullError(StorageError):
     """The disk is full."""
 
     code = "disk_full"
+
+
+class JobError(ModallabError):
+    """A job cannot be ordered or computed as asked."""
+
+    code = "job"
+
+
+class UnknownJobError(JobError):
+    """There is no job of this name."""
+
+    code = "job-unknown"

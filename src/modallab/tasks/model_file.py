@@ -16,7 +16,14 @@ def write_models(path: Path, campaign: Campaign, result: Result) -> None:
     Raises:
         StorageError: the file cannot be written.
     """
-    document = {
+    document = model_document(campaign, result)
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
+    """The content of that file as JSON values."""
+    return {
         "format_version": MODEL,
         "code_version": __version__,
         "source": campaign.source,
@@ -25,8 +32,6 @@ def write_models(path: Path, campaign: Campaign, result: Result) -> None:
         "models": [_model(item) for item in result.identified],
         "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
-    with replacing(path) as temporary:
-        temporary.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _model(item: Identified) -> dict[str, object]:

@@ -1,0 +1,7 @@
+"""Durable jobs: a table that is the truth, and a runner that has them computed by Dask."""
+
+from modallab.jobs.job import Job, JobPage, JobState
+from modallab.jobs.jobs import Jobs
+from modallab.jobs.kind import Computed, Kind, Tell
+
+__all__ = ["Computed", "Job", "JobPage", "JobState", "Jobs", "Kind", "Tell"]

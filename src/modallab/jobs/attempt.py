@@ -1,0 +1,109 @@
+"""One attempt at one job: load, have it computed, keep, commit."""
+
+import threading
+import time
+from concurrent.futures import CancelledError
+from typing import Any
+
+from distributed import Client, Future
+from distributed.comm.core import CommClosedError
+from distributed.scheduler import KilledWorker
+
+from modallab.errors import ModallabError
+from modallab.jobs.kind import Computed, Kind
+from modallab.jobs.leases import Leases, Taken
+from modallab.jobs.task import compute, interrupt
+
+MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSError)
+"""What says that a machine failed, not the computation: the job is tried again."""
+
+
+class Attempt:
+    """A job while this runner holds it. `progress` is what its worker last said."""
+
+    def __init__(self, taken: Taken, kind: Kind, leases: Leases, client: Client) -> None:
+        self.taken = taken
+        self.progress = 0.0
+        self._kind = kind
+        self._leases = leases
+        self._client = client
+        self._future: Future[Any] | None = None
+        self._begun = time.monotonic()
+        self._lock = threading.Lock()
+        self._left = self._interrupted = False
+
+    @property
+    def late(self) -> bool:
+        """Whether it goes on for longer than its kind allows."""
+        return time.monotonic() - self._begun > self._kind.limit_s
+
+    def run(self) -> None:
+        """Do all of it. However it ends, the table says so."""
+        try:
+            payload = self._kind.load(dict(self.taken.job.parameters), self.taken.job.inputs)
+        except ModallabError as error:
+            self._leases.failed(self.taken, str(error))
+        except Exception as error:
+            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+        else:
+            self._compute(payload)
+
+    def abandon(self) -> None:
+        """The runner stops, or its scheduler is gone: give the job back."""
+        self._left = True
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """Stop the computation; again and again if need be, since it may only just have begun."""
+        with self._lock:
+            self._interrupted = True
+        if self._future is None or self._client.status != "running":
+            return
+        self._client.run(interrupt, self.taken.attempt, wait=False, on_error="ignore")
+        self._future.cancel(force=True, msg="interrupted")
+
+    def _compute(self, payload: Any) -> None:
+        try:
+            verdict, found = self._ask(payload)
+        except MACHINE_LOST as error:
+            self._without_result(error)
+            return
+        if verdict == "done" and isinstance(found, Computed):
+            self._keep(found)
+        elif verdict == "failed":
+            self._leases.failed(self.taken, str(found))
+        else:
+            self._without_result(None)
+
+    def _ask(self, payload: Any) -> tuple[str, Computed | str]:
+        name = self.taken.attempt
+        with self._lock:
+            if self._interrupted:
+                return "interrupted", ""
+            future = self._client.submit(compute, name, self._kind.compute, payload, key=name, pure=False)
+            self._future = future
+        try:
+            return future.result()
+        finally:
+            future.release()
+
+    def _without_result(self, error: BaseException | None) -> None:
+        # Of a job that was cancelled the fence has moved on, and none of these changes anything.
+        if self._client.status != "running":
+            self._leases.give_back(self.taken, "the scheduler was lost", counts=True)
+        elif self._left:
+            self._leases.give_back(self.taken, "the runner was stopped", counts=False)
+        elif self.late:
+            self._leases.failed(self.taken, f"it took longer than {self._kind.limit_s:g} s, and was stopped")
+        else:
+            self._leases.give_back(self.taken, f"a worker was lost ({error})", counts=True)
+
+    def _keep(self, computed: Computed) -> None:
+        try:
+            result = self._kind.keep(self.taken.attempt, computed)
+        except ModallabError as error:
+            self._leases.failed(self.taken, str(error))
+        except Exception as error:
+            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+        else:
+            self._leases.done(self.taken, result)

@@ -1,0 +1,78 @@
+"""A job as others see it, and the key that says which jobs are the same."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from pydantic import Field, JsonValue
+
+from modallab.errors import JobError
+from modallab.schema.frozen import Frozen
+
+JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+
+OPEN: frozenset[JobState] = frozenset({"queued", "running"})
+"""States a job will leave by itself."""
+
+
+class Job(Frozen):
+    """One piece of work.
+
+    Attributes:
+        id: its name, which sorts by time.
+        kind: which registered kind computes it.
+        state: `done`, `failed` and `cancelled` are for good.
+        parameters: what was asked for.
+        inputs: names of what it works on, such as runs.
+        progress: 0 to 1.
+        attempts: times it was begun; more than once if the machine that computed it was lost.
+        created_utc: for people, ISO 8601.
+        ended_utc: "" until it has ended.
+        code_version: of the modallab that took the order.
+        result: what it gave; None unless it is done.
+        error: why it failed, and what to do; None unless it has.
+    """
+
+    id: str
+    kind: str
+    state: JobState
+    parameters: dict[str, JsonValue]
+    inputs: tuple[str, ...]
+    progress: float = Field(ge=0, le=1)
+    attempts: int = Field(ge=0)
+    created_utc: str
+    ended_utc: str = ""
+    code_version: str
+    result: JsonValue = None
+    error: str | None = None
+
+    @property
+    def ended(self) -> bool:
+        """Whether its state is for good."""
+        return self.state not in OPEN
+
+
+class JobPage(Frozen):
+    """Some jobs, the newest first, and where the next page begins; None after the last."""
+
+    jobs: tuple[Job, ...]
+    cursor: str | None
+
+
+def job_key(kind: str, parameters: dict[str, Any], inputs: Sequence[str], code_version: str) -> str:
+    """SHA-256 over all that decides a result. The order of inputs counts, the order of parameters does not.
+
+    Raises:
+        JobError: a parameter is no JSON value, or is NaN or infinite.
+    """
+    content = [kind, parameters, list(inputs), code_version]
+    try:
+        text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise JobError(
+            f"the parameters of {kind} cannot be kept: {error}",
+            where="parameters",
+            remedy="give finite numbers, texts, lists and objects only",
+        ) from error
+    return hashlib.sha256(text.encode()).hexdigest()

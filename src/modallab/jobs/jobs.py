@@ -1,0 +1,178 @@
+"""The list of jobs, for those who order them."""
+
+import secrets
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import Connection, Engine, insert, select, update
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+
+from modallab import __version__
+from modallab.errors import JobError, StorageError, UnknownJobError
+from modallab.jobs.job import OPEN, Job, JobPage, JobState, job_key
+from modallab.jobs.table import JOBS, job_of, make_table
+
+PAGE = 50
+_ALIVE = ("queued", "running", "done")
+
+
+class Jobs:
+    """Jobs in a database. Every change is committed, so on the disk, when its method returns."""
+
+    def __init__(self, engine: Engine) -> None:
+        """Use a database, and make the table of jobs if there is none.
+
+        Args:
+            engine: SQLite or PostgreSQL, as `modallab.storage.engine.open_engine` gives it.
+
+        Raises:
+            StorageError: the database cannot be written.
+        """
+        self.engine = engine
+        with _database_errors(engine):
+            make_table(engine)
+
+    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str]) -> Job:
+        """Order a job. The same work that is waiting, going on or done is not done again: that job is given back.
+
+        Args:
+            kind: name of a registered kind.
+            parameters: JSON values.
+            inputs: names of what it works on.
+
+        Raises:
+            JobError: parameters that cannot be kept.
+        """
+        key = job_key(kind, parameters, inputs, __version__)
+        row = {
+            "id": _name(kind),
+            "key": key,
+            "kind": kind,
+            "parameters": parameters,
+            "inputs": list(inputs),
+            "code_version": __version__,
+            "state": "queued",
+            "created_utc": utc_now(),
+        }
+        with _database_errors(self.engine):
+            return self._same(key) or self._add(row) or self._same(key) or self._lost(key)
+
+    def get(self, job: str) -> Job:
+        """One job.
+
+        Raises:
+            UnknownJobError: there is none of this name.
+        """
+        with self._reading() as connection:
+            row = connection.execute(select(JOBS).where(JOBS.c.id == job)).mappings().one_or_none()
+        if row is None:
+            raise UnknownJobError(f"there is no job {job!r}", remedy="look at the list of jobs")
+        return job_of(row)
+
+    def list(
+        self,
+        *,
+        state: JobState | None = None,
+        kind: str | None = None,
+        cursor: str | None = None,
+        limit: int = PAGE,
+    ) -> JobPage:
+        """Jobs, the newest first.
+
+        Args:
+            state: only those in this state.
+            kind: only those of this kind.
+            cursor: of the page before; None for the first.
+            limit: at most so many.
+
+        Raises:
+            JobError: the cursor is none that was given out, or the limit is below 1.
+        """
+        query = select(JOBS).order_by(JOBS.c.n.desc()).limit(_limit(limit) + 1)
+        if state is not None:
+            query = query.where(JOBS.c.state == state)
+        if kind is not None:
+            query = query.where(JOBS.c.kind == kind)
+        if cursor is not None:
+            query = query.where(JOBS.c.n < _place(cursor))
+        with self._reading() as connection:
+            rows = connection.execute(query).mappings().all()
+        more = len(rows) > limit
+        return JobPage(
+            jobs=tuple(job_of(row) for row in rows[:limit]), cursor=str(rows[limit - 1]["n"]) if more else None
+        )
+
+    def cancel(self, job: str) -> Job:
+        """Cancel a job, at once: what is still being computed is stopped by its runner, and not taken.
+
+        A job that has ended stays as it is.
+
+        Raises:
+            UnknownJobError: there is none of this name.
+        """
+        ended = {"state": "cancelled", "ended_utc": utc_now(), "fence": JOBS.c.fence + 1}
+        query = update(JOBS).where(JOBS.c.id == job, JOBS.c.state.in_(sorted(OPEN))).values(ended)
+        with _database_errors(self.engine), self.engine.begin() as connection:
+            connection.execute(query)
+        return self.get(job)
+
+    def _same(self, key: str) -> Job | None:
+        query = select(JOBS).where(JOBS.c.key == key, JOBS.c.state.in_(_ALIVE))
+        with self._reading() as connection:
+            row = connection.execute(query).mappings().one_or_none()
+        return None if row is None else job_of(row)
+
+    def _add(self, row: dict[str, Any]) -> Job | None:
+        try:
+            with self.engine.begin() as connection:
+                connection.execute(insert(JOBS).values(row))
+        except IntegrityError:
+            return None
+        return self.get(row["id"])
+
+    def _lost(self, key: str) -> Job:
+        # Another's job of this key failed between our two looks: once more, it is free now.
+        raise JobError(f"the job of key {key[:12]} ended while it was ordered", remedy="order it again")
+
+    @contextmanager
+    def _reading(self) -> Generator[Connection]:
+        with (
+            _database_errors(self.engine),
+            self.engine.connect().execution_options(reading=True) as connection,
+        ):
+            yield connection
+
+
+def utc_now() -> str:
+    """The time for people, ISO 8601 to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _name(kind: str) -> str:
+    return f"{datetime.now(UTC):%Y%m%dT%H%M%S}-{kind}-{secrets.token_hex(4)}"
+
+
+def _limit(limit: int) -> int:
+    if limit < 1:
+        raise JobError(f"a page of {limit} jobs was asked for", where="limit", remedy="ask for at least 1")
+    return limit
+
+
+def _place(cursor: str) -> int:
+    if not (cursor.isascii() and cursor.isdigit() and len(cursor) < 19):
+        raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the one of the page before")
+    return int(cursor)
+
+
+@contextmanager
+def _database_errors(engine: Engine) -> Generator[None]:
+    try:
+        yield
+    except SQLAlchemyError as error:
+        raise StorageError(
+            f"the table of jobs cannot be used: {error}",
+            where=engine.url.render_as_string(hide_password=True),
+            remedy="look at the database and its disk",
+        ) from error

@@ -1,0 +1,126 @@
+"""The table of jobs, for those who compute them: taking, holding and ending a job under a lease and a fence."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import JsonValue
+from sqlalchemy import Connection, Engine, and_, exists, or_, select, update
+
+from modallab.jobs.job import Job
+from modallab.jobs.jobs import utc_now
+from modallab.jobs.table import JOBS, job_of, now_s
+
+MAX_ATTEMPTS = 3
+LEASE_S = 15.0
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A job under lease. `fence` tells this attempt from all others."""
+
+    job: Job
+    fence: int
+
+    @property
+    def attempt(self) -> str:
+        """A name no other attempt has, of any job."""
+        return f"{self.job.id}.{self.fence}"
+
+
+class Leases:
+    """Jobs of one owner. A lease that is not renewed for `lease_s` is open to others."""
+
+    def __init__(self, engine: Engine, owner: str, lease_s: float = LEASE_S) -> None:
+        self._engine = engine
+        self._owner = owner
+        self.lease_s = lease_s
+
+    def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
+        """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
+
+        A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
+        """
+        if limit < 1 or not self._any():
+            return []
+        with self._engine.begin() as connection:
+            now = now_s(connection)
+            query = select(JOBS).where(_free(now)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+            rows = connection.execute(query).mappings().all()
+            return [taken for row in rows if (taken := self._lease(connection, row, kinds, now)) is not None]
+
+    def renew(self, held: Mapping[str, tuple[int, float]]) -> set[str]:
+        """Renew leases and note progress; `held` is job -> (fence, progress). Returns those that are ours no more."""
+        if not held:
+            return set()
+        lost: set[str] = set()
+        with self._engine.begin() as connection:
+            until = now_s(connection) + self.lease_s
+            for job, (fence, progress) in held.items():
+                if not self._change(connection, job, fence, lease_until=until, progress=progress):
+                    lost.add(job)
+        return lost
+
+    def done(self, taken: Taken, result: JsonValue) -> bool:
+        """Commit a result; False if the job was cancelled or taken by another meanwhile, and nothing was written."""
+        return self._end(taken, state="done", progress=1.0, result=result)
+
+    def failed(self, taken: Taken, error: str) -> bool:
+        """Commit a failure that would come again; False as for `done`."""
+        return self._end(taken, state="failed", error=error)
+
+    def give_back(self, taken: Taken, why: str, *, counts: bool) -> bool:
+        """Let another attempt be made; False as for `done`.
+
+        Args:
+            taken: the job.
+            why: what was lost; it becomes the error if attempts run out.
+            counts: whether it counts as an attempt: the loss of a machine does, an orderly stop does not.
+        """
+        attempts = taken.job.attempts if counts else taken.job.attempts - 1
+        if attempts >= MAX_ATTEMPTS:
+            return self.failed(taken, _gave_up(attempts, why))
+        with self._engine.begin() as connection:
+            back = {"state": "queued", "owner": "", "progress": 0.0, "attempts": attempts}
+            return self._change(connection, taken.job.id, taken.fence, **back)
+
+    def _any(self) -> bool:
+        # A look takes no lock that a recording would wait for.
+        with self._engine.connect().execution_options(reading=True) as connection:
+            return bool(connection.scalar(select(exists().where(_free(now_s(connection))))))
+
+    def _lease(
+        self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str], now: float
+    ) -> Taken | None:
+        fence, attempts = row["fence"] + 1, row["attempts"] + 1
+        error = None
+        if row["kind"] not in kinds:
+            error = f"no kind {row['kind']!r} is registered; there are {', '.join(sorted(kinds))}"
+        elif attempts > MAX_ATTEMPTS:
+            error = _gave_up(row["attempts"], "its runner ended without a word")
+        if error is not None:
+            values = {"state": "failed", "error": error, "ended_utc": utc_now(), "fence": fence, "owner": ""}
+        else:
+            values = {"state": "running", "owner": self._owner, "fence": fence, "attempts": attempts}
+            values |= {"lease_until": now + self.lease_s, "progress": 0.0}
+        connection.execute(update(JOBS).where(JOBS.c.id == row["id"]).values(values))
+        return Taken(job_of(dict(row) | values), fence) if error is None else None
+
+    def _end(self, taken: Taken, **values: Any) -> bool:
+        with self._engine.begin() as connection:
+            return self._change(connection, taken.job.id, taken.fence, owner="", ended_utc=utc_now(), **values)
+
+    def _change(self, connection: Connection, job: str, fence: int, **values: Any) -> bool:
+        mine = and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.state == "running", JOBS.c.owner == self._owner)
+        return connection.execute(update(JOBS).where(mine).values(values)).rowcount == 1
+
+
+def _free(now: float) -> Any:
+    return or_(JOBS.c.state == "queued", and_(JOBS.c.state == "running", JOBS.c.lease_until < now))
+
+
+def _gave_up(attempts: int, why: str) -> str:
+    return (
+        f"given up after {attempts} attempts, the last one because {why}\n"
+        "  what to do: look at the memory and the logs of the machines that compute, then order the job again"
+    )

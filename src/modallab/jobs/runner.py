@@ -1,0 +1,160 @@
+"""Takes jobs from the table, has them computed by Dask, and commits what comes back."""
+
+import logging
+import os
+import secrets
+import socket
+import threading
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Literal, Self
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from modallab.jobs.attempt import Attempt
+from modallab.jobs.cluster import Cluster, Tls, check_address, default_workers
+from modallab.jobs.jobs import Jobs
+from modallab.jobs.kind import Kind
+from modallab.jobs.leases import LEASE_S, Leases, Taken
+from modallab.jobs.task import TOPIC
+
+Status = Literal["stopped", "connecting", "running"]
+
+POLL_S = 0.2
+_LOG = logging.getLogger(__name__)
+
+
+class Runner:
+    """Computes jobs until it is stopped. Any number of runners share one table."""
+
+    def __init__(
+        self,
+        jobs: Jobs,
+        kinds: Iterable[Kind],
+        scheduler: str | None = None,
+        *,
+        tls: Tls | None = None,
+        workers: int | None = None,
+        lease_s: float = LEASE_S,
+    ) -> None:
+        """Prepare; nothing is started yet.
+
+        Args:
+            jobs: the table.
+            kinds: what can be computed.
+            scheduler: address of a Dask scheduler, `tcp://` on the loopback or `tls://` anywhere; None for workers of
+                this machine's own.
+            tls: certificates for `tls://`.
+            workers: processes of this machine's own; one less than there are processors if None.
+            lease_s: after so long without a sign of this runner, others take its jobs.
+
+        Raises:
+            JobError: an address that would not be safe.
+        """
+        if scheduler is not None:
+            check_address(scheduler, tls)
+        self._kinds = {kind.name: kind for kind in kinds}
+        self._address = (scheduler, tls, workers or default_workers())
+        owner = f"{socket.gethostname()[:32]}-{os.getpid()}-{secrets.token_hex(4)}"
+        self._leases = Leases(jobs.engine, owner, lease_s)
+        self._attempts: dict[str, Attempt] = {}
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._threads: list[threading.Thread] = []
+        self.status: Status = "stopped"
+        self.trouble = ""
+
+    def start(self) -> None:
+        """Begin; returns at once. While no scheduler answers, `status` is "connecting" and `trouble` says why."""
+        self._stop.clear()
+        self.status = "connecting"
+        self._threads = [
+            threading.Thread(target=target, name=f"jobs-{target.__name__.strip('_')}", daemon=True)
+            for target in (self._serve, self._hold)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Give what is being computed back to the table, for others or for later, and end the workers started here."""
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+        self._threads = []
+        self.status = "stopped"
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def _serve(self) -> None:
+        while not self._stop.is_set():
+            try:
+                with Cluster.connect(*self._address) as cluster:
+                    self._compute_on(cluster)
+            except Exception as error:
+                # Whatever Dask met, jobs must go on once it is mended.
+                self.trouble = f"{type(error).__name__}: {error}"
+                _LOG.warning("no scheduler: %s", self.trouble)
+                self._stop.wait(1.0)
+            self.status = "connecting"
+
+    def _compute_on(self, cluster: Cluster) -> None:
+        self.status, self.trouble = "running", ""
+        cluster.client.subscribe_topic(TOPIC, self._note)
+        with ThreadPoolExecutor(thread_name_prefix="job") as pool:
+            try:
+                while cluster.alive and not self._stop.wait(POLL_S) and not cluster.worn(not self._attempts):
+                    for taken in self._take(cluster):
+                        pool.submit(self._run, taken, cluster)
+            finally:
+                for attempt in self._going_on():
+                    attempt.abandon()
+
+    def _take(self, cluster: Cluster) -> list[Taken]:
+        # Never more than can go on at once: a task that waits at a worker shares the blame when it dies.
+        room = cluster.threads - len(cluster.busy | self._attempts.keys())
+        try:
+            return self._leases.take(self._kinds, room)
+        except SQLAlchemyError as error:
+            self.trouble = str(error)
+            _LOG.warning("the table of jobs: %s", error)
+            return []
+
+    def _run(self, taken: Taken, cluster: Cluster) -> None:
+        attempt = Attempt(taken, self._kinds[taken.job.kind], self._leases, cluster.client)
+        with self._lock:
+            self._attempts[taken.attempt] = attempt
+        try:
+            attempt.run()
+        except SQLAlchemyError as error:
+            # Not committed: the lease runs out, and the job is taken again.
+            _LOG.warning("job %s: %s", taken.job.id, error)
+        finally:
+            with self._lock:
+                del self._attempts[taken.attempt]
+
+    def _hold(self) -> None:
+        while not self._stop.wait(min(self._leases.lease_s / 5, 1.0)):
+            going_on = self._going_on()
+            try:
+                lost = self._leases.renew({a.taken.job.id: (a.taken.fence, a.progress) for a in going_on})
+            except SQLAlchemyError as error:
+                _LOG.warning("leases were not renewed: %s", error)
+                continue
+            for attempt in going_on:
+                if attempt.taken.job.id in lost or attempt.late:
+                    attempt.interrupt()
+
+    def _going_on(self) -> list[Attempt]:
+        with self._lock:
+            return list(self._attempts.values())
+
+    def _note(self, event: tuple[float, dict[str, object]]) -> None:
+        told = event[1]
+        attempt = self._attempts.get(str(told["attempt"]))
+        if attempt is not None:
+            attempt.progress = float(str(told["progress"]))

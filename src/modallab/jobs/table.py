@@ -1,0 +1,83 @@
+"""The table of jobs, and the clock that all its users share."""
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Column,
+    Connection,
+    Engine,
+    Float,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    literal_column,
+    select,
+    text,
+)
+
+from modallab.jobs.job import Job
+
+METADATA = MetaData()
+
+JOBS = Table(
+    "jobs",
+    METADATA,
+    # Counts orders: pages are cut at it.
+    Column("n", BigInteger().with_variant(Integer, "sqlite"), primary_key=True, autoincrement=True),
+    Column("id", String(96), nullable=False, unique=True),
+    Column("key", String(64), nullable=False),
+    Column("kind", String(64), nullable=False),
+    Column("parameters", JSON, nullable=False),
+    Column("inputs", JSON, nullable=False),
+    Column("code_version", String(64), nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("progress", Float, nullable=False, default=0.0),
+    Column("attempts", Integer, nullable=False, default=0),
+    # Grows with every change of owner: what was computed under an older one is not taken.
+    Column("fence", Integer, nullable=False, default=0),
+    Column("owner", String(96), nullable=False, default=""),
+    Column("lease_until", Float, nullable=False, default=0.0),
+    Column("created_utc", String(32), nullable=False),
+    Column("ended_utc", String(32), nullable=False, default=""),
+    Column("result", JSON(none_as_null=True)),
+    Column("error", Text),
+    sqlite_autoincrement=True,
+)
+_ALIVE = text("state IN ('queued', 'running', 'done')")
+# What is wanted twice is done once, even if two ask at the same instant. What failed may be asked for again.
+Index("jobs_one_of_a_key", JOBS.c.key, unique=True, sqlite_where=_ALIVE, postgresql_where=_ALIVE)
+Index("jobs_by_state", JOBS.c.state, JOBS.c.n)
+
+_LOCK = 0x6D6F64616C
+"""PostgreSQL's advisory lock while tables are made; any number all processes agree on."""
+
+
+def make_table(engine: Engine) -> None:
+    """Make the table if it is not there, also if several processes begin at once."""
+    with engine.begin() as connection:
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _LOCK})
+        METADATA.create_all(connection)
+
+
+def now_s(connection: Connection) -> float:
+    """Seconds since 1970 by the clock of the database: leases of many machines are measured by one clock."""
+    return float(connection.execute(select(literal_column(_CLOCK[connection.dialect.name]))).scalar_one())
+
+
+_CLOCK = {
+    "sqlite": "(julianday('now') - 2440587.5) * 86400.0",
+    "postgresql": "extract(epoch from clock_timestamp())",
+}
+
+
+def job_of(row: Mapping[Any, Any]) -> Job:
+    """A row as a job."""
+    values = {name: row[name] for name in Job.model_fields if name != "inputs"}
+    return Job(inputs=tuple(cast("list[str]", row["inputs"])), **values)

@@ -1,0 +1,92 @@
+"""What a worker runs: one computation, which can say how far it is and be interrupted."""
+
+import ctypes
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Literal
+
+from distributed import get_worker
+
+from modallab.errors import ModallabError
+from modallab.jobs.kind import Computed, Tell
+
+TOPIC = "modallab-progress"
+"""Under which workers tell the runner how far they are."""
+_TELL_EVERY_S = 0.2
+
+Verdict = Literal["done", "failed", "interrupted"]
+
+
+class Interrupted(BaseException):
+    """The job was cancelled or took too long. No `Exception`: a computation that catches all does not catch this."""
+
+
+class _Running:
+    """The computations of this process, by attempt, with the thread each is in."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._threads: dict[str, int] = {}
+
+    def enter(self, attempt: str) -> None:
+        with self._lock:
+            self._threads[attempt] = threading.get_ident()
+
+    def leave(self, attempt: str) -> None:
+        with self._lock:
+            self._threads.pop(attempt, None)
+            # An interrupt that came with the last instruction must not hit what this thread does next.
+            _raise_in(threading.get_ident(), None)
+
+    def interrupt(self, attempt: str) -> bool:
+        with self._lock:
+            thread = self._threads.pop(attempt, None)
+            if thread is not None:
+                _raise_in(thread, Interrupted)
+        return thread is not None
+
+
+_RUNNING = _Running()
+
+
+def _raise_in(thread: int, error: type[BaseException] | None) -> None:
+    # Python raises it at the thread's next instruction: the numerics need no look-out of their own. NULL takes it back.
+    target = ctypes.py_object(error) if error is not None else None
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), target)
+
+
+async def interrupt(attempt: str) -> bool:
+    """Interrupt a computation of this process; False if it is not here. Asynchronous, so that Dask need not wait."""
+    return _RUNNING.interrupt(attempt)
+
+
+def compute(attempt: str, work: Callable[[Any, Tell], Computed], payload: Any) -> tuple[Verdict, Computed | str]:
+    """Run one computation on a worker. What it raises is its result: only the loss of a worker is an error to Dask."""
+    try:
+        _RUNNING.enter(attempt)
+        try:
+            return "done", work(payload, _teller(attempt))
+        finally:
+            _RUNNING.leave(attempt)
+    except Interrupted:
+        return "interrupted", ""
+    except ModallabError as error:
+        return "failed", str(error)
+    except Exception as error:
+        # Whatever else it raises, it will raise again: the runner is told, and nothing is tried a second time.
+        return "failed", f"{type(error).__name__}: {error}"
+
+
+def _teller(attempt: str) -> Tell:
+    worker = get_worker()
+    last = -_TELL_EVERY_S
+
+    def tell(fraction: float, /) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= _TELL_EVERY_S:
+            last = now
+            worker.log_event(TOPIC, {"attempt": attempt, "progress": min(1.0, max(0.0, float(fraction)))})
+
+    return tell

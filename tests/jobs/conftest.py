@@ -1,0 +1,22 @@
+"""A table of jobs in a new database."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import Engine
+
+from modallab.jobs import Jobs
+from modallab.storage.engine import open_engine
+
+
+@pytest.fixture
+def engine(tmp_path: Path) -> Iterator[Engine]:
+    opened = open_engine(f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}")
+    yield opened
+    opened.dispose()
+
+
+@pytest.fixture
+def jobs(engine: Engine) -> Jobs:
+    return Jobs(engine)

@@ -1,0 +1,58 @@
+"""Kinds whose work is small and whose end can be steered from a test. Workers import them by name."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from modallab.errors import DataError
+from modallab.jobs import Computed, Kind, Tell
+
+
+def square(payload: Any, tell: Tell) -> Computed:
+    tell(0.5)
+    return Computed({"square": payload["x"] ** 2, "process": os.getpid()}, {"x.txt": str(payload["x"]).encode()})
+
+
+def wait(payload: Any, tell: Tell) -> Computed:
+    """Works for a while in steps, telling; then says which process it was."""
+    steps = payload["steps"]
+    for step in range(steps):
+        tell(step / steps)
+        time.sleep(0.02)
+    return Computed({"x": payload["x"], "process": os.getpid()})
+
+
+def spin(payload: Any, _tell: Tell) -> Computed:
+    """Never looks out for anything."""
+    deadline = time.monotonic() + payload["seconds"]
+    total = 0
+    while time.monotonic() < deadline:
+        total += 1
+    return Computed(total)
+
+
+def refuse(payload: Any, _tell: Tell) -> Computed:
+    raise DataError(f"x is {payload['x']}", where="x", remedy="give another x")
+
+
+def break_(_payload: Any, _tell: Tell) -> Computed:
+    raise ZeroDivisionError("by nothing")
+
+
+def die(_payload: Any, _tell: Tell) -> Computed:
+    os._exit(3)
+
+
+def _load(parameters: dict[str, Any], inputs: tuple[str, ...]) -> dict[str, Any]:
+    return parameters | {"inputs": inputs}
+
+
+def kinds(folder: Path, **limits: float) -> list[Kind]:
+    def keep(name: str, computed: Computed) -> Any:
+        for file, content in computed.blobs.items():
+            (folder / f"{name}-{file}").write_bytes(content)
+        return computed.result
+
+    work = {"square": square, "wait": wait, "spin": spin, "refuse": refuse, "break": break_, "die": die}
+    return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]

@@ -1,0 +1,155 @@
+"""The table of jobs: what is the same job, who holds it, and that none waits for ever."""
+
+import threading
+
+import pytest
+from sqlalchemy import Engine, update
+
+from modallab.errors import JobError, UnknownJobError
+from modallab.jobs import Job, Jobs
+from modallab.jobs.leases import MAX_ATTEMPTS, Leases, Taken
+from modallab.jobs.table import JOBS
+
+KINDS = ("identify",)
+
+
+def _take(engine: Engine, owner: str = "one", lease_s: float = 60.0) -> Taken:
+    (taken,) = Leases(engine, owner, lease_s).take(KINDS, 1)
+    return taken
+
+
+def test_the_same_work_is_one_job_until_it_fails(jobs: Jobs, engine: Engine) -> None:
+    first = jobs.submit("identify", {"a": 1, "b": [2]}, ["run"])
+    assert (first.state, first.progress, first.attempts, first.result) == ("queued", 0.0, 0, None)
+    assert jobs.submit("identify", {"b": [2], "a": 1}, ["run"]) == first
+    others = [("identify", {"a": 1, "b": [3]}, ["run"]), ("diagnose", {"a": 1, "b": [2]}, ["run"])]
+    others.append(("identify", {"a": 1, "b": [2]}, ["run", "other"]))
+    assert len({first.id, *(jobs.submit(*other).id for other in others)}) == 4
+
+    leases = Leases(engine, "one")
+    (taken,) = leases.take(("identify", "diagnose"), 1)
+    assert jobs.submit("identify", {"a": 1, "b": [2]}, ["run"]).state == "running"
+    assert leases.done(taken, {"modes": 3})
+    again = jobs.submit("identify", {"a": 1, "b": [2]}, ["run"])
+    assert (again.id, again.state, again.result) == (first.id, "done", {"modes": 3})
+
+
+def test_what_failed_or_was_cancelled_may_be_ordered_again(jobs: Jobs, engine: Engine) -> None:
+    first = jobs.submit("identify", {}, [])
+    Leases(engine, "one").failed(_take(engine), "no modes")
+    second = jobs.submit("identify", {}, [])
+    assert jobs.cancel(second.id).state == "cancelled"
+    third = jobs.submit("identify", {}, [])
+    assert len({first.id, second.id, third.id}) == 3
+    assert (jobs.get(first.id).error, third.state) == ("no modes", "queued")
+
+
+def test_many_who_order_the_same_at_once_get_one_job(jobs: Jobs) -> None:
+    ids: list[str] = []
+    barrier = threading.Barrier(8)
+
+    def order() -> None:
+        barrier.wait()
+        ids.append(jobs.submit("identify", {"x": 1}, []).id)
+
+    threads = [threading.Thread(target=order) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(ids) == 8
+    assert len(set(ids)) == 1
+
+
+def test_a_result_that_is_no_more_wanted_is_not_taken(jobs: Jobs, engine: Engine) -> None:
+    job = jobs.submit("identify", {}, [])
+    leases, taken = Leases(engine, "one"), _take(engine)
+    assert leases.renew({job.id: (taken.fence, 0.25)}) == set()
+    assert jobs.get(job.id).progress == 0.25
+    jobs.cancel(job.id)
+    assert leases.renew({job.id: (taken.fence, 0.5)}) == {job.id}
+    assert not leases.done(taken, 1)
+    assert not leases.give_back(taken, "", counts=True)
+    assert (jobs.get(job.id).state, jobs.get(job.id).result) == ("cancelled", None)
+    assert jobs.cancel(job.id).state == "cancelled"
+
+
+def test_the_jobs_of_a_dead_runner_are_taken_by_another_and_the_fence_keeps_the_dead_out(
+    jobs: Jobs, engine: Engine
+) -> None:
+    job = jobs.submit("identify", {}, [])
+    dead = _take(engine, "dead", lease_s=60)
+    assert Leases(engine, "heir").take(KINDS, 1) == []
+    _expire(engine, job)
+    heir = _take(engine, "heir")
+    assert (heir.fence, heir.job.attempts, heir.attempt != dead.attempt) == (2, 2, True)
+    assert not Leases(engine, "dead").done(dead, "late")
+    assert Leases(engine, "heir").done(heir, "good")
+    assert jobs.get(job.id).result == "good"
+
+
+def test_attempts_run_out(jobs: Jobs, engine: Engine) -> None:
+    silent = jobs.submit("identify", {"x": 1}, [])
+    for attempt in range(1, MAX_ATTEMPTS + 1):
+        assert _take(engine).job.attempts == attempt
+        _expire(engine, silent)
+    assert Leases(engine, "one").take(KINDS, 1) == []
+    assert jobs.get(silent.id).state == "failed"
+    assert "given up after 3 attempts" in str(jobs.get(silent.id).error)
+
+    told = jobs.submit("identify", {"x": 2}, [])
+    for _ in range(MAX_ATTEMPTS):
+        Leases(engine, "one").give_back(_take(engine), "a worker was lost", counts=True)
+    assert "because a worker was lost" in str(jobs.get(told.id).error)
+
+
+def test_an_orderly_stop_is_no_attempt(jobs: Jobs, engine: Engine) -> None:
+    job = jobs.submit("identify", {}, [])
+    for _ in range(2 * MAX_ATTEMPTS):
+        Leases(engine, "one").give_back(_take(engine), "stopped", counts=False)
+    assert (jobs.get(job.id).state, jobs.get(job.id).attempts) == ("queued", 0)
+
+
+def test_the_oldest_is_taken_first_and_what_nobody_knows_fails(jobs: Jobs, engine: Engine) -> None:
+    unknown = jobs.submit("dance", {}, [])
+    ids = [jobs.submit("identify", {"x": x}, []).id for x in range(3)]
+    taken = Leases(engine, "one").take(KINDS, 3)
+    assert [t.job.id for t in taken] == ids[:2]
+    assert jobs.get(unknown.id).error == "no kind 'dance' is registered; there are identify"
+
+
+def test_pages_hold_every_job_once_the_newest_first(jobs: Jobs, engine: Engine) -> None:
+    ids = [jobs.submit("identify", {"x": x}, []).id for x in range(7)]
+    seen: list[str] = []
+    cursor = None
+    while True:
+        page = jobs.list(cursor=cursor, limit=3)
+        seen += [job.id for job in page.jobs]
+        jobs.submit("report", {"since": len(seen)}, [])
+        if page.cursor is None:
+            break
+        cursor = page.cursor
+    assert seen == ids[::-1]
+    assert len(jobs.list(kind="report").jobs) == 3
+    _take(engine)
+    assert [job.id for job in jobs.list(state="running").jobs] == ids[:1]
+    for wrong in ("x", "-1", "٣"):
+        with pytest.raises(JobError, match="no cursor"):
+            jobs.list(cursor=wrong)
+    with pytest.raises(JobError, match="0 jobs"):
+        jobs.list(limit=0)
+
+
+def test_what_cannot_be_kept_or_found_is_told(jobs: Jobs) -> None:
+    for bad in (float("nan"), float("inf"), {1, 2}):
+        with pytest.raises(JobError, match="cannot be kept"):
+            jobs.submit("identify", {"x": bad}, [])
+    with pytest.raises(UnknownJobError, match="there is no job 'x'"):
+        jobs.get("x")
+    with pytest.raises(UnknownJobError):
+        jobs.cancel("x")
+
+
+def _expire(engine: Engine, job: Job) -> None:
+    with engine.begin() as connection:
+        connection.execute(update(JOBS).where(JOBS.c.id == job.id).values(lease_until=0.0))

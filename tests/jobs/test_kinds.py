@@ -1,0 +1,71 @@
+"""Identify, report and diagnose as jobs: by a real worker, with the same numbers as in this process."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from waiting import ended
+
+from modallab.errors import JobError, StorageError
+from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.exchange.rig_file import read_rig
+from modallab.identification.options import Options
+from modallab.jobs import Jobs
+from modallab.jobs.runner import Runner
+from modallab.schema.block import Campaign
+from modallab.tasks.identify import identify_campaign
+from modallab.tasks.kinds import kinds
+from modallab.tasks.parameters import DiagnoseParameters, parse_parameters
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+def _campaign(inputs: tuple[str, ...]) -> Campaign:
+    (name,) = inputs
+    if name != "hammer_5hits":
+        raise StorageError(f"there is no run {name!r}", remedy="look at the list of runs")
+    return read_campaign(DATA / "hammer_5hits.h5", read_rig(DATA / "hammer_rig.yaml"))
+
+
+def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp_path: Path) -> None:
+    here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak"))
+    with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
+        inputs = ["hammer_5hits"]
+        identified, reported, wrong, absent, bad = ended(
+            jobs,
+            jobs.submit("identify", {"method": "peak"}, inputs),
+            jobs.submit("report", {"method": "peak", "title": "A heading of its own"}, inputs),
+            jobs.submit("identify", {"method": "magic"}, inputs),
+            jobs.submit("identify", {}, ["nothing"]),
+            jobs.submit("diagnose", {}, inputs),
+            patience_s=120,
+        )
+    assert (identified.state, identified.error) == ("done", None)
+    (model,) = identified.result["document"]["models"]
+    np.testing.assert_array_equal(np.array(model["frequency_hz"], dtype=float), here.identified[0].model.frequency_hz)
+    np.testing.assert_array_equal(np.array(model["damping_ratio"], dtype=float), here.identified[0].model.damping_ratio)
+    assert identified.result["files"] == {}
+    assert reported.result["document"] == identified.result["document"]
+    page = (tmp_path / reported.result["files"]["report.html"]).read_text(encoding="utf-8")
+    assert "<h1>A heading of its own</h1>" in page
+    assert (wrong.state, absent.state) == ("failed", "failed")
+    assert "method: Input should be 'peak' or 'plscf'" in str(wrong.error)
+    assert "there is no run 'nothing'" in str(absent.error)
+    # This rig file describes no beam, so that there is nothing to hold the recording against.
+    assert bad.state == "failed"
+    assert "there is no beam to predict from" in str(bad.error)
+
+
+def test_parameters_are_checked_before_a_job_is_ordered() -> None:
+    parsed = parse_parameters("diagnose", {"hold_out": "point:3"})
+    assert parsed == DiagnoseParameters(hold_out="point:3")
+    assert json.loads(parse_parameters("identify", {"band_hz": [3, 110]}).model_dump_json())["band_hz"] == [3, 110]
+    for kind, given in (
+        ("dance", {}),
+        ("diagnose", {"hold_out": "all"}),
+        ("identify", {"order": 3}),
+        ("identify", {"band_hz": [float("nan"), 3]}),
+    ):
+        with pytest.raises(JobError):
+            parse_parameters(kind, given)

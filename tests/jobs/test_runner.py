@@ -1,0 +1,92 @@
+"""A runner with workers of its own: what is computed, refused, interrupted and kept."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from kinds_for_tests import kinds
+from waiting import ended, until
+
+from modallab.errors import JobError
+from modallab.jobs import Jobs
+from modallab.jobs.cluster import Tls, check_address
+from modallab.jobs.runner import Runner
+
+
+@pytest.fixture
+def runner(jobs: Jobs, tmp_path: Path) -> Iterator[Runner]:
+    with Runner(jobs, kinds(tmp_path, spin=0.5), workers=1) as started:
+        yield started
+
+
+def test_jobs_are_computed_by_another_process_and_their_results_kept(
+    jobs: Jobs, runner: Runner, tmp_path: Path
+) -> None:
+    ordered = [jobs.submit("square", {"x": x}, ["run"]) for x in range(5)]
+    done = ended(jobs, *ordered)
+    assert [job.state for job in done] == ["done"] * 5
+    assert [job.result["square"] for job in done] == [0, 1, 4, 9, 16]
+    assert {job.result["process"] for job in done} != {os.getpid()}
+    assert all((job.progress, job.attempts, job.error) == (1.0, 1, None) for job in done)
+    kept = sorted(path.read_text() for path in tmp_path.glob("*-x.txt"))
+    assert kept == ["0", "1", "2", "3", "4"]
+    assert runner.status == "running"
+
+    refused, broken, unknown = ended(
+        jobs, jobs.submit("refuse", {"x": 3}, []), jobs.submit("break", {}, []), jobs.submit("no such", {}, [])
+    )
+    assert (refused.state, refused.attempts) == ("failed", 1)
+    assert refused.error == "x: x is 3\n  what to do: give another x"
+    assert (broken.state, broken.error) == ("failed", "ZeroDivisionError: by nothing")
+    assert unknown.state == "failed"
+    assert "no kind 'no such' is registered; there are break, die," in str(unknown.error)
+
+
+def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: Runner) -> None:
+    job = jobs.submit("wait", {"x": 1, "steps": 10_000}, [])
+    until(lambda: jobs.get(job.id).progress > 0)
+    assert 0 < jobs.get(job.id).progress < 1
+    assert jobs.cancel(job.id).state == "cancelled"
+    # The one worker is free again: the next job gets it.
+    (after,) = ended(jobs, jobs.submit("square", {"x": 7}, []))
+    assert after.state == "done"
+    assert jobs.get(job.id).state == "cancelled"
+    assert jobs.get(job.id).result is None
+
+
+def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: Jobs, runner: Runner) -> None:
+    long, after = ended(jobs, jobs.submit("spin", {"seconds": 600}, []), jobs.submit("square", {"x": 2}, []))
+    assert (long.state, long.attempts) == ("failed", 1)
+    assert "longer than 0.5 s" in str(long.error)
+    assert after.state == "done"
+
+
+def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) -> None:
+    deadly, good = ended(jobs, jobs.submit("die", {}, []), jobs.submit("square", {"x": 4}, []), patience_s=90)
+    assert (deadly.state, deadly.attempts) == ("failed", 3)
+    assert "given up after 3 attempts, the last one because a worker was lost" in str(deadly.error)
+    assert good.state == "done"
+
+
+def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: Path) -> None:
+    with Runner(jobs, kinds(tmp_path), workers=1):
+        job = jobs.submit("wait", {"x": 1, "steps": 10_000}, [])
+        until(lambda: jobs.get(job.id).progress > 0)
+    left = jobs.get(job.id)
+    assert (left.state, left.attempts, left.progress) == ("queued", 0, 0.0)
+
+
+def test_tasks_go_to_another_machine_by_tls_only(jobs: Jobs) -> None:
+    for address in ("tcp://192.0.2.7:8786", "tcp://scheduler:8786"):
+        with pytest.raises(JobError, match="neither encrypted"):
+            Runner(jobs, [], address)
+    with pytest.raises(JobError, match="needs certificates"):
+        Runner(jobs, [], "tls://scheduler:8786")
+    with pytest.raises(JobError, match="no address"):
+        check_address("scheduler", None)
+    tls = Tls(Path("ca.pem"), Path("cert.pem"), Path("key.pem"))
+    check_address("tls://scheduler:8786", tls)
+    check_address("tcp://127.0.0.1:8786", None)
+    with pytest.raises(JobError, match=r"no such certificate file: ca\.pem"):
+        tls.security()

@@ -1,0 +1,20 @@
+"""Waiting for what must come about."""
+
+import time
+from collections.abc import Callable
+
+from modallab.jobs import Job, Jobs
+
+
+def until(said: Callable[[], bool], patience_s: float = 30.0) -> None:
+    """Wait until something holds."""
+    deadline = time.monotonic() + patience_s
+    while not said():
+        assert time.monotonic() < deadline, "it did not come about"
+        time.sleep(0.02)
+
+
+def ended(jobs: Jobs, *wanted: Job, patience_s: float = 30.0) -> list[Job]:
+    """The jobs, once all have ended."""
+    until(lambda: all(jobs.get(job.id).ended for job in wanted), patience_s)
+    return [jobs.get(job.id) for job in wanted]
