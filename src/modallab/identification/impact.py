@@ -37,6 +37,10 @@ FORCE_DROP_DB = 40.0
 """Default upper edge: where the blow's spectrum has fallen by this much for good."""
 STAND_INS = (1.05,)
 """A pole that begins at this multiple of the upper edge stands for the modes above."""
+RESIDUAL_POWERS = (-2, 0, 2, 4)
+"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself: modes
+far above, sampled too slowly, leave some of it, and so does cross-talk. Left out, it passes for damping of the lowest
+mode."""
 MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
 SILENCE_NEEDED = 1000
@@ -221,7 +225,7 @@ def _refined(
     begin = with_stand_ins(poles, band[1], STAND_INS, (1e-4, 0.1))
     problem = Problem(
         blocks=unknown.blocks,
-        powers=residual_powers(band, groups),
+        powers=RESIDUAL_POWERS,
         n_inputs=len(groups),
         state_sigma=None
         if unknown.state_sigma is None
@@ -235,13 +239,6 @@ def _refined(
     force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
     start = Parameters(begin.omega, begin.zeta, nothing, np.zeros(n, complex), force)
     return Fit(problem, search(problem, start, max_iterations), tuple(g[0].block.drive_point for g in groups))
-
-
-def residual_powers(band: tuple[float, float], groups: Groups) -> tuple[int, ...]:
-    """Powers of s for modes outside the band: above always, below where the band begins well above 0 Hz."""
-    first = groups[0][0]
-    resolution = first.rate_hz / first.force.size
-    return (0, 2, 4) if band[0] < 2 * LOWEST_LINE * resolution else (-2, 0, 2, 4)
 
 
 def half_power_readings(

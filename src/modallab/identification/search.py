@@ -84,7 +84,12 @@ def _descend(
     scaled = matrix * np.outer(scale, scale)
     for _ in range(10):
         damped = scaled + damping * np.eye(len(scaled))
-        step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
+        try:
+            step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
+        except linalg.LinAlgError:
+            # Rounding has made it indefinite: two poles hardly differ.
+            damping = max(10 * damping, 1e-6)
+            continue
         if step @ gradient < worth and damping <= 1e-3:
             return None, damping
         after = _solved(problem, _moved(problem, point.parameters, step), point.noise)
