@@ -23,6 +23,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_gap(commands)
     _add_rig(commands)
     _add_devices(commands)
+    _add_serve(commands)
     return parser
 
 
@@ -112,3 +113,19 @@ def _add_devices(commands: _Commands) -> None:
     command.add_argument("--release", action="store_true", help="give back what a killed program has left reserved")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
     command.set_defaults(module="devices")
+
+
+def _add_serve(commands: _Commands) -> None:
+    command = commands.add_parser("serve", help="run tests for other programs: a REST service and an emergency stop")
+    command.add_argument(
+        "--rig", type=Path, action="append", default=[], metavar="RIG.yaml", help="may be given many times"
+    )
+    command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
+    command.add_argument("--host", metavar="ADDRESS", help="to listen on (default: 127.0.0.1)")
+    command.add_argument("--port", type=int, metavar="N", help="of the REST service (default: 8000)")
+    command.add_argument("--stop-port", type=int, metavar="N", help="of the emergency stop (default: 8001)")
+    command.add_argument("--token-file", type=Path, metavar="FILE", help="where the token is kept")
+    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (default: own workers)")
+    command.add_argument("--workers", type=int, metavar="N", help="processes that compute jobs on this machine")
+    command.set_defaults(module="serve")

@@ -1,0 +1,61 @@
+"""Campaigns: make, list, read, rename."""
+
+from fastapi import Response
+
+from modallab.api.context import Operator, ServiceOf
+from modallab.api.cursor import Cursor, Limit, page, place_of
+from modallab.api.etag import IfMatch, IfNoneMatch, mark, revision_of, unchanged
+from modallab.api.problems import documented
+from modallab.api.rigs import state_of
+from modallab.api.router import ONCE, PREFIX, make_router
+from modallab.schema.service.campaigns import CampaignChange, CampaignNew, CampaignView
+from modallab.schema.service.pages import Page
+
+router = make_router("campaigns")
+
+
+@router.get("/campaigns")
+def list_campaigns(service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[CampaignView]:
+    """All campaigns, the newest first."""
+    return page(service.book.campaigns(place_of(cursor), limit + 1), limit, lambda campaign: campaign.id)
+
+
+@router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+def create_campaign(new: CampaignNew, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
+    """Make a campaign on a rig."""
+    state_of(service, new.rig)
+    campaign = service.book.create(new, operator)
+    response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"
+    mark(response, campaign.revision)
+    return campaign
+
+
+@router.get(
+    "/campaigns/{campaign}",
+    response_model=CampaignView,
+    responses={304: {"description": "unchanged"}} | documented(404),
+)
+def get_campaign(
+    campaign: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None
+) -> CampaignView | Response:
+    """A campaign and the names of its runs."""
+    found = service.book.campaign(campaign)
+    if unchanged(if_none_match, found.revision):
+        return Response(status_code=304, headers={"ETag": f'"{found.revision}"'})
+    mark(response, found.revision)
+    return found
+
+
+@router.patch("/campaigns/{campaign}", responses=documented(404, 412, 428, 507))
+def change_campaign(
+    campaign: str,
+    change: CampaignChange,
+    service: ServiceOf,
+    operator: Operator,
+    response: Response,
+    if_match: IfMatch = None,
+) -> CampaignView:
+    """Rename a campaign or change its note; say by `If-Match` which revision you read."""
+    changed = service.book.change(campaign, change, revision_of(if_match), operator)
+    mark(response, changed.revision)
+    return changed

@@ -1,0 +1,54 @@
+"""Events: followed as they come (SSE), or read page by page."""
+
+from collections.abc import AsyncGenerator
+from typing import Annotated
+
+from fastapi import Header, Query, Request
+from fastapi.responses import StreamingResponse
+
+from modallab.api.context import ServiceOf
+from modallab.api.cursor import Cursor, Limit, number_of, page
+from modallab.api.feed import Feed
+from modallab.api.router import make_router
+from modallab.campaign import audit
+from modallab.campaign.event_log import Topic
+from modallab.errors import DataError
+from modallab.schema.service.pages import AuditEntry, EventView, Page
+
+router = make_router("events")
+Name = Annotated[str, Query(max_length=64)]
+After = Annotated[int | None, Query(ge=0, lt=2**53, description="Begin after this event; 0: with the first one.")]
+LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=20)]
+STREAM = "text/event-stream"
+
+
+@router.get(
+    "/events/stream",
+    response_class=StreamingResponse,
+    responses={200: {"content": {STREAM: {"schema": {"type": "string"}}}}},
+)
+async def follow_events(
+    request: Request, after: After = None, last: LastEventId = None, rig: Name = "", campaign: Name = "", run: Name = ""
+) -> StreamingResponse:
+    """Follow events as server-sent events, from now on or, by `Last-Event-ID`, from where you were."""
+    if last is not None and not (last.isascii() and last.isdigit()):
+        raise DataError(f"{last!r} is no event's number", where="Last-Event-ID", remedy="send the id of the last one")
+    feed: Feed = request.app.state.feed
+    lines: AsyncGenerator[bytes] = feed.listen(int(last) if last is not None else after, Topic(rig, campaign, run))
+    return StreamingResponse(lines, media_type=STREAM, headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
+
+
+@router.get("/events")
+def list_events(
+    service: ServiceOf, limit: Limit = 100, cursor: Cursor = None, rig: Name = "", campaign: Name = "", run: Name = ""
+) -> Page[EventView]:
+    """Events page by page, the oldest first."""
+    found = service.log.after(number_of(cursor) or 0, limit + 1, Topic(rig, campaign, run))
+    return page(found, limit, lambda event: event.seq)
+
+
+@router.get("/audit")
+def list_audit(service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[AuditEntry]:
+    """Who did what, the newest first."""
+    found = audit.entries(service.engine, number_of(cursor), limit + 1)
+    return page(found, limit, lambda entry: entry.seq)

@@ -1,0 +1,125 @@
+"""New events, read once from the log and handed to everyone who listens."""
+
+import asyncio
+import logging
+from collections.abc import AsyncGenerator
+from dataclasses import dataclass, field
+from threading import Event as Flag
+from threading import Thread
+
+from modallab.campaign.event_log import EventLog, Topic
+from modallab.errors import ModallabError
+from modallab.schema.service.pages import EventView
+
+LOG = logging.getLogger(__name__)
+LOOK_S = 0.05
+AT_ONCE = 500
+QUEUE = 2000
+"""Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """An event and how it goes over the wire, written once for all."""
+
+    event: EventView
+    text: bytes
+
+
+@dataclass(eq=False, slots=True)
+class Listener:
+    """One who listens; `None` in the queue ends it."""
+
+    queue: asyncio.Queue[Line | None] = field(default_factory=lambda: asyncio.Queue(QUEUE))
+
+
+class Feed:
+    """A thread looks at the log; listeners wait in the event loop."""
+
+    def __init__(self, log: EventLog) -> None:
+        self._log = log
+        self._listeners: set[Listener] = set()
+        self._closing = Flag()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread = Thread(target=self._look, name="events", daemon=True)
+
+    @property
+    def listeners(self) -> int:
+        """How many listen."""
+        return len(self._listeners)
+
+    def open(self) -> None:
+        """Begin; from the event loop."""
+        self._loop = asyncio.get_running_loop()
+        self._thread.start()
+
+    def close(self) -> None:
+        """Let everyone go; from the event loop."""
+        self._closing.set()
+        for listener in self._listeners:
+            _put(listener, None)
+
+    async def listen(self, after: int | None, topic: Topic) -> AsyncGenerator[bytes]:
+        """Events as SSE text, from the one after number `after`, or from now on; a comment now and then."""
+        listener = Listener()
+        self._listeners.add(listener)
+        try:
+            last = await asyncio.to_thread(self._log.last) if after is None else after
+            yield b": listening\n\n"
+            if after is not None:
+                while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
+                    yield b"".join(_text(event) for event in before)
+                    last = before[-1].seq
+            async for text in _follow(listener, last, topic):
+                yield text
+        finally:
+            self._listeners.discard(listener)
+
+    def _look(self) -> None:
+        last: int | None = None
+        while not self._closing.wait(LOOK_S):
+            try:
+                last = self._log.last() if last is None else last
+                events = self._log.after(last, AT_ONCE)
+            except ModallabError as error:
+                LOG.warning("events cannot be read: %s", error)
+                continue
+            if events and self._loop is not None:
+                last = events[-1].seq
+                lines = [Line(event, _text(event)) for event in events]
+                self._loop.call_soon_threadsafe(self._hand_out, lines)
+
+    def _hand_out(self, lines: list[Line]) -> None:
+        for listener in self._listeners:
+            for line in lines:
+                _put(listener, line)
+
+
+async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator[bytes]:
+    while True:
+        try:
+            line = await asyncio.wait_for(listener.queue.get(), 15.0)
+        except TimeoutError:
+            yield b": still here\n\n"
+            continue
+        if line is None:
+            return
+        if line.event.seq > last and _is_of(line.event, topic):
+            yield line.text
+
+
+def _put(listener: Listener, line: Line | None) -> None:
+    if listener.queue.full():
+        listener.queue.get_nowait()
+        line = None
+    listener.queue.put_nowait(line)
+
+
+def _is_of(event: EventView, topic: Topic) -> bool:
+    return all(not wanted or wanted == found for wanted, found in (
+        (topic.rig, event.rig), (topic.campaign, event.campaign), (topic.run, event.run),
+    ))  # fmt: skip
+
+
+def _text(event: EventView) -> bytes:
+    return f"id: {event.seq}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()

@@ -1,0 +1,40 @@
+"""The lease of a rig: who may command it."""
+
+from fastapi import Response
+
+from modallab.api.context import LeaseId, ServiceOf
+from modallab.api.problems import documented
+from modallab.api.rigs import state_of
+from modallab.api.router import ONCE, make_router
+from modallab.campaign.errors import NotFoundError
+from modallab.schema.service.rigs import Lease, LeaseHolder, LeaseNew
+
+router = make_router("lease")
+
+
+@router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+def take_lease(rig: str, new: LeaseNew, service: ServiceOf) -> Lease:
+    """Take the lease of a rig, if nobody holds it."""
+    return service.leases.take(state_of(service, rig).id, new.operator, new.ttl_s)
+
+
+@router.put("/rigs/{rig}/lease", responses=documented(404, 507))
+def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
+    """Begin the lease's time anew."""
+    return service.leases.renew(state_of(service, rig).id, lease or "")
+
+
+@router.delete("/rigs/{rig}/lease", status_code=204, responses=documented(404, 507))
+def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Response:
+    """Give the lease back."""
+    service.leases.release(state_of(service, rig).id, lease or "")
+    return Response(status_code=204)
+
+
+@router.get("/rigs/{rig}/lease", responses=documented(404))
+def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
+    """Who holds the rig."""
+    holder = service.leases.holder(state_of(service, rig).id)
+    if holder is None:
+        raise NotFoundError("nobody holds it", where=rig, remedy="take the lease")
+    return holder

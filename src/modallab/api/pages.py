@@ -1,0 +1,47 @@
+"""Pages for people: the API's documentation, with nothing from elsewhere, and one page for every kind of problem."""
+
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+
+import fastapi_offline
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import HTMLResponse
+from fastapi.staticfiles import StaticFiles
+
+from modallab.api.kinds import KINDS
+from modallab.campaign.errors import NotFoundError
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/docs")
+def show_api() -> HTMLResponse:
+    """The API, to read and to try."""
+    return get_swagger_ui_html(
+        openapi_url="/openapi.json",
+        title="modallab",
+        swagger_js_url="/docs/static/swagger-ui-bundle.js",
+        swagger_css_url="/docs/static/swagger-ui.css",
+        swagger_favicon_url="/docs/static/favicon.png",
+    )
+
+
+@router.get("/problems/{code}")
+def show_problem(code: str) -> HTMLResponse:
+    """What a kind of problem means."""
+    kind = KINDS.get(code)
+    if kind is None:
+        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(sorted(KINDS))}")
+    return HTMLResponse(
+        f"<!doctype html><html lang=en><meta charset=utf-8><title>{escape(kind.title)}</title>"
+        f"<h1>{escape(kind.title)}</h1><p><code>{escape(code)}</code>, status {kind.status}</p>"
+        f"<p>{escape(kind.meaning)}</p></html>"
+    )
+
+
+def mount_static(app: FastAPI) -> None:
+    """Serve Swagger UI from the package it comes in."""
+    folder = Path(str(files(fastapi_offline) / "static"))
+    app.mount("/docs/static", StaticFiles(directory=folder), name="swagger-ui")

@@ -1,0 +1,81 @@
+"""Errors as problem details (RFC 9457): what was wrong, what to do, and a page that explains the kind."""
+
+import logging
+import secrets
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from modallab.acquisition.states import IllegalTransitionError
+from modallab.api.kinds import KINDS, Kind, kind_of
+from modallab.errors import ModallabError
+from modallab.schema.service.pages import Problem
+
+LOG = logging.getLogger(__name__)
+MEDIA_TYPE = "application/problem+json"
+
+Responses = dict[int | str, dict[str, Any]]
+
+
+def documented(*statuses: int) -> Responses:
+    """What a route may answer with besides its result, for the OpenAPI document."""
+    content: dict[str, Any] = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    titles: dict[int, list[str]] = {}
+    for kind in KINDS.values():
+        titles.setdefault(kind.status, []).append(kind.code)
+    return {status: {"description": ", ".join(titles[status]), "content": content} for status in statuses}
+
+
+def problem(kind: Kind, detail: str, headers: Mapping[str, str] | None = None, **more: Any) -> Response:
+    """An answer that says what was wrong."""
+    body = Problem(
+        type=f"/problems/{kind.code}", title=kind.title, status=kind.status, code=kind.code, detail=detail, **more
+    )
+    text = body.model_dump_json(exclude_none=True)
+    return Response(text, kind.status, headers=dict(headers or {}), media_type=MEDIA_TYPE)
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error with a problem."""
+    app.add_exception_handler(ModallabError, _known)
+    app.add_exception_handler(RequestValidationError, _not_valid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(Exception, _unexpected)
+
+
+def of_error(error: ModallabError) -> Response:
+    """The answer for an expected error."""
+    kind = kind_of(error)
+    headers = {"Retry-After": "1"} if kind.status == 503 else {}
+    legal = None
+    if isinstance(error, IllegalTransitionError):
+        legal = tuple(word for word in error.remedy.removeprefix("legal: ").split(", ") if " " not in word)
+    return problem(kind, error.what, headers, remedy=error.remedy, where=error.where, legal=legal)
+
+
+async def _known(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, ModallabError)
+    return of_error(error)
+
+
+async def _not_valid(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    found = tuple(
+        {"where": ".".join(str(part) for part in one["loc"]), "what": str(one["msg"])} for one in error.errors()
+    )
+    return problem(KINDS["not-valid"], f"{len(found)} of its fields cannot be taken", errors=found)
+
+
+async def _http(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    code = {404: "no-page", 405: "not-allowed", 413: "too-large"}.get(error.status_code, "not-valid")
+    return problem(KINDS[code], str(error.detail), error.headers)
+
+
+async def _unexpected(request: Request, error: Exception) -> Response:
+    number = secrets.token_hex(4)
+    LOG.error("%s: %s %s failed", number, request.method, request.url.path, exc_info=error)
+    return problem(KINDS["unexpected"], "an error nobody expected", where=number, remedy="look at the log")

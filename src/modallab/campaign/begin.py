@@ -1,0 +1,57 @@
+"""How a run begins: looked at as far as can be without the bench, then handed to the rig's desk."""
+
+from modallab.acquisition.checks import require_possible
+from modallab.campaign.control import DeskState, StartRun
+from modallab.campaign.errors import ConflictError, NotFoundError
+from modallab.campaign.plan_size import require_reasonable
+from modallab.campaign.remaining import remaining_plan
+from modallab.campaign.service import Service
+from modallab.campaign.transitions import refusal
+from modallab.schema.plan import Plan
+from modallab.schema.service.runs import RunNew
+from modallab.storage.records import ENDED
+
+
+def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> str:
+    """Begin a run; returns its name.
+
+    Raises:
+        NotFoundError: no such campaign, or no such run to continue.
+        PlanError: the plan is not possible on this rig.
+        ModallabError: as `Control.start`.
+    """
+    entry = service.book.campaign(campaign)
+    desk = next((state for state in service.control.states() if state.id == entry.rig), None)
+    if desk is None:
+        raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
+    service.leases.require(entry.rig, lease)
+    plan = _plan(service, campaign, new)
+    require_reasonable(plan, desk.rig)
+    _require_possible(plan, desk)
+    return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues))
+
+
+def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
+    if new.continues is None:
+        if new.plan is None:
+            raise ConflictError("a run needs a plan, or a run to continue", where="plan", remedy="send a plan")
+        return new.plan
+    before = service.book.entry(new.continues)
+    if before is None or before.campaign != campaign:
+        raise NotFoundError(
+            f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="look at its runs"
+        )
+    record = service.store.catalogue.run(new.continues)
+    if record.state not in ENDED:
+        raise refusal(record.state, "be continued")
+    if not record.valid:
+        raise ConflictError(
+            "an aborted run is marked as invalid and not continued", where="continues", remedy="begin a new run"
+        )
+    return new.plan or remaining_plan(record.plan, service.store.catalogue.blocks(new.continues))
+
+
+def _require_possible(plan: Plan, desk: DeskState) -> None:
+    # The desk says better what is wrong with a bench that is not open.
+    if desk.info is not None:
+        require_possible(plan, desk.rig, desk.info)

@@ -1,0 +1,196 @@
+"""The desk of one rig: it owns the rig's process, begins runs, passes commands on, and writes down what happens."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Event as Flag
+from threading import Lock, Thread
+
+from modallab.acquisition.process import RigProcess
+from modallab.acquisition.trip import TripLatch
+from modallab.backend.protocol import BenchInfo
+from modallab.campaign.active_run import ActiveRun, Diary
+from modallab.campaign.commands import tell
+from modallab.campaign.control import DeskState, StartRun
+from modallab.campaign.errors import ConflictError, NotFoundError, RigUnavailableError
+from modallab.errors import ModallabError
+from modallab.schema.rig import Rig
+from modallab.schema.service.rigs import RigState
+from modallab.schema.service.runs import Command
+
+LOG = logging.getLogger(__name__)
+
+LOOK_S = 0.1
+BEGIN_S = 20.0
+"""Until a run must have begun: the rig's process answers within milliseconds unless its disk or device is stuck."""
+REOPEN_S = 5.0
+"""Between two tries to open a bench that could not be opened."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """A rig of the service: its id, what stands there, the address, and where it records."""
+
+    id: str
+    rig: Rig
+    url: str
+    folder: Path
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    order: StartRun
+    operator: str
+    begun: "Future[str]"
+
+
+class Desk:
+    """One rig. Its thread opens the bench, keeps it open, and runs one plan after the other."""
+
+    def __init__(self, bench: Bench, diary: Diary, ended: Callable[[str], None]) -> None:
+        """Begin to open the bench; `ended` is called with the name of every run that has ended."""
+        self.bench = bench
+        self.latch = TripLatch(bench.folder, bench.url)
+        self._diary = diary
+        self._ended = ended
+        self._state: RigState = "starting"
+        self._error = ""
+        self._active: ActiveRun | None = None
+        self._process: RigProcess | None = None
+        self._info: BenchInfo | None = None
+        self._wanted: SimpleQueue[_Wanted] = SimpleQueue()
+        self._starting = Lock()
+        self._closing = Flag()
+        self._thread = Thread(target=self._work, name=f"desk {bench.id}", daemon=True)
+        self._thread.start()
+
+    @property
+    def driving(self) -> bool:
+        """Whether a test that moves the output is on."""
+        active = self._active
+        return active is not None and active.plan.kind == "sine"
+
+    def state(self) -> DeskState:
+        """How the rig stands."""
+        active = self._active
+        run = active.run if active is not None else None
+        bench = self.bench
+        return DeskState(bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error)
+
+    def start(self, order: StartRun, operator: str) -> str:
+        """Begin a run and wait until it has a name.
+
+        Raises:
+            TrippedError: reset first.
+            ConflictError: a run is going on.
+            RigUnavailableError: the bench is not open.
+            ModallabError: what kept it from beginning.
+        """
+        self.latch.require_reset()
+        with self._starting:
+            if self._active is not None:
+                raise ConflictError(
+                    f"run {self._active.run} is going on", where=self.bench.id, remedy="wait for its end, or stop it"
+                )
+            if self._state != "idle":
+                raise RigUnavailableError(
+                    f"the rig is {self._state}{': ' if self._error else ''}{self._error}",
+                    where=self.bench.id,
+                    remedy="wait until it is idle; look at its cables and its address",
+                )
+            wanted = _Wanted(order, operator, Future())
+            self._wanted.put(wanted)
+            return wanted.begun.result(BEGIN_S)
+
+    def command(self, run: str, command: Command, operator: str) -> None:
+        """Pass a command on to the active run.
+
+        Raises:
+            IllegalTransitionError: the run is in no state for it.
+            ConflictError: the run is not the active one.
+        """
+        active, process = self._active, self._process
+        if active is None or process is None or active.run != run:
+            raise ConflictError(f"run {run} is not going on", where=self.bench.id, remedy="look at the list of runs")
+        tell(process, active, command, operator)
+
+    def emergency_stop(self, reason: str, operator: str) -> None:
+        """Bring the output to 0 V and latch, whatever else goes on.
+
+        Raises:
+            ModallabError: the output could not be reached, or the latch not be written.
+        """
+        process = self._process
+        try:
+            if process is not None:
+                process.emergency_stop(reason)
+            else:
+                self.latch.trip("emergency stop", reason)
+        finally:
+            self._diary.tripped(self.bench.id, reason, operator)
+
+    def reset(self, reason: str, operator: str) -> None:
+        """Let it be driven again.
+
+        Raises:
+            NotFoundError: it is not tripped.
+        """
+        if self.latch.reset() is None:
+            raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
+        self._diary.reset(self.bench.id, reason, operator)
+
+    def close(self) -> None:
+        """Stop what is active, bring the output to zero, release the bench."""
+        self._closing.set()
+        process = self._process
+        if process is not None:
+            process.close()
+        self._thread.join(BEGIN_S)
+
+    def _work(self) -> None:
+        while not self._closing.is_set():
+            try:
+                self._open_and_serve()
+            except ModallabError as error:
+                self._is("unavailable", str(error))
+                LOG.warning("rig %s: %s", self.bench.id, error)
+            except Exception:
+                self._is("unavailable", "unexpected error, see the log")
+                LOG.exception("rig %s", self.bench.id)
+            self._closing.wait(REOPEN_S if self._state == "unavailable" else 0.0)
+
+    def _open_and_serve(self) -> None:
+        process = self._process = RigProcess(self.bench.url, self.bench.rig, self.bench.folder)
+        try:
+            self._info = process.info
+            self._is("idle")
+            while not self._closing.is_set() and process.process.is_alive():
+                try:
+                    wanted = self._wanted.get(timeout=LOOK_S)
+                except Empty:
+                    continue
+                self._run(process, wanted)
+        finally:
+            self._process = None
+            self._is("starting")
+            process.close()
+
+    def _run(self, process: RigProcess, wanted: _Wanted) -> None:
+        active = ActiveRun(self.bench.id, wanted.order, wanted.operator, self._diary)
+        self._active = active
+        self._is("running")
+        try:
+            active.follow(process, wanted.begun)
+        finally:
+            self._active = None
+            self._is("idle" if process.process.is_alive() else "starting")
+        if active.run:
+            self._ended(active.run)
+
+    def _is(self, state: RigState, error: str = "") -> None:
+        if (state, error) != (self._state, self._error):
+            self._state, self._error = state, error
+            self._diary.rig_state(self.bench.id, state, error)

@@ -1,0 +1,46 @@
+"""`modallab serve`: the REST service and the emergency stop, until Ctrl-C."""
+
+import argparse
+import signal
+from typing import Any
+
+from modallab.cli.demo import demo_rig
+from modallab.errors import RigError
+from modallab.exchange.rig_file import read_rig
+from modallab.schema.rig import Rig
+from modallab.serve.log import set_up
+from modallab.serve.supervisor import Supervisor
+from modallab.serve.token_file import require_token, token_path
+from modallab.settings import Settings
+
+OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until told to leave."""
+    given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS if getattr(arguments, name) is not None}
+    settings = Settings(**given)
+    set_up(settings.log_level)
+    rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig] or [_demo(arguments.bench)]
+    token = require_token(settings)
+    with Supervisor(settings, rigs, token) as supervisor:
+        signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
+        place = supervisor.place
+        print(f"modallab serves at http://{place.host}:{place.port}/, the API is at /docs")
+        print(f"emergency stop:    curl -X POST http://{place.host}:{place.stop_port}/emergency-stop")
+        print(f"token:             {'as set' if settings.token else token_path(settings)}")
+        for state in supervisor.desks.states():
+            print(f"rig:               {state.id} at {state.bench}", flush=True)
+        supervisor.wait()
+    return 0
+
+
+def _with_bench(rig: Rig, url: str | None) -> tuple[Rig, str]:
+    address = url or rig.bench
+    if not address:
+        raise RigError("names no bench", where=rig.name, remedy="give --bench ADDRESS, or a field bench")
+    return rig, address
+
+
+def _demo(url: str | None) -> tuple[Rig, str]:
+    return demo_rig(), url or "sim://cantilever?seed=1"

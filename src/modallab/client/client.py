@@ -1,0 +1,213 @@
+"""The client: one method for each thing the service does."""
+
+import secrets
+import time
+import zlib
+from collections.abc import Iterator, Mapping
+from typing import Any, Self, TypeVar
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, JsonValue
+
+from modallab.client.held_lease import HeldLease
+from modallab.client.problem import require_good
+from modallab.client.stream import read_events
+from modallab.schema.plan import Plan
+from modallab.schema.service.campaigns import CampaignNew, CampaignView
+from modallab.schema.service.pages import EventView, Page
+from modallab.schema.service.results import FrfView, JobKind, JobNew, JobView
+from modallab.schema.service.rigs import Lease, LeaseNew, RigView, StopReason
+from modallab.schema.service.runs import BlockView, Command, RunNew, RunView, Verdict
+
+Document = TypeVar("Document", bound=BaseModel)
+ENDED = ("done", "failed", "aborted")
+ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
+AGAIN_S = 0.5
+
+
+class Client:
+    """A connection to one service. Every method raises `ServiceProblemError` for what the service refuses."""
+
+    def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
+        """`operator` is who is asking, for the record."""
+        headers = {"Authorization": f"Bearer {token}"} | ({"Modallab-Operator": operator} if operator else {})
+        self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
+
+    def rigs(self) -> tuple[RigView, ...]:
+        """All rigs of the service."""
+        return self._get(Page[RigView], "/rigs").items
+
+    def rig(self, rig: str) -> RigView:
+        """How a rig stands."""
+        return self._get(RigView, f"/rigs/{rig}")
+
+    def wait_until_idle(self, rig: str, patience_s: float = 60.0) -> RigView:
+        """Wait until a rig's bench is open and no run is on.
+
+        Raises:
+            TimeoutError: not within `patience_s`.
+        """
+        end = time.monotonic() + patience_s
+        while (view := self.rig(rig)).state != "idle":
+            if time.monotonic() > end:
+                raise TimeoutError(f"{rig} is still {view.state} after {patience_s:g} s: {view.error}")
+            time.sleep(0.1)
+        return view
+
+    def emergency_stop(self, rig: str, reason: str = "") -> RigView:
+        """Bring the output of a rig to 0 V and latch it. Not a safety-rated stop."""
+        return self._post(RigView, f"/rigs/{rig}/emergency-stop", StopReason(reason=reason))
+
+    def reset(self, rig: str, lease: HeldLease, reason: str = "") -> RigView:
+        """Let a tripped rig be driven again."""
+        return self._post(RigView, f"/rigs/{rig}/reset", StopReason(reason=reason), lease)
+
+    def lease(self, rig: str, operator: str, ttl_s: float = 30.0) -> HeldLease:
+        """Take the lease of a rig; it is renewed until it is closed."""
+        lease = self._post(Lease, f"/rigs/{rig}/lease", LeaseNew(operator=operator, ttl_s=ttl_s))
+        return HeldLease(lease, self._renew, self._release)
+
+    def create_campaign(self, name: str, rig: str, note: str = "") -> CampaignView:
+        """Make a campaign on a rig."""
+        return self._post(CampaignView, "/campaigns", CampaignNew(name=name, rig=rig, note=note))
+
+    def campaign(self, campaign: str) -> CampaignView:
+        """A campaign and the names of its runs."""
+        return self._get(CampaignView, f"/campaigns/{campaign}")
+
+    def start_run(self, campaign: str, plan: Plan | None, lease: HeldLease, continues: str | None = None) -> RunView:
+        """Begin a run; without a plan, with what is left of the run it continues."""
+        return self._post(RunView, f"/campaigns/{campaign}/runs", RunNew(plan=plan, continues=continues), lease)
+
+    def run(self, run: str) -> RunView:
+        """A run as it stands."""
+        return self._get(RunView, f"/runs/{run}")
+
+    def command(self, run: str, command: Command, lease: HeldLease) -> RunView:
+        """Tell an active run something."""
+        return self._post(RunView, f"/runs/{run}/commands", command, lease)
+
+    def blocks(self, run: str) -> tuple[BlockView, ...]:
+        """All blocks of a run, refused ones with them."""
+        return tuple(self._all(BlockView, f"/runs/{run}/blocks"))
+
+    def samples(self, run: str, n: int) -> NDArray[Any]:
+        """(channels, count) samples of a block as the device delivered them, checked against their CRC-32.
+
+        Raises:
+            ValueError: what arrived is not what was recorded.
+        """
+        response = self._send("GET", f"/runs/{run}/blocks/{n}/samples")
+        if zlib.crc32(response.content) != int(response.headers["Modallab-Crc32"]):
+            raise ValueError(f"block {n} of run {run} arrived damaged")
+        shape = tuple(int(part) for part in response.headers["Modallab-Shape"].split(","))
+        return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
+
+    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease) -> BlockView:
+        """Accept or refuse a block."""
+        path = f"/runs/{run}/blocks/{n}/verdict"
+        return BlockView.model_validate_json(self._send("PUT", path, verdict, lease).content)
+
+    def frf(self, run: str) -> FrfView:
+        """Mobility and coherence of the blocks that count now."""
+        return self._get(FrfView, f"/runs/{run}/frf")
+
+    def follow(self, run: str, after: int = 0) -> Iterator[EventView]:
+        """The events of a run as they come, to its end; a connection that breaks is taken up where it was."""
+        while True:
+            try:
+                for event in self._stream(run, after):
+                    after = event.seq
+                    yield event
+                    if event.kind == "state" and event.content["state"] in ENDED:
+                        return
+            except httpx.TransportError:
+                time.sleep(AGAIN_S)
+
+    def order(self, campaign: str, kind: JobKind, **parameters: JsonValue) -> JobView:
+        """Order the model, the diagnosis or the report of a campaign."""
+        return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobNew(parameters=parameters))
+
+    def jobs(self, campaign: str, kind: JobKind | None = None) -> tuple[JobView, ...]:
+        """The jobs of a campaign, the newest first."""
+        query = {} if kind is None else {"kind": kind}
+        return self._get(Page[JobView], f"/campaigns/{campaign}/jobs", query).items
+
+    def job(self, job: str) -> JobView:
+        """A job as it stands."""
+        return self._get(JobView, f"/jobs/{job}")
+
+    def wait_for_job(self, job: str, patience_s: float = 600.0) -> JobView:
+        """Wait until a job has ended.
+
+        Raises:
+            TimeoutError: not within `patience_s`.
+        """
+        end = time.monotonic() + patience_s
+        while (view := self.job(job)).state in ("queued", "running"):
+            if time.monotonic() > end:
+                raise TimeoutError(f"job {job} is still {view.state} after {patience_s:g} s")
+            time.sleep(0.2)
+        return view
+
+    def report(self, campaign: str) -> str:
+        """The newest report of a campaign, as HTML."""
+        return self._send("GET", f"/campaigns/{campaign}/report").text
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        self._http.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _stream(self, run: str, after: int) -> Iterator[EventView]:
+        patience = httpx.Timeout(30.0)
+        query = {"run": run, "after": str(after)}
+        with self._http.stream("GET", "/events/stream", params=query, timeout=patience) as response:
+            if not response.is_success:
+                response.read()
+            require_good(response)
+            yield from read_events(response.iter_lines())
+
+    def _renew(self, lease: Lease) -> None:
+        self._send("PUT", f"/rigs/{lease.rig}/lease", None, lease)
+
+    def _release(self, lease: Lease) -> None:
+        self._send("DELETE", f"/rigs/{lease.rig}/lease", None, lease)
+
+    def _all(self, kind: type[Document], path: str) -> Iterator[Document]:
+        cursor: str | None = None
+        while True:
+            page = self._get(Page[kind], path, {} if cursor is None else {"cursor": cursor})
+            yield from page.items
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def _get(self, kind: type[Document], path: str, query: Mapping[str, str] | None = None) -> Document:
+        return kind.model_validate_json(self._send("GET", path, query=query).content)
+
+    def _post(self, kind: type[Document], path: str, body: BaseModel, lease: HeldLease | None = None) -> Document:
+        return kind.model_validate_json(self._send("POST", path, body, lease).content)
+
+    def _send(
+        self,
+        method: str,
+        path: str,
+        body: BaseModel | None = None,
+        lease: HeldLease | Lease | None = None,
+        query: Mapping[str, str] | None = None,
+    ) -> httpx.Response:
+        headers = {} if lease is None else {"Modallab-Lease": lease.id}
+        if method == "POST":
+            headers["Idempotency-Key"] = secrets.token_urlsafe(18)
+        content = None if body is None else body.model_dump_json()
+        if content is not None:
+            headers["Content-Type"] = "application/json"
+        return require_good(self._http.request(method, path, content=content, headers=headers, params=query))

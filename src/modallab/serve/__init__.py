@@ -1,0 +1,1 @@
+"""`modallab serve`: a small supervisor that starts, watches and ends the processes of the service."""

@@ -1,0 +1,72 @@
+"""A process of the service that is started again when it dies."""
+
+import logging
+import multiprocessing
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from typing import cast
+
+LOG = logging.getLogger(__name__)
+AGAIN_S = 0.2
+MOST_S = 10.0
+STEADY_S = 30.0
+LEAVE_S = 10.0
+
+
+class Child:
+    """One such process. `started` is called with this end of its pipe each time; None through it tells it to leave."""
+
+    def __init__(
+        self,
+        name: str,
+        target: Callable[..., None],
+        arguments: tuple[object, ...],
+        started: Callable[[Connection], None] = lambda _: None,
+    ) -> None:
+        self.name = name
+        self._target = target
+        self._arguments = arguments
+        self._started = started
+        self._pause_s = AGAIN_S
+        self._next_s = 0.0
+        self._began_s = 0.0
+        self.process: BaseProcess | None = None
+        self._connection: Connection | None = None
+
+    def look(self) -> None:
+        """Start it, if it is not there and its time has come."""
+        if self.process is not None and self.process.is_alive():
+            return
+        now = time.monotonic()
+        if self.process is not None and self._connection is not None:
+            LOG.warning("%s ended with %s", self.name, self.process.exitcode)
+            # Not closed: whoever listens to it hears its end by himself, and a number in use is never given anew.
+            self._connection = None
+            self._pause_s = AGAIN_S if now - self._began_s > STEADY_S else min(2 * self._pause_s, MOST_S)
+            self._next_s = now + self._pause_s
+        if now >= self._next_s:
+            self._start()
+
+    def close(self) -> None:
+        """Tell it to leave, and wait for it."""
+        if self._connection is not None:
+            with suppress(OSError):
+                self._connection.send(None)
+        if self.process is None:
+            return
+        self.process.join(LEAVE_S)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        self.process = context.Process(target=self._target, args=(theirs, *self._arguments), name=self.name)
+        self.process.start()
+        theirs.close()
+        self._connection, self._began_s = cast("Connection", ours), time.monotonic()
+        self._started(self._connection)

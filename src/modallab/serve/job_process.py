@@ -1,0 +1,25 @@
+"""What runs in the process that has jobs computed."""
+
+import signal
+from contextlib import suppress
+from multiprocessing.connection import Connection
+
+from modallab.serve.log import set_up
+from modallab.settings import Settings
+
+
+def run_jobs(connection: Connection, settings: Settings) -> None:
+    """Compute jobs until the supervisor is gone or says so."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    set_up(settings.log_level)
+    # Imported here: the supervisor, which is the same program, needs none of it.
+    from modallab.jobs import Jobs
+    from modallab.jobs.runner import Runner
+    from modallab.storage import Store
+    from modallab.tasks.kinds import campaigns_of, kinds
+
+    with Store(settings.data) as store:
+        jobs = Jobs(store.catalogue.engine)
+        known = kinds(campaigns_of(store), store.folder)
+        with Runner(jobs, known, settings.scheduler, workers=settings.workers), suppress(EOFError, OSError):
+            connection.recv()

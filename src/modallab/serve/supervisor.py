@@ -1,0 +1,179 @@
+"""The supervisor: opens the data folder, the rigs and the listeners, starts the processes, and watches over them."""
+
+import logging
+import os
+import secrets
+import socket
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from threading import Event as Flag
+from threading import Thread
+from typing import Self
+
+from modallab.campaign.active_run import Diary
+from modallab.campaign.after_run import AfterRun
+from modallab.campaign.desk import Bench, Desk
+from modallab.campaign.desks import Desks, rig_ids
+from modallab.campaign.errors import ServiceError
+from modallab.campaign.event_log import EventLog
+from modallab.campaign.job_watch import JobWatch
+from modallab.campaign.recovery import Recovery
+from modallab.campaign.rig_lease import Leases
+from modallab.errors import ModallabError
+from modallab.jobs import Jobs
+from modallab.schema.rig import Rig
+from modallab.serve.api_process import run_api
+from modallab.serve.child import Child
+from modallab.serve.job_process import run_jobs
+from modallab.serve.stop_listener import StopListener
+from modallab.serve.wire import Counter
+from modallab.settings import Settings
+from modallab.storage import Store
+from modallab.storage.lease import Lease
+
+LOG = logging.getLogger(__name__)
+LOOK_S = 0.1
+BEAT_LOOK_S = 0.05
+BACKLOG = 1024
+LOCK = "service.lock"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the service can be reached."""
+
+    host: str
+    port: int
+    stop_port: int
+
+
+class Supervisor:
+    """The service. What moves is in processes of its own; here is only what must work when they do not."""
+
+    def __init__(self, settings: Settings, rigs: Sequence[tuple[Rig, str]], token: str) -> None:
+        """Open everything; `rigs` are (rig, address of its bench).
+
+        Raises:
+            ServiceError: another service uses the data folder, or a port is taken.
+            StorageError: the data folder cannot be used.
+        """
+        self._settings = settings
+        self._closing = Flag()
+        self.store = Store(settings.data)
+        self._lock = Lease(settings.data / LOCK)
+        if not self._lock.acquire():
+            self.store.close()
+            raise ServiceError(
+                "another service uses this data folder", where=str(settings.data), remedy="stop it, or name another"
+            )
+        boot = secrets.token_hex(8)
+        log = EventLog(self.store.catalogue.engine)
+        diary = Diary(self.store, log)
+        jobs = Jobs(self.store.catalogue.engine)
+        self._diary = diary
+        self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
+        self._recovery = Recovery(diary)
+        self._recovery.look()
+        listener = _bound(settings.host, settings.port)
+        after = AfterRun(self.store, jobs)
+        leases = Leases(self.store.catalogue.engine, boot)
+        ids = rig_ids([rig.name for rig, _ in rigs])
+        self.desks = Desks(
+            [Desk(Bench(i, rig, url, settings.data), diary, after) for i, (rig, url) in zip(ids, rigs, strict=True)],
+            leases,
+        )
+        try:
+            self._stop = StopListener(settings.host, settings.stop_port, self.desks.emergency_stop)
+        except OSError as error:
+            self.desks.close()
+            raise _taken(settings.stop_port, error) from error
+        self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        self._counter: Counter | None = None
+        self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
+        self._jobs = Child("jobs", run_jobs, (settings,))
+        self._api.look()
+        for work in (self._keep, self._guard):
+            Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
+
+    def wait(self) -> None:
+        """Until `close` is called; in short waits, since on Windows Ctrl-C does not interrupt a long one."""
+        while not self._closing.wait(0.2):
+            pass
+
+    def ask_to_close(self) -> None:
+        """Have `wait` return."""
+        self._closing.set()
+
+    def close(self) -> None:
+        """Leave every rig at rest, and end the processes."""
+        self._closing.set()
+        self._stop.close()
+        self.desks.close()
+        self._api.close()
+        self._jobs.close()
+        self._lock.release()
+        self.store.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _api_started(self, connection: Connection) -> None:
+        self._counter = Counter(connection, self.desks)
+
+    def _keep(self) -> None:
+        """Housekeeping, which may wait for a disk."""
+        while not self._closing.wait(LOOK_S):
+            try:
+                self._api.look()
+                if self._counter is not None and self._counter.began:
+                    # Its imports take seconds of processor time, and the REST service comes first.
+                    self._jobs.look()
+                self._diary.log.flush()
+                self._watch.look()
+                self._recovery.look()
+            except Exception:
+                LOG.exception("supervisor")
+
+    def _guard(self) -> None:
+        """The heartbeat, which waits for nothing."""
+        tripped = False
+        while not self._closing.wait(BEAT_LOOK_S):
+            counter = self._counter
+            silent_s = 0.0 if counter is None or not counter.began else time.monotonic() - counter.heard_s
+            if silent_s <= self._settings.heartbeat_s:
+                tripped = False
+            elif not tripped:
+                tripped = True
+                self._trip(silent_s)
+
+    def _trip(self, silent_s: float) -> None:
+        try:
+            stopped = self.desks.trip_driving(f"no sign of life of the REST service for {silent_s:.1f} s")
+        except ModallabError:
+            LOG.exception("heartbeat")
+        else:
+            LOG.warning("the REST service is silent; stopped: %s", ", ".join(stopped) or "nothing was driven")
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    # Bound here, so that requests wait in line while the REST process is started again.
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(BACKLOG)
+    except OSError as error:
+        listener.close()
+        raise _taken(port, error) from error
+    return listener
+
+
+def _taken(port: int, error: OSError) -> ServiceError:
+    return ServiceError(f"cannot listen on port {port}: {error.strerror}", where="port", remedy="name another port")

@@ -1,0 +1,168 @@
+"""Commands between the REST process and the supervisor: calls one way, answers the other, and a sign of life."""
+
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from threading import Event as Flag
+from threading import Lock, Thread
+from typing import Any
+
+from modallab.campaign.control import Control, DeskState, StartRun
+from modallab.campaign.errors import RigUnavailableError
+from modallab.errors import ModallabError
+from modallab.schema.service.runs import Command
+
+LOG = logging.getLogger(__name__)
+BEAT_S = 0.2
+ANSWER_S = 30.0
+CALLS = frozenset({"states", "start", "command", "emergency_stop", "reset"})
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Do something; the answer carries the same number."""
+
+    number: int
+    name: str
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What came of a call."""
+
+    number: int
+    value: Any = None
+    error: ModallabError | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """The REST process lives."""
+
+
+class RemoteControl:
+    """The REST process's end: a `Control` whose work is done in the supervisor."""
+
+    def __init__(self, connection: Connection, gone: Callable[[], None]) -> None:
+        """`gone` is called when the supervisor is."""
+        self._connection = connection
+        self._gone = gone
+        self._sending = Lock()
+        self._waiting: dict[int, Future[Any]] = {}
+        self._number = 0
+        self._lost = Flag()
+        Thread(target=self._hear, name="answers", daemon=True).start()
+        Thread(target=self._beat, name="heartbeat", daemon=True).start()
+
+    def states(self) -> tuple[DeskState, ...]:
+        """As `Control`."""
+        return self._call("states")
+
+    def start(self, order: StartRun) -> str:
+        """As `Control`."""
+        return self._call("start", order)
+
+    def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
+        """As `Control`."""
+        self._call("command", rig, run, command, lease)
+
+    def emergency_stop(self, rig: str | None, reason: str, operator: str) -> tuple[str, ...]:
+        """As `Control`."""
+        return self._call("emergency_stop", rig, reason, operator)
+
+    def reset(self, rig: str, reason: str, lease: str | None) -> None:
+        """As `Control`."""
+        self._call("reset", rig, reason, lease)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        future: Future[Any] = Future()
+        with self._sending:
+            self._number += 1
+            number = self._number
+            self._waiting[number] = future
+            try:
+                self._connection.send(Call(number, name, arguments))
+            except OSError as error:
+                raise _no_supervisor() from error
+        try:
+            return future.result(ANSWER_S)
+        except TimeoutError as error:
+            raise _no_supervisor() from error
+        finally:
+            self._waiting.pop(number, None)
+
+    def _hear(self) -> None:
+        try:
+            while True:
+                answer: Answer | None = self._connection.recv()
+                if answer is None:
+                    break
+                future = self._waiting.get(answer.number)
+                if future is None:
+                    continue
+                if answer.error is not None:
+                    future.set_exception(answer.error)
+                else:
+                    future.set_result(answer.value)
+        except (EOFError, OSError):
+            pass
+        self._lost.set()
+        for future in list(self._waiting.values()):
+            future.set_exception(_no_supervisor())
+        self._gone()
+
+    def _beat(self) -> None:
+        while not self._lost.wait(BEAT_S):
+            try:
+                with self._sending:
+                    self._connection.send(Sign())
+            except OSError:
+                return
+
+
+class Counter:
+    """The supervisor's end: hears calls, has each done on a thread of its own, knows when it last heard anything."""
+
+    def __init__(self, connection: Connection, control: Control) -> None:
+        self._connection = connection
+        self._control = control
+        self._sending = Lock()
+        self.heard_s = time.monotonic()
+        self.began = False
+        self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="call")
+        Thread(target=self._hear, name="calls", daemon=True).start()
+
+    def _hear(self) -> None:
+        try:
+            while True:
+                message: Call | Sign = self._connection.recv()
+                self.heard_s = time.monotonic()
+                self.began = True
+                if isinstance(message, Call):
+                    self._pool.submit(self._do, message)
+        except (EOFError, OSError):
+            self._pool.shutdown(wait=False)
+
+    def _do(self, call: Call) -> None:
+        try:
+            if call.name not in CALLS:
+                raise ModallabError(f"there is no call {call.name!r}")
+            answer = Answer(call.number, getattr(self._control, call.name)(*call.arguments))
+        except ModallabError as error:
+            answer = Answer(call.number, error=error)
+        except Exception as error:
+            LOG.exception("call %s", call.name)
+            answer = Answer(call.number, error=ModallabError(f"unexpected {type(error).__name__}: {error}"))
+        try:
+            with self._sending:
+                self._connection.send(answer)
+        except OSError:
+            return
+
+
+def _no_supervisor() -> RigUnavailableError:
+    return RigUnavailableError("the supervisor does not answer", remedy="look at the service's log")

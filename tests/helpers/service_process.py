@@ -1,0 +1,92 @@
+"""The service as a process of its own, started as anyone would start it."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+import httpx
+
+from modallab.client import Client
+
+START_S = 60.0
+COMMAND = Path(sys.executable).with_name("modallab")
+
+
+class ServiceProcess:
+    """Starts `modallab serve` on free ports, and ends it."""
+
+    def __init__(
+        self, data: Path, *options: str, bench: str = "sim://cantilever?seed=1", env: Mapping[str, str] | None = None
+    ) -> None:
+        self.data = data
+        self._log = data.with_suffix(".log").open("a+")
+        command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0", "--bench", bench]
+        self.process = subprocess.Popen(
+            [*command, *options],
+            stdout=subprocess.PIPE,
+            stderr=self._log,
+            text=True,
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {}),
+        )
+        try:
+            self.url = self._said(r"serves at (http://\S+)/,")
+            self.stop_url = self._said(r"POST (http://\S+)")
+            self._said(r"(rig):")
+            self.token = (data / "token").read_text().strip()
+            self.client = Client(self.url, self.token, "tester")
+            self.rig = self._ready()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def log(self) -> str:
+        """What the service wrote on standard error."""
+        self._log.seek(0)
+        return self._log.read()
+
+    def close(self) -> None:
+        """End it in good order; if it does not leave, kill it."""
+        if hasattr(self, "client"):
+            self.client.close()
+        if self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(30)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+        self._log.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _said(self, pattern: str) -> str:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            found = re.search(pattern, line)
+            if found:
+                return found[1]
+        raise AssertionError(f"the service ended with {self.process.wait()}: {self.log}")
+
+    def _ready(self) -> str:
+        end = time.monotonic() + START_S
+        while True:
+            try:
+                rig = self.client.rigs()[0].id
+                self.client.wait_until_idle(rig, START_S)
+                return rig
+            except httpx.TransportError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.1)
