@@ -99,7 +99,7 @@ OF_ERROR: dict[type[ModallabError], Kind] = {
         "Look at the list it would be in.",
     ),
     UnknownJobError: Kind(
-        "unknown-job",
+        "job-unknown",
         404,
         "There is no such job",
         "Look at the list of jobs.",

@@ -30,10 +30,9 @@ def documented(*statuses: int) -> Responses:
 
 
 def problem(kind: Kind, detail: str, headers: Mapping[str, str] | None = None, **more: Any) -> Response:
-    """An answer that says what was wrong."""
-    body = Problem(
-        type=f"/problems/{kind.code}", title=kind.title, status=kind.status, code=kind.code, detail=detail, **more
-    )
+    """An answer that says what was wrong. An error's own code may say more than its kind's."""
+    known: dict[str, Any] = {"title": kind.title, "status": kind.status, "code": kind.code, "detail": detail}
+    body = Problem(type=f"/problems/{kind.code}", **(known | more))
     text = body.model_dump_json(exclude_none=True)
     return Response(text, kind.status, headers=dict(headers or {}), media_type=MEDIA_TYPE)
 
@@ -53,7 +52,7 @@ def of_error(error: ModallabError) -> Response:
     legal = None
     if isinstance(error, IllegalTransitionError):
         legal = tuple(word for word in error.remedy.removeprefix("legal: ").split(", ") if " " not in word)
-    return problem(kind, error.what, headers, remedy=error.remedy, where=error.where, legal=legal)
+    return problem(kind, error.what, headers, code=error.code, remedy=error.remedy, where=error.where, legal=legal)
 
 
 async def _known(_request: Request, error: Exception) -> Response:

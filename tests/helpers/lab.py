@@ -1,0 +1,103 @@
+"""The service within the test's own process: the same rules, desks and application, with a real rig process behind."""
+
+import secrets
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+from threading import Thread
+from typing import Self
+
+import httpx
+import uvicorn
+
+from modallab.api.app import create_app
+from modallab.campaign.active_run import Diary
+from modallab.campaign.after_run import AfterRun
+from modallab.campaign.desk import Bench, Desk
+from modallab.campaign.desks import Desks
+from modallab.campaign.event_log import EventLog
+from modallab.campaign.rig_lease import Leases
+from modallab.campaign.service import Service, open_service
+from modallab.jobs import Jobs
+from modallab.schema.events import RunState
+from modallab.schema.rig import Rig
+from modallab.schema.service.campaigns import CampaignNew
+from modallab.schema.service.pages import EventView
+from modallab.schema.service.rigs import Lease
+from modallab.settings import Settings
+from modallab.storage import Store
+
+TOKEN = "a token for tests only"
+RIG = "link"
+
+
+class Lab:
+    """One rig, its desk, and the service over them."""
+
+    def __init__(self, folder: Path, rig: Rig, url: str) -> None:
+        boot = secrets.token_hex(4)
+        self.store = Store(folder)
+        engine = self.store.catalogue.engine
+        diary = Diary(self.store, EventLog(engine))
+        after = AfterRun(self.store, Jobs(engine))
+        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after)
+        self.desks = Desks([self.desk], Leases(engine, boot))
+        self.service: Service = open_service(folder, self.desks, boot)
+        self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+        self._server = uvicorn.Server(
+            uvicorn.Config(self.app, log_config=None, ws="websockets-sansio", timeout_graceful_shutdown=1)
+        )
+        self._serving = Thread(target=self._server.run, kwargs={"sockets": [listener]}, daemon=True)
+        self._serving.start()
+
+    def client(self, token: str | None = TOKEN) -> httpx.Client:
+        """Who asks over HTTP; to be entered as a context."""
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        return httpx.Client(base_url=self.url, headers=headers, timeout=60.0)
+
+    def lease(self, operator: str = "Ada") -> Lease:
+        """The rig's lease."""
+        return self.service.leases.take(RIG, operator, 600.0)
+
+    def campaign(self, name: str = "a visit") -> str:
+        """A new campaign's id."""
+        return self.service.book.create(CampaignNew(name=name, rig=RIG), "Ada").id
+
+    def wait_for(self, happened: Callable[[EventView], bool], after: int = 0, within_s: float = 60.0) -> EventView:
+        """The first event for which `happened`."""
+        end = time.monotonic() + within_s
+        while time.monotonic() < end:
+            for event in self.service.log.after(after, 1000):
+                if happened(event):
+                    return event
+                after = event.seq
+            time.sleep(0.02)
+        raise AssertionError(f"not within {within_s} s: {self.service.log.after(0, 1000)[-5:]}")
+
+    def wait_for_state(self, run: str, state: RunState, after: int = 0) -> EventView:
+        """The event that says that a run is in a state."""
+        return self.wait_for(lambda e: e.run == run and e.kind == "state" and e.content["state"] == state, after=after)
+
+    def wait_until_idle(self, within_s: float = 60.0) -> None:
+        """Until the bench is open and no run is on."""
+        end = time.monotonic() + within_s
+        while self.desk.state().state != "idle":
+            assert time.monotonic() < end, self.desk.state()
+            time.sleep(0.02)
+
+    def close(self) -> None:
+        """End it all."""
+        self._server.should_exit = True
+        self._serving.join(10)
+        self.desks.close()
+        self.service.close()
+        self.store.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,23 @@
+"""Fixtures of those who test the service."""
+
+from collections.abc import Iterator
+from importlib import resources
+
+import pytest
+from lab import Lab
+
+from modallab.exchange.rig_file import parse_rig
+from modallab.schema.rig import Rig
+
+
+@pytest.fixture(scope="session")
+def link_rig() -> Rig:
+    return parse_rig((resources.files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:
+    """One rig with well damped modes, so that the beam soon rests."""
+    with Lab(tmp_path_factory.mktemp("lab") / "data", link_rig, "sim://cantilever?seed=1&zeta=0.05&bad_hits=0") as made:
+        made.wait_until_idle()
+        yield made
