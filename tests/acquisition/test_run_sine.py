@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scripted_bench import SCALE, ScriptedBench, Strike, burst_volts, scripted_rig
 
+from modallab.acquisition.burst import burst_of
 from modallab.acquisition.run import Order, record
-from modallab.acquisition.sine import burst_of
 from modallab.backend.protocol import Burst
 from modallab.errors import DeviceGoneError, SafetyError
 from modallab.schema.events import Event
@@ -143,7 +143,8 @@ def test_a_bench_that_cannot_be_zeroed_is_still_stopped_and_the_first_error_told
     assert bench.done[-2:] == ["zero", "stop"]
 
 
-def test_a_beam_that_still_rings_before_a_burst_is_noted(store: Store) -> None:
+def knocked(store: Store, **fields: float) -> tuple[list[str], list[int]]:
+    """Rest before every burst, and where the bursts began, when the table is knocked against before the second."""
     bench = ScriptedBench([Strike(peak_n=0.0, zeta=0.005)])
 
     def control() -> None:
@@ -151,11 +152,28 @@ def test_a_beam_that_still_rings_before_a_burst_is_noted(store: Store) -> None:
         if bench.done.count("play") == 1 and not bench.prompts and bench.position > 31500:
             bench.prompt_hit(1)
 
-    plan = PLAN.model_copy(update={"rest_s": 10.0})
-    run = record(bench, RIG, plan, store, lambda _: None, control)
+    run = record(bench, RIG, PLAN.model_copy(update=fields), store, lambda _: None, control)
     assert bench.prompts
-    notes = [r.note.facts["at_rest_before"] for r in store.catalogue.blocks(run)]
+    found = store.catalogue.blocks(run)
+    return (
+        [str(r.note.facts["at_rest_before"]) for r in found],
+        [int(r.note.facts["burst_first_sample"]) for r in found],
+    )
+
+
+def test_a_burst_waits_until_the_beam_is_at_rest(store: Store) -> None:
+    notes, starts = knocked(store, rest_s=10.0, rest_timeout_s=60.0)
+    assert notes == ["yes"] * 4
+    # 60 Hz at 0.5 % takes longer than the rest of 10 s to fade from 30 m/s^2 to the noise.
+    apart = np.diff(starts)
+    assert apart[0] > apart[1] + 1000
+    assert apart[1] == apart[2]
+
+
+def test_past_the_patience_a_burst_begins_and_the_motion_is_noted(store: Store) -> None:
+    notes, starts = knocked(store, rest_s=10.0, rest_timeout_s=0.1)
     assert notes == ["yes", "no", "yes", "yes"]
+    assert len(set(np.diff(starts))) == 1
 
 
 def test_lost_samples_repeat_the_step(store: Store) -> None:

@@ -2,7 +2,8 @@
 
 from math import pi
 
-from modallab.acquisition.sine import burst_of
+from modallab.acquisition.burst import longest_burst_s
+from modallab.acquisition.drive import HEADROOM
 from modallab.acquisition.target import block_name
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import PlanError
@@ -66,6 +67,7 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
     ]
     if plan.settle_s < plan.ramp_s:
         problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
+    problems += _settle_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
     return [*problems, *_limit_problems(plan, rig.limits)]
@@ -83,12 +85,43 @@ def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
                 f"levels_v: {level} at {highest:.3f} Hz slews {slew:.4g} V/s;"
                 f" allowed by the rig: {limits.slew_v_per_s:g} V/s"
             )
-    duration = burst_of(plan, 1.0, 1.0).duration_s
+    problems += _force_problems(plan, limits)
+    duration = longest_burst_s(plan)
     if duration > limits.max_burst_s:
+        longest = "settle_s" if plan.max_settle_s is None else "max_settle_s"
         problems.append(
-            f"a burst of settle_s, block_s and ramp_s lasts {duration:.4g} s;"
+            f"a burst of {longest}, block_s and ramp_s lasts {duration:.4g} s;"
             f" allowed by the rig: {limits.max_burst_s:g} s"
         )
+    return problems
+
+
+def _settle_problems(plan: SinePlan) -> list[str]:
+    if plan.max_settle_s is None:
+        return []
+    problems: list[str] = []
+    if plan.max_settle_s < plan.settle_s:
+        problems.append(f"max_settle_s is {plan.max_settle_s:g}; allowed: at least settle_s = {plan.settle_s:g}")
+    if not plan.modes:
+        problems.append("max_settle_s: nothing says when it has settled; allowed: together with modes")
+    return problems
+
+
+def _force_problems(plan: SinePlan, limits: Limits) -> list[str]:
+    if plan.force is None:
+        return []
+    problems: list[str] = []
+    if set(plan.force.levels_n) != set(plan.levels_v):
+        problems.append(
+            f"force.levels_n: {', '.join(plan.force.levels_n)}; allowed: the levels of levels_v, which the drive begins"
+            f" with: {', '.join(plan.levels_v)}"
+        )
+    most = HEADROOM * limits.force_n
+    problems += [
+        f"force.levels_n: {level} is {force:g} N; allowed: up to {HEADROOM:g} of the rig's limit, {most:g} N"
+        for level, force in plan.force.levels_n.items()
+        if force > most
+    ]
     return problems
 
 

@@ -12,10 +12,11 @@ from modallab.acquisition.messages import Ended, Ready
 from modallab.acquisition.run import Order, quieten, run_plan
 from modallab.acquisition.supervisor import LifeLine
 from modallab.acquisition.trip import TripLatch
+from modallab.acquisition.wishes import Excitation
 from modallab.backend.loader import open_bench
 from modallab.backend.protocol import Bench
 from modallab.errors import BenchError, ModallabError
-from modallab.schema.plan import Plan, SinePlan
+from modallab.schema.plan import Plan
 from modallab.schema.rig import Rig
 from modallab.storage import Store
 
@@ -79,9 +80,10 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
 def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Guard) -> None:
     error: ModallabError | None = None
     unusable = False
+    excitation = Excitation()
 
     def control() -> Order | None:
-        guard.life.working(driving=isinstance(plan, SinePlan))
+        guard.life.working(driving=excitation.on)
         return link.order()
 
     try:
@@ -89,7 +91,7 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
             try:
                 run_plan(
                     bench, rig, plan, recorder, link.send, control,
-                    wishes=link.wishes, latch=guard.latch, supervision=guard.supervision,
+                    wishes=link.wishes, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

@@ -10,7 +10,7 @@ from modallab.acquisition.chain import Chain
 from modallab.acquisition.rest import Floor, Rest, fading, floor_of, rest_of
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream, Watch
-from modallab.acquisition.wishes import Wishes
+from modallab.acquisition.wishes import Excitation, Wishes
 from modallab.backend.protocol import Bench
 from modallab.backend.recut import Recut
 from modallab.errors import SamplesLostError
@@ -48,6 +48,7 @@ class Context:
         block: samples of a block, as the device counts.
         recut: how blocks are read back at another rate than the device's; None if at its own.
         wishes: what the owner wants besides.
+        excitation: says whether a burst may be on.
     """
 
     bench: Bench
@@ -60,6 +61,7 @@ class Context:
     block: int
     recut: Recut | None = None
     wishes: Wishes = field(default_factory=Wishes)
+    excitation: Excitation = field(default_factory=Excitation)
 
     @property
     def window(self) -> int:

@@ -9,6 +9,7 @@ from modallab.acquisition.chain import Chain, peaks
 from modallab.backend.protocol import Chunk
 from modallab.errors import SafetyError
 from modallab.schema.rig import Limits, Rig
+from modallab.storage.samples import Samples
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,6 +50,10 @@ class LimitWatch:
             f"beyond the abort limit: {told}; the output was brought to 0 V",
             remedy="lower the drive level or stay clear of the resonance; the blocks before are kept",
         )
+
+    def used(self, samples: Samples) -> float:
+        """The largest part of a limit that any of the (channels, n) samples takes."""
+        return float((peaks(samples) / self.limit).max())
 
 
 def watch_of(rig: Rig, limits: Limits, chain: Chain) -> LimitWatch:

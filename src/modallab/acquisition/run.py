@@ -4,15 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from modallab.acquisition.burst import longest_burst_s
 from modallab.acquisition.chain import chain_of
 from modallab.acquisition.checks import require_possible
 from modallab.acquisition.context import Context
 from modallab.acquisition.impact import run_impact
-from modallab.acquisition.sine import longest_burst_s, run_sine
+from modallab.acquisition.sine import run_sine
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream
 from modallab.acquisition.trip import TripLatch
-from modallab.acquisition.wishes import Drop, Wishes
+from modallab.acquisition.wishes import Drop, Excitation, Wishes
 from modallab.backend.protocol import Bench, Delivery, Request
 from modallab.backend.recut import Recut
 from modallab.errors import BenchError, ModallabError, PlanError
@@ -54,6 +55,7 @@ def run_plan(
     wishes: Wishes | None = None,
     latch: TripLatch | None = None,
     supervision: str = "",
+    excitation: Excitation | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -68,6 +70,7 @@ def run_plan(
         wishes: what else is wanted of the test while it runs.
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; told before anything is driven.
+        excitation: is told whether a burst may be on.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -75,7 +78,10 @@ def run_plan(
     """
     life = Lifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
-    setup = Setup(bench, rig, plan, recorder, emit, life, control, chunk_s, wishes or Wishes(), latch, supervision)
+    setup = Setup(
+        bench, rig, plan, recorder, emit, life, control, chunk_s,
+        wishes or Wishes(), latch, supervision, excitation or Excitation(),
+    )  # fmt: skip
     try:
         try:
             _work(setup)
@@ -121,6 +127,7 @@ class Setup:
     wishes: Wishes = field(default_factory=Wishes)
     latch: TripLatch | None = None
     supervision: str = ""
+    excitation: Excitation = field(default_factory=Excitation)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.

@@ -5,30 +5,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil
 
+from modallab.acquisition.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.context import Context, measure_floor
-from modallab.acquisition.limits import watch_of
-from modallab.acquisition.rest import Floor
-from modallab.acquisition.stream import Watch
-from modallab.acquisition.target import Step
+from modallab.acquisition.drive import Drive
+from modallab.acquisition.limits import LimitWatch, watch_of
+from modallab.acquisition.rest import Floor, Rest
+from modallab.acquisition.target import Step, steps_of
 from modallab.acquisition.wishes import Repeat
-from modallab.backend.protocol import Burst
 from modallab.errors import PlanError, SafetyError, SamplesLostError
 from modallab.schema.plan import SinePlan
+from modallab.schema.rig import Limits
 from modallab.storage import BlockNote
 
-HOLD_MARGIN_S = 0.1
-"""Past the block's end: a converter delays its samples by up to some 40 periods of its rate."""
-
-
-def burst_of(plan: SinePlan, frequency_hz: float, amplitude_v: float) -> Burst:
-    """The burst whose settled part holds the block."""
-    hold = plan.settle_s - plan.ramp_s + plan.block_s + HOLD_MARGIN_S
-    return Burst(frequency_hz, amplitude_v, plan.ramp_s, hold)
-
-
-def longest_burst_s(plan: SinePlan) -> float:
-    """How long the longest burst of a plan lasts, from 0 V to 0 V."""
-    return burst_of(plan, 1.0, 1.0).duration_s
+TELL_BLOCKS = 5
+"""While the beam rings down, say so once in so many blocks."""
 
 
 @dataclass(slots=True)
@@ -38,20 +28,27 @@ class SineTest:
     Attributes:
         context: the bench.
         plan: frequencies, levels, times.
+        limits: of the rig.
         floor: noise at rest.
         watch: looks at the limits.
         restarts: how often the bench had to be started anew.
         todo: bursts that are still wanted.
         kept: steps that were recorded, by the name of their record.
+        drive: how hard.
     """
 
     context: Context
     plan: SinePlan
+    limits: Limits
     floor: Floor
-    watch: Watch
+    watch: LimitWatch
     restarts: int = 0
     todo: deque[Step] = field(default_factory=deque[Step])
     kept: dict[str, Step] = field(default_factory=dict[str, Step])
+    drive: Drive = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.drive = Drive(self.plan, self.limits)
 
     def run(self) -> None:
         """All levels, all frequencies; one that is to be repeated comes next.
@@ -60,22 +57,21 @@ class SineTest:
             SafetyError: a limit was exceeded.
             SamplesLostError: the device lost samples too often.
         """
-        self.todo.extend(Step(level, f) for level in self.plan.levels_v for f in self.plan.frequencies_hz)
+        self.todo.extend(steps_of(self.plan))
         self.context.life.enter("armed")
         self.context.life.enter("acquiring")
         while self.todo:
             step = self.todo.popleft()
-            while not self._try(step):
-                pass
+            self._take(step)
             self.kept[step.name] = step
             if step.replaces and self.context.drop(step.replaces, f"repeated as {step.name}"):
                 del self.kept[step.replaces]
             self._obey()
-            self._tell(step)
+            self._tell(f"level {step.level}, {step.frequency_hz:.3f} Hz")
 
-    def _tell(self, step: Step) -> None:
+    def _tell(self, what: str) -> None:
         done = len(self.kept)
-        self.context.progress(done, done + len(self.todo), f"level {step.level}, {step.frequency_hz:.3f} Hz")
+        self.context.progress(done, done + len(self.todo), what)
 
     def _obey(self) -> None:
         for request in self.context.wishes.take():
@@ -84,48 +80,103 @@ class SineTest:
             elif self.context.drop(request.block, request.reason):
                 self.kept.pop(request.block, None)
 
-    def _try(self, step: Step) -> bool:
-        try:
-            self.context.pause_if_wanted(self.watch)
-            self._step(step)
-        except SamplesLostError as error:
-            self.restarts += 1
-            self.context.restart(error, self.restarts)
-            return False
-        return True
+    def _take(self, step: Step) -> None:
+        """Bursts at one frequency until one counts."""
+        volts = self.drive.first_v(step.level, step.frequency_hz)
+        setting: Setting | None = Setting(volts, self.plan.settle_s)
+        while setting is not None:
+            try:
+                setting = self._burst(step, setting)
+            except SamplesLostError as error:
+                self.restarts += 1
+                self.context.restart(error, self.restarts)
+                self.context.excitation.on = False
 
-    def _step(self, step: Step) -> None:
+    def _burst(self, step: Step, setting: Setting) -> Setting | None:
+        """One burst from rest and its block; what to try next, or None if this one counts."""
         context, stream = self.context, self.context.stream
-        stream.advance_to(stream.next + stream.samples_of(self.plan.rest_s), self.watch)
-        rest = context.rest_now(self.floor, self.watch)
+        context.pause_if_wanted(self.watch)
+        rest = self._wait_for_rest(step)
         # What was wished for in the rest comes before the burst.
         context.pause_if_wanted(self.watch)
-        volts, frequency_hz = self.plan.levels_v[step.level], step.frequency_hz
-        burst = burst_of(self.plan, frequency_hz, volts)
+        burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
+        context.excitation.on = True
+        stream.poll()
         start = context.bench.play(burst)
-        first = start + stream.samples_of(self.plan.settle_s)
-        note = BlockNote(
-            name=step.name,
-            test="sine",
-            first_sample=first,
-            drive_point=context.rig.shaker_point,
-            level=step.level,
-            frequency_hz=frequency_hz,
-            facts={"burst_first_sample": float(start), **rest.facts(context.line_hz)},
-        )
+        first = start + stream.samples_of(setting.settle_s)
+        note = self._note(step, setting, start, first, rest)
         try:
             stream.advance_to(first + context.block, self.watch)
         except SafetyError as error:
             context.bench.zero()
             self._keep_tripped(note, error)
             raise
-        context.record(first, self._flagged(note))
+        seen = look_at(context, self.plan, self.watch, note, setting)
+        following = self._next(step, setting, seen)
+        context.record(first, self._judged(note, seen, step, setting, refused=following is not None))
+        if following is None:
+            self.drive.good(step.level, seen.measured)
         stream.advance_to(start + ceil(burst.duration_s * stream.rate_hz), self.watch)
+        context.excitation.on = False
+        return following
 
-    def _flagged(self, note: BlockNote) -> BlockNote:
+    def _wait_for_rest(self, step: Step) -> Rest:
+        """The plan's rest, and longer until the beam is at rest; past the plan's patience go on with what there is."""
+        context, stream = self.context, self.context.stream
+        last = stream.next + stream.samples_of(max(self.plan.rest_s, self.plan.rest_timeout_s))
+        stream.advance_to(stream.next + stream.samples_of(self.plan.rest_s), self.watch)
+        waited = 0
+        while not (rest := context.rest_now(self.floor, self.watch)).quiet and stream.next < last:
+            waited += 1
+            if waited % TELL_BLOCKS == 0:
+                ringing_hz = rest.line * context.line_hz
+                self._tell(f"{step.frequency_hz:.3f} Hz waits for rest: {ringing_hz:.4g} Hz still rings")
+            stream.advance_to(stream.next + context.block, self.watch)
+        return rest
+
+    def _note(self, step: Step, setting: Setting, start: int, first: int, rest: Rest) -> BlockNote:
+        return BlockNote(
+            name=step.name,
+            test="sine",
+            first_sample=first,
+            drive_point=self.context.rig.shaker_point,
+            level=step.level,
+            frequency_hz=step.frequency_hz,
+            facts={
+                "burst_first_sample": float(start),
+                "drive_v": setting.volts,
+                "settle_s": setting.settle_s,
+                **rest.facts(self.context.line_hz),
+            },
+        )
+
+    def _next(self, step: Step, setting: Setting, seen: Seen) -> Setting | None:
+        """Another burst, where it may be better: longer, as the decay that was seen asks for, or at another drive."""
+        longest = self.plan.max_settle_s or self.plan.settle_s
+        settle_s, volts = setting.settle_s, setting.volts
+        if seen.settled == "no":
+            settle_s = min(longest, settle_s + seen.missing_s)
+        if setting.number < (self.plan.force.max_bursts if self.plan.force is not None else 1):
+            volts = self.drive.next_v(step.level, step.frequency_hz, seen.measured) or volts
+        if settle_s <= setting.settle_s and volts == setting.volts:
+            return None
+        return Setting(volts, settle_s, setting.number + 1)
+
+    def _judged(self, note: BlockNote, seen: Seen, step: Step, setting: Setting, *, refused: bool) -> BlockNote:
         overload = self.context.stream.overload(note.first_sample, self.context.block)
-        reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
-        return replace(note, overload=overload, reason=reason)
+        reasons = [
+            *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
+            *([seen.unsettled] if seen.unsettled else []),
+            *([error] if (error := self.drive.error(step.level, seen.measured)) else []),
+        ]
+        return replace(
+            note,
+            name=f"{note.name}_refused_{setting.number}" if refused else note.name,
+            accepted=not refused,
+            overload=overload,
+            reason="; ".join(reasons),
+            facts=note.facts | seen.facts,
+        )
 
     def _keep_tripped(self, note: BlockNote, error: SafetyError) -> None:
         first = self.context.stream.next - self.context.block
@@ -155,4 +206,4 @@ def run_sine(context: Context, plan: SinePlan) -> None:
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = watch_of(context.rig, limits, context.chain)
-    SineTest(context, plan, measure_floor(context, plan.rest_s, watch), watch).run()
+    SineTest(context, plan, limits, measure_floor(context, plan.rest_s, watch), watch).run()

@@ -44,12 +44,14 @@ class LifeLine:
     def __init__(self, connection: Connection | None) -> None:
         self._connection = connection
         self._said_s = 0.0
+        self._sign: Sign = "idle"
 
     def working(self, *, driving: bool) -> None:
-        """A test is on, with or without excitation, and all is well."""
-        if time.monotonic() - self._said_s >= BEAT_S:
+        """A test is on, with or without a burst, and all is well."""
+        sign: Sign = "driving" if driving else "working"
+        if sign != self._sign or time.monotonic() - self._said_s >= BEAT_S:
             self._said_s = time.monotonic()
-            self._say("driving" if driving else "working")
+            self._say(sign)
 
     def idle(self) -> None:
         """No test is on: silence means nothing."""
@@ -57,6 +59,7 @@ class LifeLine:
         self._say("idle")
 
     def _say(self, sign: Sign) -> None:
+        self._sign = sign
         if self._connection is None:
             return
         try:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from modallab.schema.plan import SinePlan
+
 
 @dataclass(frozen=True, slots=True)
 class Target:
@@ -32,17 +34,32 @@ class Step:
         frequency_hz: to drive at.
         again: how often it was recorded before and is to be repeated.
         replaces: name of the record it takes the place of, once it is kept.
+        downwards: whether it belongs to the second, downward sweep of two.
     """
 
     level: str
     frequency_hz: float
     again: int = 0
     replaces: str = ""
+    downwards: bool = False
 
     @property
     def name(self) -> str:
         """Name of its record."""
-        return block_name(self.level, self.frequency_hz) + (f"_again_{self.again}" if self.again else "")
+        sweep = "_down" if self.downwards else ""
+        return block_name(self.level, self.frequency_hz) + sweep + (f"_again_{self.again}" if self.again else "")
+
+
+def steps_of(plan: SinePlan) -> list[Step]:
+    """The bursts of a plan, in order: level by level, in each the sweep that is asked for."""
+    given, up = list(plan.frequencies_hz), sorted(plan.frequencies_hz)
+    order = {"given": given, "up": up, "down": up[::-1], "up-down": up}[plan.sweep]
+    steps: list[Step] = []
+    for level in plan.levels_v:
+        steps += [Step(level, f) for f in order]
+        if plan.sweep == "up-down":
+            steps += [Step(level, f, downwards=True) for f in up[::-1]]
+    return steps
 
 
 def block_name(level: str, frequency_hz: float) -> str:

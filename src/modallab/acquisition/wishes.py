@@ -29,6 +29,13 @@ class Drop:
 Request = Repeat | Drop
 
 
+@dataclass(slots=True)
+class Excitation:
+    """Whether a burst may be on, as the test says it: what a silence then means is another matter than at rest."""
+
+    on: bool = False
+
+
 class Wishes:
     """Filled by the thread that hears the owner, looked at by the test between blocks or bursts."""
 
