@@ -4,10 +4,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from postgresql_server import Server, postgresql_server
 from sqlalchemy import Engine
 
 from modallab.jobs import Jobs
 from modallab.storage.engine import open_engine
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[Server]:
+    with postgresql_server() as server:
+        yield server
 
 
 @pytest.fixture

@@ -1,6 +1,8 @@
 """The table of jobs: what is the same job, who holds it, and that none waits for ever."""
 
 import threading
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from sqlalchemy import Engine, update
@@ -9,8 +11,19 @@ from modallab.errors import JobError, UnknownJobError
 from modallab.jobs import Job, Jobs
 from modallab.jobs.leases import MAX_ATTEMPTS, Leases, Taken
 from modallab.jobs.table import JOBS
+from modallab.storage.engine import open_engine
 
 KINDS = ("identify",)
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
+    url = f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}"
+    if request.param == "postgresql":
+        url = request.getfixturevalue("postgresql").new_database()
+    opened = open_engine(url)
+    yield opened
+    opened.dispose()
 
 
 def _take(engine: Engine, owner: str = "one", lease_s: float = 60.0) -> Taken:

@@ -3,21 +3,22 @@
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 from pydantic import TypeAdapter
 from sqlalchemy import Connection, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
-from modallab.errors import FormatError, StorageError
+from modallab.errors import StorageError
 from modallab.schema.plan import Plan
 from modallab.schema.rig import Rig
-from modallab.schema.versions import STORE as STORE_VERSION
 from modallab.storage.durable import failure
 from modallab.storage.engine import open_engine
+from modallab.storage.migrate import migrate
 from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
-from modallab.storage.tables import BLOCKS, DROPPED, METADATA, RUNS, STORE
+from modallab.storage.tables import BLOCKS, DROPPED, REMOVED, RUNS
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 
@@ -32,19 +33,10 @@ class Catalogue:
             StorageError: it cannot be opened or written.
             FormatError: it is of a version this program does not know.
         """
-        self._url = url
         self.engine = open_engine(url)
+        self.where = self.engine.url.render_as_string(hide_password=True)
         with self._writing() as connection:
-            METADATA.create_all(connection)
-            version = connection.scalar(select(STORE.c.format_version))
-            if version is None:
-                connection.execute(insert(STORE).values(format_version=STORE_VERSION))
-        if version not in (None, STORE_VERSION):
-            raise FormatError(
-                f"the data folder has format version {version}, this program knows up to {STORE_VERSION}",
-                where=url,
-                remedy="use the newer modallab that wrote it",
-            )
+            migrate(connection, self.where)
 
     def add_run(self, run: RunRecord) -> None:
         """Commit a new run."""
@@ -74,6 +66,18 @@ class Catalogue:
         with self._writing() as connection:
             connection.execute(insert(VERDICTS).values(row))
 
+    def remove_samples(self, run: str, reason: str, size: int) -> None:
+        """Commit that a run's samples are deleted; its row and those of its blocks stay. Once only: the first holds."""
+        with self._writing() as connection:
+            if connection.scalar(select(REMOVED.c.run).where(REMOVED.c.run == run)) is None:
+                row = {"run": run, "reason": reason, "bytes": size, "utc": datetime.now(UTC).isoformat("T", "seconds")}
+                connection.execute(insert(REMOVED).values(row))
+
+    def removed(self) -> dict[str, str]:
+        """Runs whose samples were deleted, each with when and why."""
+        with self._reading() as connection:
+            return {row.run: f"{row.utc}: {row.reason}" for row in connection.execute(select(REMOVED))}
+
     def runs(self) -> tuple[RunRecord, ...]:
         """All runs, in the order of time."""
         with self._reading() as connection:
@@ -88,7 +92,7 @@ class Catalogue:
         with self._reading() as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
         if row is None:
-            raise StorageError(f"there is no run {run!r}", where=self._url, remedy="look at the list of runs")
+            raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
         return _run(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:
@@ -112,7 +116,7 @@ class Catalogue:
             with self.engine.begin() as connection:
                 yield connection
         except SQLAlchemyError as error:
-            raise failure(error, self._url) from error
+            raise failure(error, self.where) from error
 
     @contextmanager
     def _reading(self) -> Generator[Connection]:
@@ -120,7 +124,7 @@ class Catalogue:
             with self.engine.connect().execution_options(reading=True) as connection:
                 yield connection
         except SQLAlchemyError as error:
-            raise StorageError(f"cannot be read: {error}", where=self._url, remedy="look at the disk") from error
+            raise StorageError(f"cannot be read: {error}", where=self.where, remedy="look at the disk") from error
 
 
 def _run_row(run: RunRecord) -> dict[str, Any]:

@@ -11,10 +11,11 @@ import numpy as np
 from modallab.backend.protocol import Delivery
 from modallab.errors import DiskFullError, StorageError
 from modallab.schema.events import BlockAcknowledged, RunState
-from modallab.schema.versions import STORE
+from modallab.schema.versions import SAMPLES
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.lease import Lease
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
+from modallab.storage.room import require_room
 from modallab.storage.samples import Samples, SampleWriter
 
 
@@ -52,6 +53,7 @@ class Recorder:
             DiskFullError, StorageError: it cannot be made.
         """
         shape = (len(delivery.units), block_samples)
+        require_room(self._path.parent, self._record.plan, shape[0] * shape[1] * delivery.dtype.itemsize)
         self._writer = SampleWriter(self._path, shape, delivery.dtype, self._attributes(delivery))
         self._catalogue.update_run(
             self.run,
@@ -123,7 +125,7 @@ class Recorder:
         # The file explains itself without the catalogue.
         run = self._record
         return {
-            "format_version": STORE,
+            "format_version": SAMPLES,
             "run": run.id,
             "test": run.test,
             "plan": run.plan.model_dump_json(),

@@ -173,7 +173,7 @@ def open_samples(path: Path) -> Generator[SampleReader]:
         StorageError: there is no such file, or it is not whole.
     """
     try:
-        file = _open(path)
+        file = open_h5(path)
     except (OSError, RuntimeError) as error:
         raise _unreadable(path, error) from error
     with file:
@@ -184,7 +184,8 @@ def open_samples(path: Path) -> Generator[SampleReader]:
         yield SampleReader(path, data)
 
 
-def _open(path: Path) -> h5py.File:
+def open_h5(path: Path) -> h5py.File:
+    """The file of a run, closed or being written, for reading."""
     try:
         return h5py.File(path, "r")
     except OSError as error:

@@ -1,7 +1,8 @@
 """The service's tables: campaigns, their runs, events, leases, verdicts, idempotency keys, who did what."""
 
-from sqlalchemy import DDL, JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, String, Table, Text, event
+from sqlalchemy import JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, String, Table, Text
 
+from modallab.storage.append_only import append_only
 from modallab.storage.tables import METADATA
 
 _SEQUENCE = BigInteger().with_variant(Integer, "sqlite")
@@ -100,13 +101,4 @@ IDEMPOTENCY = Table(
     Column("created_utc", String(32), nullable=False),
 )
 
-for _table in (EVENTS, AUDIT, VERDICTS):
-    for _verb in ("UPDATE", "DELETE"):
-        event.listen(
-            _table,
-            "after_create",
-            DDL(
-                f"CREATE TRIGGER {_table.name}_no_{_verb.lower()} BEFORE {_verb} ON {_table.name} "
-                f"BEGIN SELECT RAISE(ABORT, '{_table.name} are append-only'); END"
-            ).execute_if(dialect="sqlite"),
-        )
+append_only(EVENTS, AUDIT, VERDICTS)

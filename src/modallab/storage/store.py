@@ -16,6 +16,7 @@ from modallab.errors import StorageError
 from modallab.schema.block import Block
 from modallab.schema.plan import Plan
 from modallab.schema.rig import Rig
+from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
 from modallab.storage.lease import Lease
@@ -24,12 +25,14 @@ from modallab.storage.records import ENDED, BlockRecord, RunRecord
 from modallab.storage.samples import SampleReader, open_samples
 from modallab.storage.seal import seal
 
-DATABASE = "modallab.db"
 INTERRUPTED = "interrupted"
 
 
 class Store:
-    """Runs and blocks under one folder: `modallab.db` and `runs/<run>.h5`. Any number of readers, one writer a run."""
+    """Runs and blocks under one folder: `modallab.db` and `runs/<run>.h5`. Any number of readers, one writer a run.
+
+    The catalogue is on a PostgreSQL server instead if the folder has a file `database.url` with its address.
+    """
 
     def __init__(self, folder: Path) -> None:
         """Open a data folder, and make it if it is not there.
@@ -47,7 +50,7 @@ class Store:
                 f"cannot be made: {error.strerror}", where=str(folder), remedy="choose another data folder"
             ) from error
         require_local(folder)
-        self.catalogue = Catalogue(f"sqlite:///{(folder / DATABASE).as_posix()}")
+        self.catalogue = Catalogue(database_of(folder))
 
     def begin(self, plan: Plan, rig: Rig, bench: BenchInfo) -> Recorder:
         """Enter a new run in the catalogue and lease it to this process."""
@@ -109,7 +112,7 @@ class Store:
         wanted = [row for row in self.catalogue.blocks(run) if refused or row.note.accepted]
         if not wanted:
             return
-        with open_samples(self._runs / f"{run}.h5") as reader:
+        with open_samples(self.samples_file(run)) as reader:
             for row in wanted:
                 yield _block(record, row, reader)
 
@@ -123,7 +126,7 @@ class Store:
         rows = [row for row in self.catalogue.blocks(run) if row.note.name == name]
         if not rows:
             raise StorageError(f"there is no block {name!r} in run {run}", where=str(self.folder), remedy="list them")
-        with open_samples(self._runs / f"{run}.h5") as reader:
+        with open_samples(self.samples_file(run)) as reader:
             return _block(record, rows[-1], reader)
 
     def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
@@ -140,6 +143,20 @@ class Store:
                 where=str(self.folder),
                 remedy=f"name one of: {', '.join(counted) or 'none'}",
             )
+
+    def samples_file(self, run: str) -> Path:
+        """Where the samples of a run are.
+
+        Raises:
+            StorageError: they were deleted.
+        """
+        file = self._runs / f"{run}.h5"
+        removed = None if file.exists() else self.catalogue.removed().get(run)
+        if removed is not None:
+            raise StorageError(
+                f"the samples of run {run} were deleted ({removed})", where=str(file), remedy="restore a backup"
+            )
+        return file
 
     def close(self) -> None:
         """Let go of the catalogue."""

@@ -1,7 +1,6 @@
 """The catalogue's tables."""
 
 from sqlalchemy import (
-    DDL,
     JSON,
     BigInteger,
     Boolean,
@@ -13,8 +12,9 @@ from sqlalchemy import (
     String,
     Table,
     Text,
-    event,
 )
+
+from modallab.storage.append_only import append_only
 
 METADATA = MetaData()
 
@@ -75,13 +75,14 @@ DROPPED = Table(
     Column("utc", String(32), nullable=False),
 )
 
-for _table in (BLOCKS, DROPPED):
-    for _verb in ("UPDATE", "DELETE"):
-        event.listen(
-            _table,
-            "after_create",
-            DDL(
-                f"CREATE TRIGGER {_table.name}_no_{_verb.lower()} BEFORE {_verb} ON {_table.name} "
-                f"BEGIN SELECT RAISE(ABORT, '{_table.name} are append-only'); END"
-            ).execute_if(dialect="sqlite"),
-        )
+REMOVED = Table(
+    "removed",
+    METADATA,
+    Column("run", String(64), ForeignKey("runs.id"), primary_key=True),
+    Column("reason", Text, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("utc", String(32), nullable=False),
+)
+"""Runs whose samples were deleted. Their rows stay: what was measured, and that it is gone, remains known."""
+
+append_only(BLOCKS, DROPPED, REMOVED)
