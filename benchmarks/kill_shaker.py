@@ -41,8 +41,9 @@ def long_burst(seconds: float) -> SinePlan:
     """One burst of so many seconds, with hardly anything before it."""
     block, ramp = 0.128, 0.3
     return SinePlan(
-        frequencies_hz=(19.53125,), ramp_s=ramp, settle_s=seconds - block - ramp - 0.11, block_s=block, rest_s=0.2
-    )
+        frequencies_hz=(19.53125,), ramp_s=ramp, settle_s=seconds - block - ramp - 0.11, block_s=block,
+        rest_s=0.2, rest_timeout_s=0.2,
+    )  # fmt: skip
 
 
 def kill_once(server: NiServer, rig: Rig, plan: SinePlan, folder: Path) -> float:
@@ -135,7 +136,10 @@ def main() -> int:
     with NiServer(rig, "9215", "--pace", virtual=False) as server, tempfile.TemporaryDirectory() as folder:
         server.say("preamplifiers sine")
         once = kill_all if arguments.also_supervisor else kill_once
-        took = [once(server, rig, plan, Path(folder) / str(n)) for n in range(arguments.kills)]
+        took: list[float] = []
+        for n in range(arguments.kills):
+            took.append(once(server, rig, plan, Path(folder) / str(n)))
+            print(f"{n + 1}: {took[-1]:.3f} s", flush=True)
     limit = arguments.burst_s if arguments.no_watchdog else LIMIT_S
     good = sum(t <= limit for t in took)
     print(

@@ -25,7 +25,7 @@ LIMIT_S = 0.5
 PATIENCE_S = 30.0
 
 # One burst of 20 s, with hardly anything before it.
-PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, rest_s=0.2)
+PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, rest_s=0.2, rest_timeout_s=0.2)
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,14 @@
 """NI devices behind the bench protocol."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from math import isfinite
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
 from modallab.errors import (
     BenchError,
     ConfigurationError,
@@ -24,10 +26,11 @@ from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, output_of, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
 from modallab_drivers.ni_daqmx.teds import teds_sensitivities
+from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
 from modallab_drivers.order import require, require_burst, require_count
 from modallab_drivers.output import Output
 
-State = Literal["open", "configured", "running", "stopped", "lost", "gone", "closed"]
+State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]
 
 MOST_COERCED = 2.0
 """A device that gives more than so many times the wished rate cannot do what was asked."""
@@ -47,6 +50,7 @@ class NiBench:
         self._state: State = "open"
         self._position = 0
         self._request: Request | None = None
+        self._record: TriggeredRecord | None = None
         devices = self._route.devices()
         self._plugs: tuple[Plug, ...] = plugs_of(rig, devices, url)
         chosen = output_of(rig, devices, url)
@@ -129,7 +133,7 @@ class NiBench:
         assert self._inputs is not None
         first = self._position
         pieces: list[NDArray[np.float64]] = []
-        try:
+        with self._losses():
             while (left := first + count - self._position) > 0:
                 pieces.append(self._inputs.read(self._up_to_event(left), timeout_s))
                 self._position += pieces[-1].shape[1]
@@ -137,12 +141,35 @@ class NiBench:
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
             return Chunk(first, samples, self._beyond(samples) | self._inputs.overloaded())
-        except SamplesLostError:
-            self._state = "lost"
-            raise
+
+    def arm(self, trigger: ReferenceTrigger) -> None:
+        """Let the device wait for a crossing."""
+        self._require("configured", "stopped", to="arm")
+        self._drop_inputs()
+        inputs = self._make_inputs(trigger)
+        try:
+            patiently(inputs.start)
         except DeviceGoneError:
             self._gone()
             raise
+        self._record = TriggeredRecord(inputs, trigger, virtual_time=self._address.virtual_time)
+        self._state = "armed"
+
+    def is_armed(self) -> bool:
+        """Whether the pre-trigger is full."""
+        self._require("armed", to="ask for the trigger")
+        assert self._record is not None
+        with self._losses():
+            return self._record.is_armed()
+
+    def triggered(self, timeout_s: float) -> Chunk:
+        """The record about the crossing."""
+        self._require("armed", to="read a record")
+        assert self._record is not None
+        assert self._inputs is not None
+        with self._losses():
+            samples = self._record.take(timeout_s)
+            return Chunk(0, samples, self._beyond(samples) | self._inputs.overloaded())
 
     def play(self, burst: Burst) -> int:
         """Start a burst; the place of its rise counts the converter's own delay."""
@@ -175,7 +202,11 @@ class NiBench:
 
     def stop(self) -> None:
         """Stop streaming, with the output at 0 V."""
-        if self._state in ("running", "lost"):
+        if self._state == "armed":
+            self._record = None
+            self._drop_inputs()
+            self._state = "stopped"
+        elif self._state in ("running", "lost"):
             self.zero()
             self._guards.close()
             if self._state == "running" and self._inputs is not None:
@@ -198,11 +229,23 @@ class NiBench:
     def _require(self, *legal: State, to: str) -> None:
         require(self._state, *legal, to=to, where=self._url)
 
-    def _make_inputs(self) -> Inputs:
+    @contextmanager
+    def _losses(self) -> Generator[None]:
+        # What the device says while it samples decides what may follow.
+        try:
+            yield
+        except SamplesLostError:
+            self._state = "lost"
+            raise
+        except DeviceGoneError:
+            self._gone()
+            raise
+
+    def _make_inputs(self, reference: ReferenceTrigger | None = None) -> Inputs:
         request = self._request
         assert request is not None
         try:
-            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz))
+            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz, reference))
         except DeviceGoneError:
             self._gone()
             raise

@@ -8,28 +8,20 @@ from typing import Any
 
 import nidaqmx.errors
 import numpy as np
-from nidaqmx.constants import (
-    AccelSensitivityUnits,
-    AccelUnits,
-    AcquisitionType,
-    Coupling,
-    ExcitationSource,
-    ForceIEPESensorSensitivityUnits,
-    ForceUnits,
-)
+from nidaqmx.constants import AcquisitionType, Slope
 from nidaqmx.stream_readers import AnalogMultiChannelReader
 from numpy.typing import NDArray
 
+from modallab.backend.protocol import ReferenceTrigger
 from modallab.errors import BenchError, BenchTimeoutError, ConfigurationError
-from modallab.schema.units import STANDARD_GRAVITY, Test, si_factor
+from modallab.schema.units import Test
+from modallab_drivers.ni_daqmx.channels import add_channel
 from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, UNSUPPORTED_HERE, of_code, translated, typed
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
 
 BUFFER_S = 10.0
 FAULT_POLL_S = 1.0
-IEPE_A = 0.002
-BRIDGE_V = 5.0
 
 _UNSUPPORTED = (UNSUPPORTED_HERE, -200077, -200197)
 """What a device says that has no such flag."""
@@ -43,8 +35,15 @@ def session_name(device: str) -> str:
 class Inputs:
     """A configured input task. It keeps what a timed-out read had brought."""
 
-    def __init__(self, route: Route, plugs: Sequence[Plug], test: Test, rate_hz: float) -> None:
-        """Make the task, set its clock, and see which rate the device gives.
+    def __init__(
+        self,
+        route: Route,
+        plugs: Sequence[Plug],
+        test: Test,
+        rate_hz: float,
+        reference: ReferenceTrigger | None = None,
+    ) -> None:
+        """Make the task, set its clock, and see which rate the device gives; with a trigger for one finite record.
 
         Raises:
             ConfigurationError: a channel or the rate can't be had.
@@ -55,11 +54,12 @@ class Inputs:
         with translated(self._where):
             self._task = route.task(session_name(route.address.device))
         try:
-            self.volts_per_unit = np.array([self._add(plug, test) for plug in plugs])
+            self.volts_per_unit = np.array([add_channel(self._task, plug, test, self._where) for plug in plugs])
             with translated(f"{self._where}, rate_hz {rate_hz:g}"):
-                self._task.timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.CONTINUOUS)
+                self._set_clock(rate_hz, reference)
                 self.rate_hz = float(self._task.timing.samp_clk_rate)
-                self._task.in_stream.input_buf_size = max(ceil(BUFFER_S * self.rate_hz), 1000)
+                if reference is None:
+                    self._task.in_stream.input_buf_size = max(ceil(BUFFER_S * self.rate_hz), 1000)
         except BaseException:
             self.close()
             raise
@@ -71,6 +71,21 @@ class Inputs:
         self._flags = True
         self._polls_faults = any(plug.channel.coupling in ("IEPE", "bridge") for plug in plugs)
         self._polled_s = 0.0
+
+    def _set_clock(self, rate_hz: float, reference: ReferenceTrigger | None) -> None:
+        timing = self._task.timing
+        if reference is None:
+            timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.CONTINUOUS)
+            return
+        timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=reference.count)
+        trigger = self._task.triggers.reference_trigger
+        trigger.cfg_anlg_edge_ref_trig(
+            self._plugs[reference.channel].physical,
+            reference.pre_trigger,
+            trigger_slope=Slope.RISING if reference.level > 0 else Slope.FALLING,
+            trigger_level=reference.level,
+        )
+        trigger.anlg_edge_hyst = reference.hysteresis
 
     def start(self) -> None:
         """Begin to sample."""
@@ -207,70 +222,3 @@ class Inputs:
 
     def _channel(self, plug: Plug) -> Any:
         return self._task.ai_channels[plug.physical]
-
-    def _add(self, plug: Plug, test: Test) -> float:
-        channel, where = plug.channel, f"{self._where}, channels[{plug.channel.index}].input ({plug.channel.name})"
-        # In volts per the SI unit; its sign, for a turned sensor, is the rig's matter.
-        volts = abs(channel.sensitivity(test)) / si_factor(channel.quantity, channel.unit, where)
-        with translated(where):
-            if channel.coupling == "IEPE" and channel.quantity == "acceleration":
-                self._add_iepe(plug, volts)
-            elif channel.coupling == "IEPE" and channel.quantity == "force":
-                self._add_force(plug, volts)
-            elif channel.coupling == "bridge" and channel.quantity == "acceleration":
-                self._add_bridge(plug, volts)
-            elif channel.coupling in ("DC", "AC"):
-                self._add_voltage(plug)
-                return 1.0
-            else:
-                raise ConfigurationError(
-                    f"coupling {channel.coupling} is not possible for a channel of {channel.quantity}",
-                    where=where,
-                    remedy="use DC or AC with a preamplifier, IEPE for acceleration or force, bridge for acceleration",
-                )
-        return volts
-
-    def _add_voltage(self, plug: Plug) -> None:
-        added = self._task.ai_channels.add_ai_voltage_chan(plug.physical, min_val=-plug.range_v, max_val=plug.range_v)
-        if plug.channel.coupling == "AC":
-            added.ai_coupling = Coupling.AC
-
-    def _add_iepe(self, plug: Plug, volts: float) -> None:
-        most = plug.range_v / volts
-        self._task.ai_channels.add_ai_accel_chan(
-            plug.physical,
-            min_val=-most,
-            max_val=most,
-            units=AccelUnits.METERS_PER_SECOND_SQUARED,
-            sensitivity=1e3 * volts * STANDARD_GRAVITY,
-            sensitivity_units=AccelSensitivityUnits.MILLIVOLTS_PER_G,
-            current_excit_source=ExcitationSource.INTERNAL,
-            current_excit_val=plug.channel.excitation_a or IEPE_A,
-        )
-
-    def _add_force(self, plug: Plug, volts: float) -> None:
-        most = plug.range_v / volts
-        self._task.ai_channels.add_ai_force_iepe_chan(
-            plug.physical,
-            units=ForceUnits.NEWTONS,
-            min_val=-most,
-            max_val=most,
-            sensitivity=1e3 * volts,
-            sensitivity_units=ForceIEPESensorSensitivityUnits.MILLIVOLTS_PER_NEWTON,
-            current_excit_source=ExcitationSource.INTERNAL,
-            current_excit_val=plug.channel.excitation_a or IEPE_A,
-        )
-
-    def _add_bridge(self, plug: Plug, volts: float) -> None:
-        most = plug.range_v / volts
-        self._task.ai_channels.add_ai_accel_4_wire_dc_voltage_chan(
-            plug.physical,
-            min_val=-most,
-            max_val=most,
-            units=AccelUnits.METERS_PER_SECOND_SQUARED,
-            sensitivity=1e3 * volts * STANDARD_GRAVITY,
-            sensitivity_units=AccelSensitivityUnits.MILLIVOLTS_PER_G,
-            voltage_excit_source=ExcitationSource.INTERNAL,
-            voltage_excit_val=plug.channel.excitation_v or BRIDGE_V,
-            use_excit_for_scaling=False,
-        )

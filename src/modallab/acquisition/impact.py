@@ -4,6 +4,7 @@ from collections import deque
 from dataclasses import asdict, dataclass, field, replace
 
 from modallab.acquisition.context import Context, measure_floor
+from modallab.acquisition.hardware_trigger import wait_for_record
 from modallab.acquisition.hits import Blow, blow_of, refusals
 from modallab.acquisition.rest import Floor, Rest, residual_ratio
 from modallab.acquisition.target import Target
@@ -103,7 +104,10 @@ class ImpactTest:
             return False
         first = trigger - self._pre_trigger
         self.context.stream.advance_to(first + self.context.block)
-        return self._keep(target.point, (target.name, f"_refused_{refused + 1}"), first, rest)
+        good = self._keep(target.point, (target.name, f"_refused_{refused + 1}"), first, rest)
+        if self.plan.trigger == "hardware":
+            self.context.stream.restart()
+        return good
 
     @property
     def _pre_trigger(self) -> int:
@@ -124,15 +128,24 @@ class ImpactTest:
             stream.advance_to(stream.next + context.block)
         return rest
 
+    def _ask(self, target: Target) -> None:
+        context = self.context
+        if context.life.state == "arming":
+            context.life.enter("armed")
+        context.emit(HitWanted(run=context.recorder.run, point=target.point, hit=target.hit, of=self.plan.hits))
+        context.bench.prompt_hit(target.point)
+
     def _wait_for_blow(self, target: Target) -> int | None:
         """The sample of the trigger; None if a pause came first."""
         context, plan, stream = self.context, self.plan, self.context.stream
-        if context.life.state == "arming":
-            context.life.enter("armed")
+        if plan.trigger == "hardware":
+            found = wait_for_record(context, plan, lambda: self._ask(target), self._obey)
+            if found is not None and context.life.state == "armed":
+                context.life.enter("acquiring")
+            return found
         trigger = Trigger(plan.trigger_n, plan.hysteresis_n)
         last = stream.next + stream.samples_of(plan.hit_timeout_s)
-        context.emit(HitWanted(run=context.recorder.run, point=target.point, hit=target.hit, of=plan.hits))
-        context.bench.prompt_hit(target.point)
+        self._ask(target)
         while stream.next < last:
             self._obey()
             if context.pause_wanted:

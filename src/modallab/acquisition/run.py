@@ -8,6 +8,7 @@ from modallab.acquisition.burst import longest_burst_s
 from modallab.acquisition.chain import chain_of
 from modallab.acquisition.checks import require_possible
 from modallab.acquisition.context import Context
+from modallab.acquisition.hardware_trigger import require_trigger
 from modallab.acquisition.impact import run_impact
 from modallab.acquisition.sine import run_sine
 from modallab.acquisition.states import Emit, Lifecycle
@@ -151,6 +152,7 @@ def _work(setup: Setup) -> None:
     if setup.latch is not None:
         setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
+    require_trigger(setup.plan, setup.bench)
     if isinstance(setup.plan, SinePlan):
         setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
     context = _prepare(setup)

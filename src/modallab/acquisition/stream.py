@@ -45,6 +45,12 @@ class Stream:
         self.next = self._filled = 0
         self._overloads.clear()
 
+    def adopt(self, record: Chunk) -> None:
+        """Remember a record the device has triggered by itself, in place of what was before; its count begins at 0."""
+        self.next = self._filled = 0
+        self._overloads.clear()
+        self._remember(record)
+
     def samples_of(self, seconds: float) -> int:
         """Whole number of samples nearest to a duration."""
         return round(seconds * self.rate_hz)

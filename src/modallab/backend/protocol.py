@@ -157,6 +157,42 @@ class OutputOpener(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class ReferenceTrigger:
+    """A finite record about the first crossing of a level, found by the device itself.
+
+    Attributes:
+        channel: place in the rig.
+        level: as the samples are delivered; crossed upwards if positive, downwards if negative.
+        hysteresis: how far from the level the signal must have been before, as delivered.
+        pre_trigger: samples kept before the crossing.
+        count: samples of the record.
+    """
+
+    channel: int
+    level: float
+    hysteresis: float
+    pre_trigger: int
+    count: int
+
+
+@runtime_checkable
+class HardwareTriggered(Protocol):
+    """A bench whose device can wait for a blow by itself. While it does, nothing streams."""
+
+    def arm(self, trigger: ReferenceTrigger) -> None:
+        """Begin to wait, while configured or stopped; `stop` ends it. Raises ConfigurationError, DeviceGoneError."""
+        ...
+
+    def is_armed(self) -> bool:
+        """Whether the pre-trigger is full: what crosses the level before that is ignored by the device."""
+        ...
+
+    def triggered(self, timeout_s: float) -> Chunk:
+        """The record, its first sample counted as 0. Raises BenchTimeoutError: no crossing yet, ask again."""
+        ...
+
+
 @runtime_checkable
 class SelfDescribing(Protocol):
     """A bench whose sensors may say themselves how sensitive they are (TEDS)."""

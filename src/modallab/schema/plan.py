@@ -30,6 +30,7 @@ class ImpactPlan(Frozen):
 
     `rate_hz` is asked of the device, which may give a higher one; blocks then have the whole number of samples nearest
     to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
+    The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
     """
 
     kind: Literal["impact"] = "impact"
@@ -41,6 +42,7 @@ class ImpactPlan(Frozen):
     pre_trigger_s: PositiveFloat = 0.05
     trigger_n: PositiveFloat = 2.0
     hysteresis_n: PositiveFloat = 1.0
+    trigger: Literal["software", "hardware"] = "software"
     hit_timeout_s: PositiveFloat = 300.0
     max_refusals: PositiveInt = 20
     acceptance: HitAcceptance = HitAcceptance()

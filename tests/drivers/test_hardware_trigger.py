@@ -1,0 +1,147 @@
+"""The device's own reference trigger as an option of the impact test: the same blows, found by the device."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ni_server import NiServer
+
+from modallab.acquisition.run import record, run_plan
+from modallab.acquisition.wishes import Wishes
+from modallab.backend.loader import open_bench
+from modallab.backend.protocol import Bench, HardwareTriggered, ReferenceTrigger, Request
+from modallab.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
+from modallab.schema.events import Event
+from modallab.schema.plan import ImpactPlan
+from modallab.schema.rig import Rig
+from modallab.storage import Store
+
+PLAN = ImpactPlan(points=(10,), hits=2, trigger="hardware", hit_timeout_s=60.0)
+
+
+@pytest.fixture
+def striking(rig: Rig):
+    with NiServer(rig, "9215", "--bench", "sim://cantilever?seed=1&bad_hits=0&zeta=0.02") as server:
+        server.say("preamplifiers impact")
+        yield server
+
+
+def operator(server: NiServer, events: list[Event]):
+    def tell(event: Event) -> None:
+        events.append(event)
+        if event.kind == "hit_wanted":
+            server.say(f"strike {event.point}")
+
+    return tell
+
+
+def test_blows_are_found_by_the_device_with_the_pre_trigger_before_them(
+    striking: NiServer, rig: Rig, tmp_path: Path
+) -> None:
+    events: list[Event] = []
+    bench = open_bench(striking.url, rig)
+    with Store(tmp_path) as store:
+        run = record(bench, rig, PLAN, store, operator(striking, events))
+        blocks, rows = store.blocks(run), store.catalogue.blocks(run)
+    bench.close()
+    assert [b.name for b in blocks] == ["impact_p10_1", "impact_p10_2"]
+    sensitivity = rig.force_channel.sensitivity("impact")
+    for block in blocks:
+        assert block.n_samples == 2048
+        force_n = block.samples[0] * block.scale[0] / sensitivity
+        assert force_n[99] < PLAN.trigger_n <= force_n[100]
+        assert np.abs(force_n[:99]).max() < PLAN.trigger_n
+        assert force_n.max() > 10.0
+    # The rest before a blow is judged from the record's own long pre-trigger.
+    assert all(row.note.facts["residual_ratio"] == 0 for row in rows)
+    states = [e.state for e in events if e.kind == "state"]
+    assert states == ["created", "arming", "armed", "acquiring", "processing", "done"]
+
+
+def test_with_a_pause_the_device_waits_no_longer_and_is_armed_again(
+    striking: NiServer, rig: Rig, tmp_path: Path
+) -> None:
+    events: list[Event] = []
+    wishes = Wishes()
+    strike = operator(striking, events)
+
+    def tell(event: Event) -> None:
+        if event.kind == "hit_wanted" and event.hit == 2 and not [e for e in events if e.kind == "notice"]:
+            wanted = [e for e in events if e.kind == "hit_wanted" and e.hit == 2]
+            if not wanted:
+                events.append(event)
+                wishes.pause()
+                return
+        strike(event)
+        if event.kind == "state" and event.state == "paused":
+            wishes.resume()
+
+    bench = open_bench(striking.url, rig)
+    with Store(tmp_path) as store, store.begin(PLAN, rig, bench.info) as recorder:
+        run_plan(bench, rig, PLAN, recorder, tell, wishes=wishes)
+        assert len(store.blocks(recorder.run)) == 2
+    bench.close()
+    assert "paused" in [e.state for e in events if e.kind == "state"]
+
+
+def test_a_bench_without_a_trigger_refuses_the_plan_naming_the_field(rig: Rig, tmp_path: Path) -> None:
+    bench = open_bench("sim://cantilever?seed=1", rig)
+    with Store(tmp_path) as store, pytest.raises(PlanError, match="trigger: hardware, but this bench"):
+        record(bench, rig, PLAN, store, lambda _: None)
+
+
+def armed(bench: Bench, rig: Rig, level: float, pre_trigger: int = 500) -> HardwareTriggered:
+    bench.configure(Request("impact", 2000.0))
+    assert isinstance(bench, HardwareTriggered)
+    bench.arm(ReferenceTrigger(rig.force_channel.index, level, level / 2, pre_trigger, pre_trigger + 500))
+    return bench
+
+
+def test_what_crosses_before_the_pre_trigger_is_full_is_no_trigger(striking: NiServer, rig: Rig) -> None:
+    bench = open_bench(striking.url, rig)
+    level = 2.0 * rig.force_channel.sensitivity("impact")
+    # The operator strikes a second or two after the start, when five seconds are to be kept.
+    waiting = armed(bench, rig, level, 10_000)
+    striking.say("strike 10")
+    while not waiting.is_armed():
+        pass
+    with pytest.raises(BenchTimeoutError, match="-200284"):
+        waiting.triggered(0.3)
+    striking.say("strike 10")
+    chunk = waiting.triggered(10.0)
+    assert chunk.samples.shape == (len(rig.channels), 10_500)
+    assert chunk.samples[0, 9_999] < level <= chunk.samples[0, 10_000]
+    bench.stop()
+    bench.start()
+    assert bench.read(10, 5.0).first_sample == 0
+    bench.close()
+
+
+def test_while_it_waits_nothing_streams_and_a_device_that_goes_is_said(striking: NiServer, rig: Rig) -> None:
+    bench = open_bench(striking.url, rig)
+    waiting = armed(bench, rig, 0.5)
+    with pytest.raises(ConfigurationError, match="armed"):
+        bench.read(10, 1.0)
+    with pytest.raises(ConfigurationError, match="armed"):
+        bench.configure(Request("impact", 2000.0))
+    striking.say("fault unplugged -201003")
+    with pytest.raises(DeviceGoneError, match="-201003"):
+        waiting.triggered(1.0)
+    striking.say("fault plugged")
+    bench.configure(Request("impact", 2000.0))
+    bench.start()
+    assert bench.read(10, 5.0).first_sample == 0
+    bench.close()
+    bench.stop()
+
+
+def test_a_reference_trigger_on_a_negative_sensor_falls(striking: NiServer, rig: Rig) -> None:
+    # A turned force transducer gives negative volts for a push: nothing rises above the level then.
+    bench = open_bench(striking.url, rig)
+    waiting = armed(bench, rig, -2.0 * rig.force_channel.sensitivity("impact"))
+    while not waiting.is_armed():
+        pass
+    striking.say("strike 10")
+    with pytest.raises(BenchTimeoutError):
+        waiting.triggered(0.3)
+    bench.close()
