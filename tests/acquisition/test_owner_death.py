@@ -25,7 +25,8 @@ from modallab.schema.rig import Rig
 
 if __name__ == "__main__":
     rig = Rig.model_validate_json(Path(sys.argv[1]).read_text())
-    long = SinePlan(frequencies_hz=(10.0, 20.0), block_s=0.064, ramp_s=0.02, settle_s={settle}, rest_s=0.1, rest_timeout_s=0.1)
+    rest = {{"rest_s": 0.1, "rest_timeout_s": 0.1}}
+    long = SinePlan(frequencies_hz=(10.0, 20.0), block_s=0.064, ramp_s=0.02, settle_s={settle}, **rest)
     with RigProcess("witness://bench", rig, Path(sys.argv[2])) as process:
         for event in process.run(long):
             pass
