@@ -43,6 +43,7 @@ def test_the_normal_equations_are_those_of_the_projected_slopes():
     matrix, gradient = normal_equations(problem, point)
     group, n_poles = point.groups[0], 2 * point.parameters.omega.size
     rows, width = group.columns[0].phi.shape[0], problem.n_local
+    n_states = width - point.parameters.force.shape[1]
     parts = force_parts(problem, point, group).slopes
     vectors = group.columns[0].poles
     expected, slope = np.zeros_like(matrix), np.zeros_like(gradient)
@@ -53,16 +54,22 @@ def test_the_normal_equations_are_those_of_the_projected_slopes():
             weighted = found.poles.values * (group.coefficients[found.poles.column, o] / point.noise[o])
             for i in range(n_poles):
                 jacobian[here, i] = weighted[:, vectors.parameter == i].sum(axis=1)
-            jacobian[here, n_poles + m * width : n_poles + (m + 1) * width] = parts[m][:, o]
+            begin = n_poles + m * width
+            state = found.local.values * (group.coefficients[found.local.column, o] / point.noise[o])
+            for i in range(n_states):
+                jacobian[here, begin + i] = state[:, found.local.parameter == i].sum(axis=1)
+            jacobian[here, begin + n_states : begin + width] = parts[m][:, o]
         projected = jacobian - group.q @ (group.q.T @ jacobian)
         expected += projected.T @ projected
         slope += projected.T @ group.residual[:, o] / point.noise[o]
-    prior = np.concatenate([problem.zeta_prior[:, 1].repeat(2) ** -2.0, problem.force_sigma.ravel() ** -2.0])
+    own = np.concatenate([problem.state_sigma.repeat(2, axis=1), problem.force_sigma], axis=1)
+    prior = np.concatenate([problem.zeta_prior[:, 1].repeat(2) ** -2.0, own.ravel() ** -2.0])
     prior[:n_poles:2] = 0
     expected += np.diag(prior)
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     np.testing.assert_allclose(matrix / scale, expected / scale, atol=1e-8)
-    data = gradient[n_poles:] + (point.parameters.force / problem.force_sigma**2).ravel()
+    states = np.stack([point.parameters.state.real, point.parameters.state.imag], axis=-1).reshape(2, -1)
+    data = gradient[n_poles:] + (np.concatenate([states, point.parameters.force], axis=1) / own**2).ravel()
     size = np.sqrt(np.diag(expected))[n_poles:]
     np.testing.assert_allclose(data / size, slope[n_poles:] / size, atol=1e-6)
 

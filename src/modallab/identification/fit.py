@@ -112,14 +112,12 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Cal
     def of_output(o: int) -> Real:
         coefficient = group.coefficients[:, o]
         found = [_summed(poles, group.columns[0].poles, coefficient, n_poles)]
-        if forces is not None:
-            found += [b[:, o] * fit.point.noise[o] for b in forces]
-        else:
-            found += [
-                _summed(v, c.local, coefficient, width)
-                for v, c in zip(local, group.columns, strict=True)
-                if v is not None
-            ]
+        for m, columns_of in enumerate(group.columns):
+            values = local[m]
+            if values is not None:
+                found.append(_summed(values, columns_of.local, coefficient, width))
+            if forces is not None:
+                found.append(forces[m][:, o] * fit.point.noise[o])
         return np.concatenate(found, axis=1)
 
     return wanted, of_output

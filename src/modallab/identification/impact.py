@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
 from modallab.identification.basis import LineBlock
-from modallab.identification.beyond import with_stand_ins
+from modallab.identification.beyond import StartPoles, with_stand_ins
 from modallab.identification.excitation import BlowExcitation, Grid
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
+from modallab.identification.leftover import LEAST, leftover_sigma
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
@@ -23,7 +24,7 @@ from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
-from modallab.spectra.blow import find_blow, windowed_force
+from modallab.spectra.blow import Blow, find_blow, windowed_force
 from modallab.spectra.border import check_test
 from modallab.spectra.frf import convert, group_by_point, impact_frf, lines, output_quantity, quiet_level
 
@@ -71,9 +72,8 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     unknown, notes = line_blocks(groups, rig, band)
     fit = _refined(unknown, poles, groups, band, FIRST_LOOK)
     keep = is_mode(fit, band)
-    if np.any(keep) and not (np.sum(keep) == poles.size and fit.refined.settled):
-        at = fit.point.parameters
-        fit = _refined(unknown, _poles(at.omega[keep], at.zeta[keep]), groups, band)
+    if np.any(keep) and (unknown.at_rest or not (np.sum(keep) == poles.size and fit.refined.settled)):
+        fit = _again(unknown, fit, keep, band)
         keep = is_mode(fit, band)
     if not np.any(keep):
         raise IdentificationError(
@@ -121,48 +121,62 @@ class Blows:
 
     Attributes:
         blocks: in the order of the groups.
-        state_sigma: (blocks,) prior of every modal state, N s; None if the force's samples stand for it.
-        force_sigma: (blocks, width) prior of the force samples' errors, N; None if the states stand for them.
+        grid: of them all.
+        impulse: (blocks,) N s of each blow.
+        state_sigma: (blocks,) prior of every modal state, N s; None if the beam looked at rest before every blow.
+        force_sigma: (blocks, width) prior of the force samples' errors, N; None if states at the blow stand for them.
     """
 
     blocks: list[LineBlock]
+    grid: Grid
+    impulse: NDArray[np.float64]
     state_sigma: NDArray[np.float64] | None
     force_sigma: NDArray[np.float64] | None
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the blocks' beginnings have hardly any motion, and their states are therefore known to be small."""
+        return self.state_sigma is None
 
 
 def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Blows, tuple[str, ...]]:
     """The blocks at their lines with what is unknown of each, and notes.
 
     The force channel's own noise within the blow is estimated sample by sample. If the beam was not at rest before a
-    blow, or the blows are too long for that, every mode has an unknown state instead: from the block's start, or from
-    the blow.
+    blow, every mode has an unknown state at the block's start. Where the blows are too long for an unknown a sample,
+    the states enter at the blow instead and stand for its noise.
     """
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band)
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
-    ringing = [s.block.name for group in groups for s in group if _rings_before(s)]
-    found = [[find_blow(s.force) for s in group] for group in groups]
-    flat = [b for group in found for b in group]
-    width = min(max(b.stop - b.first for b in flat), n - max(b.first for b in flat))
-    by_sample = not ringing and width * len(flat) <= MOST_FORCE_SAMPLES
-    blocks, sigmas = [], []
-    for index, group in enumerate(groups):
-        for signals, blow in zip(group, found[index], strict=True):
-            force = windowed_force(signals.force, blow)
-            impulse = float(np.sum(np.abs(force))) / rate
-            noise = blow.noise * np.sqrt((blow.stop - blow.first) / 2) / rate
-            sigmas.append(impulse if ringing else max(noise, 1e-9 * impulse))
-            response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
-            start = 0 if ringing else blow.peak
-            blocks.append(LineBlock(BlowExcitation(grid, force, start, blow.first), response, index))
-    if by_sample:
-        noise = [
-            max(b.noise, 1e-9 * float(np.max(np.abs(s.force))))
-            for b, s in zip(flat, [s for group in groups for s in group], strict=True)
-        ]
-        return Blows(blocks, None, np.repeat(np.array(noise)[:, None], width, axis=1)), ()
-    return Blows(blocks, np.array(sigmas), None), _ringing_notes(ringing)
+    flat = [s for group in groups for s in group]
+    of_block = [index for index, group in enumerate(groups) for _ in group]
+    ringing = [s.block.name for s in flat if _rings_before(s)]
+    found = [find_blow(s.force) for s in flat]
+    width = min(max(b.stop - b.first for b in found), n - max(b.first for b in found))
+    by_sample = width * len(flat) <= MOST_FORCE_SAMPLES
+    blocks: list[LineBlock] = []
+    for signals, blow, group in zip(flat, found, of_block, strict=True):
+        response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
+        start = 0 if ringing or by_sample else blow.peak
+        force = windowed_force(signals.force, blow)
+        blocks.append(LineBlock(BlowExcitation(grid, force, start, blow.first), response, group))
+    impulse = np.array([np.sum(np.abs(windowed_force(s.force, b))) for s, b in zip(flat, found, strict=True)]) / rate
+    force_sigma = _force_sigma(flat, found, width) if by_sample else None
+    state_sigma = impulse if ringing else None if by_sample else _blow_noise(found, impulse, rate)
+    return Blows(blocks, grid, impulse, state_sigma, force_sigma), _ringing_notes(ringing)
+
+
+def _force_sigma(signals: Sequence[Signals], blows: Sequence[Blow], width: int) -> NDArray[np.float64]:
+    noise = [max(b.noise, 1e-9 * float(np.max(np.abs(s.force)))) for s, b in zip(signals, blows, strict=True)]
+    return np.repeat(np.array(noise)[:, None], width, axis=1)
+
+
+def _blow_noise(blows: Sequence[Blow], impulse: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """(blocks,) sigma in N s of what the force channel's noise adds to each blow."""
+    noise = np.array([b.noise * np.sqrt((b.stop - b.first) / 2) for b in blows]) / rate_hz
+    return np.maximum(noise, 1e-9 * impulse)
 
 
 def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
@@ -211,10 +225,6 @@ def _rings_before(signals: Signals) -> bool:
     return bool(np.median(memory / np.maximum(power, np.finfo(float).tiny)) > 0.5)
 
 
-def _poles(omega: NDArray[np.float64], zeta: NDArray[np.float64]) -> NDArray[np.complex128]:
-    return -zeta * omega + 1j * omega
-
-
 def _refined(
     unknown: Blows,
     poles: NDArray[np.complex128],
@@ -223,22 +233,51 @@ def _refined(
     max_iterations: int = MAX_ITERATIONS,
 ) -> Fit:
     begin = with_stand_ins(poles, band[1], STAND_INS, (1e-4, 0.1))
+    known = unknown.state_sigma
+    sigma = None if known is None else np.repeat(known[:, None], begin.omega.size, axis=1)
+    points = tuple(g[0].block.drive_point for g in groups)
+    force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
+    return _searched(unknown, begin, sigma, force, points, max_iterations)
+
+
+def _again(unknown: Blows, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, float]) -> Fit:
+    """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
+    at = fit.point.parameters
+    poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
+    # Where the stand-in has gone to is where it begins, unless it has become a mode of the band.
+    beyond = at.omega[-1] / (2 * np.pi * band[1])
+    stand_ins = STAND_INS if keep[-1] or beyond < 1 else (float(beyond),)
+    begin = with_stand_ins(poles, band[1], stand_ins, (1e-4, 0.1))
+    if unknown.state_sigma is None:
+        kept = leftover_sigma(fit, unknown.grid, unknown.impulse)[:, keep]
+        nothing = LEAST * np.repeat(unknown.impulse[:, None], begin.stand_ins, axis=1)
+        sigma = np.concatenate([kept, nothing], axis=1)
+    else:
+        sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
+    return _searched(unknown, begin, sigma, at.force, fit.input_points, MAX_ITERATIONS)
+
+
+def _searched(
+    unknown: Blows,
+    begin: StartPoles,
+    state_sigma: NDArray[np.float64] | None,
+    force: NDArray[np.float64],
+    points: tuple[int | None, ...],
+    max_iterations: int,
+) -> Fit:
     problem = Problem(
         blocks=unknown.blocks,
         powers=RESIDUAL_POWERS,
-        n_inputs=len(groups),
-        state_sigma=None
-        if unknown.state_sigma is None
-        else np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1),
+        n_inputs=len(points),
+        state_sigma=state_sigma,
         drive_sigma=None,
         zeta_prior=begin.zeta_prior,
         force_sigma=unknown.force_sigma,
     )
     n = len(unknown.blocks)
     nothing = np.zeros((n, begin.omega.size), complex)
-    force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
     start = Parameters(begin.omega, begin.zeta, nothing, np.zeros(n, complex), force)
-    return Fit(problem, search(problem, start, max_iterations), tuple(g[0].block.drive_point for g in groups))
+    return Fit(problem, search(problem, start, max_iterations), points)
 
 
 def half_power_readings(

@@ -21,18 +21,20 @@ def normal_equations(problem: Problem, point: Point) -> tuple[Real, Real]:
     """J^T J and J^T residual in noise units, priors included.
 
     Parameters: omega and zeta of every mode, then block by block its states and drive error, real and imaginary part
-    next to each other, or the errors of its force samples.
+    next to each other, and the errors of its force samples.
     """
     n_poles, n_local = 2 * point.parameters.omega.size, problem.n_local
     size = n_poles + n_local * len(problem.blocks)
+    width = 0 if problem.force_sigma is None else problem.force_sigma.shape[1]
     matrix, gradient = np.zeros((size, size)), np.zeros(size)
     for group in point.groups:
-        if problem.force_sigma is None:
-            part, slope = _group_equations(group, point.noise, n_local)
-        else:
-            part, slope = force_equations(problem, point, group, _group_equations(group, point.noise, 0))
-        local = [n_poles + n_local * i + np.arange(n_local) for i in group.members]
-        index = np.concatenate([np.arange(n_poles), *local])
+        part, slope = _group_equations(group, point.noise, n_local - width)
+        if width:
+            part, slope = force_equations(problem, point, group, (part, slope))
+        begin = [n_poles + n_local * i for i in group.members]
+        states = [b + np.arange(n_local - width) for b in begin]
+        forces = [b + np.arange(n_local - width, n_local) for b in begin]
+        index = np.concatenate([np.arange(n_poles), *states, *forces])
         matrix[np.ix_(index, index)] += part
         gradient[index] += slope
     weight, pull = _priors(problem, point)

@@ -64,10 +64,9 @@ class Problem:
     @property
     def n_local(self) -> int:
         """Parameters that each block has to itself."""
-        if self.force_sigma is not None:
-            return self.force_sigma.shape[1]
         states = 0 if self.state_sigma is None else 2 * self.state_sigma.shape[1]
-        return states + (0 if self.drive_sigma is None else 2)
+        forces = 0 if self.force_sigma is None else self.force_sigma.shape[1]
+        return states + (0 if self.drive_sigma is None else 2) + forces
 
 
 @dataclass(frozen=True, eq=False, slots=True)

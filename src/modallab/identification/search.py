@@ -114,14 +114,15 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     # Each pole is held back by itself: one that hardly matters must not slow the others down.
     omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
     zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_MOVE, MAX_MOVE), MIN_ZETA, MAX_ZETA)
-    if problem.force_sigma is not None:
-        return Parameters(omega, zeta, at.state, at.drive, at.force + step[2 * n :].reshape(at.force.shape))
-    local = step[2 * n :].reshape(n_blocks, problem.n_local // 2, 2) if problem.n_local else np.zeros((n_blocks, 0, 2))
-    parts = local[..., 0] + 1j * local[..., 1]
+    local = step[2 * n :].reshape(n_blocks, problem.n_local)
+    width = at.force.shape[1]
+    force = at.force + local[:, problem.n_local - width :] if width else at.force
+    parts = local[:, : problem.n_local - width].reshape(n_blocks, -1, 2)
+    parts = parts[..., 0] + 1j * parts[..., 1]
     n_state = 0 if problem.state_sigma is None else n
     state = at.state + parts[:, :n] if n_state else at.state
     drive = at.drive if problem.drive_sigma is None else at.drive + parts[:, n_state]
-    return Parameters(omega, zeta, state, drive)
+    return Parameters(omega, zeta, state, drive, force)
 
 
 def _covariance(problem: Problem, point: Point) -> Real:
