@@ -1,8 +1,7 @@
 """Channels of a rig that lag or lead one another, brought onto the times of the one that lags least.
 
 A converter's filter makes samples late by `delay_s`; a multiplexer reads a channel `skew_s` after channel 0, so that
-its samples are ahead. Only the difference between channels matters to an FRF, and only it is taken off. AC coupling
-that is not the same in force and responses would need the signal from before the block, so it is refused.
+its samples are ahead. Only the difference between channels matters to an FRF, and only it is taken off.
 """
 
 import numpy as np
@@ -18,18 +17,7 @@ _BETA = 10.0
 
 
 def lags_s(rig: Rig) -> NDArray[np.float64]:
-    """(channels,) by how much each channel's samples lag those of the one that lags least.
-
-    Raises:
-        DataError: channels differ in AC coupling.
-    """
-    corners = sorted({channel.ac_corner_hz for channel in rig.channels})
-    if len(corners) > 1:
-        raise DataError(
-            f"channels are AC-coupled at different corners: {', '.join(f'{corner:g}' for corner in corners)} Hz",
-            where="rig file field channels[].ac_corner_hz",
-            remedy="couple force and responses alike: then both turn by the same phase, and their ratio by none",
-        )
+    """(channels,) by how much each channel's samples lag those of the one that lags least."""
     lags = np.array([channel.delay_s - channel.skew_s for channel in rig.channels])
     return lags - lags.min()
 

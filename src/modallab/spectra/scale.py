@@ -12,6 +12,7 @@ from modallab.schema.rig import Channel, Rig
 from modallab.schema.units import is_voltage, si_factor
 from modallab.spectra.align import aligned, lags_s
 from modallab.spectra.border import check_rows
+from modallab.spectra.chain_correction import uncoupled
 
 
 def to_signals(block: Block, rig: Rig) -> Signals:
@@ -35,7 +36,7 @@ def to_signals(block: Block, rig: Rig) -> Signals:
         )
     factors = [_factor(c, u, s, block, rig) for c, u, s in zip(rig.channels, block.units, block.scale, strict=True)]
     values: NDArray[np.float64] = block.samples.astype(np.float64) * np.array(factors)[:, None]
-    values = aligned(values, block.rate_hz, lags_s(rig))
+    values = aligned(uncoupled(values, block.rate_hz, rig, block.frequency_hz), block.rate_hz, lags_s(rig))
     force = rig.force_channel.index
     return Signals(
         force=values[force],

@@ -1,0 +1,137 @@
+"""AC coupling as a property of the rig: where channels differ in it, it is undone, and the model is as without."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from modal_bench import Modes, block, impact_blocks, modes
+from modal_bench import rig as rig_of
+
+from modallab.identification.impact import identify_impact
+from modallab.identification.options import Options
+from modallab.identification.sine import identify_sine
+from modallab.schema.block import Block
+from modallab.schema.model import ModalModel
+from modallab.schema.rig import Rig
+from modallab.spectra.chain_correction import uncoupled
+from modallab.spectra.scale import to_signals_of
+
+CORNER_HZ = 0.5
+POINTS = 5
+
+
+def high_pass(rows: np.ndarray, rate_hz: float, corner_hz: float) -> np.ndarray:
+    """The coupling of band-limited rows that begin at rest, in the frequency domain, so long that nothing wraps."""
+    n = rows.shape[-1]
+    padded = 32 * n
+    s = 2j * np.pi * np.fft.rfftfreq(padded, 1 / rate_hz)
+    spectrum = np.fft.rfft(rows, padded) * s / (s + 2 * np.pi * corner_hz)
+    return np.fft.irfft(spectrum, padded)[..., :n]
+
+
+def coupled_rig(force: float, responses: float) -> Rig:
+    plain = rig_of(POINTS)
+    corners = [force] + [responses] * POINTS
+    channels = tuple(
+        c.model_copy(update={"ac_corner_hz": corner}) for c, corner in zip(plain.channels, corners, strict=True)
+    )
+    return plain.model_copy(update={"channels": channels})
+
+
+def coupled(dc: Block, offset: float = 0.0) -> Block:
+    """The block as it would be read with AC-coupled responses and a converter that is off by a little."""
+    samples = np.array(dc.samples, dtype=float)
+    samples[1:] = high_pass(samples[1:], dc.rate_hz, CORNER_HZ) + offset
+    return replace(dc, samples=samples)
+
+
+@pytest.mark.parametrize("hz", [2.0, 4.8828125, 20.0, 105.0])
+def test_the_phase_of_a_sine_is_given_back(hz: float) -> None:
+    rate, rig = 1000.0, coupled_rig(0.0, CORNER_HZ)
+    t = np.arange(1024) / rate
+    true = np.exp(2j * np.pi * hz * t)
+    turn = 1j * hz / (1j * hz + CORNER_HZ)
+    read = np.stack([true.real] + [(turn * true).real + 0.2] * POINTS)
+    # 5.9 degrees at 4.8 Hz, as a 0.5 Hz corner makes.
+    assert np.degrees(np.angle(1j * 4.8 / (1j * 4.8 + 0.5))) == pytest.approx(5.9, abs=0.05)
+    found = uncoupled(read, rate, rig, hz)[1:]
+    basis = np.column_stack([true.real, -true.imag, np.ones_like(t)])
+    amplitude = np.linalg.lstsq(basis, found.T, rcond=None)[0]
+    np.testing.assert_allclose(amplitude[0] + 1j * amplitude[1], 1.0, atol=1e-5)
+
+
+def test_channels_that_are_coupled_alike_are_left_as_they_are() -> None:
+    values = np.random.default_rng(1).standard_normal((POINTS + 1, 300))
+    assert uncoupled(values, 1000.0, coupled_rig(0.5, 0.5), 20.0) is values
+    assert uncoupled(values, 1000.0, coupled_rig(0.0, 0.0)) is values
+
+
+def test_a_transient_comes_back_as_it_was_but_for_a_constant() -> None:
+    rng = np.random.default_rng(2)
+    (dc,) = impact_blocks(modes(rng), rng, hits=1, noise=0.0, force_noise=1e-3)
+    read = coupled(dc, offset=0.05)
+    found = uncoupled(np.array(read.samples), dc.rate_hz, coupled_rig(0.0, CORNER_HZ))
+    lost, left = (values[1:] - dc.samples[1:] for values in (read.samples, found))
+    lost, left = (np.abs(error - error.mean(axis=1, keepdims=True)).max() for error in (lost, left))
+    assert left < 0.03 * lost
+
+
+def apart(one: ModalModel, other: ModalModel) -> float:
+    """Largest difference of frequency, damping and constants, in the first one's sigmas."""
+    constants = np.abs(one.modal_constants - other.modal_constants) / one.modal_constant_sigma
+    return float(
+        max(
+            (np.abs(one.frequency_hz - other.frequency_hz) / one.frequency_sigma_hz).max(),
+            (np.abs(one.damping_ratio - other.damping_ratio) / one.damping_sigma).max(),
+            np.nanmax(constants),
+        )
+    )
+
+
+def test_the_impact_model_is_that_of_dc_coupled_channels() -> None:
+    rng = np.random.default_rng(4)
+    blocks = impact_blocks(modes(rng), rng, hits=3)
+    read = [coupled(block, offset=0.02) for block in blocks]
+
+    def model(of: list[Block], rig: Rig) -> ModalModel:
+        return identify_impact(to_signals_of(of, rig), rig, Options(band_hz=(3.0, 250.0)))[0]
+
+    clean = model(blocks, coupled_rig(0.0, 0.0))
+    assert apart(clean, model(read, coupled_rig(0.0, CORNER_HZ))) < 0.5
+    assert apart(clean, model(read, coupled_rig(0.0, 0.0))) > 3
+
+
+def settled_blocks(system: Modes, frequencies: np.ndarray, corner_hz: float) -> list[Block]:
+    """Sine blocks long after the start of their bursts, with what still decays of each mode, in closed form.
+
+    Every part is an exponential, which a coupling that has settled multiplies by s / (s + omega_c), and no more.
+    """
+    rng, rate, n = np.random.default_rng(6), 1000.0, 1024
+    t = np.arange(n) / rate
+    omega = 2 * np.pi * system.frequency_hz
+    poles = -system.zeta * omega + 1j * omega * np.sqrt(1 - system.zeta**2)
+    found = []
+    for hz in frequencies:
+        s = 2j * np.pi * hz
+        gains = system.phi[:, 2] * s**2 / (s**2 + 2 * system.zeta * omega * s + omega**2)
+        steady = 0.5 * gains @ system.phi
+        decays = 0.05 * np.abs(steady).max() * rng.standard_normal((len(poles), 1)) * system.phi
+        parts = [(s, steady), *zip(poles, decays, strict=True)]
+        turned = [(p, a * p / (p + 2 * np.pi * corner_hz)) for p, a in parts]
+        responses = sum(np.real(a[:, None] * np.exp(p * t)) for p, a in turned)
+        samples = np.vstack([0.5 * np.cos(2 * np.pi * hz * t), responses])
+        samples += rng.standard_normal(samples.shape) * np.array([6e-4, *[3e-3] * POINTS])[:, None]
+        found.append(block(f"sine_{hz:07.3f}", "sine", len(found), rate, samples, 3, frequency_hz=float(hz)))
+    return found
+
+
+def test_the_sine_model_is_that_of_dc_coupled_channels() -> None:
+    system = modes(np.random.default_rng(5), n_modes=2)
+    frequencies = np.array([5, 6, 7, 8, 30, 56, 58, 60, 62, 64]) / 1.024
+
+    def model(corner_hz: float, believed_hz: float) -> ModalModel:
+        rig = coupled_rig(0.0, believed_hz)
+        return identify_sine(to_signals_of(settled_blocks(system, frequencies, corner_hz), rig), rig, Options())[0]
+
+    clean = model(0.0, 0.0)
+    assert apart(clean, model(CORNER_HZ, CORNER_HZ)) < 0.5
