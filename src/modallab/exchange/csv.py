@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.errors import DataError
+from modallab.exchange.block_facts import facts_or_options, read_facts
 from modallab.exchange.csv_table import Table, read_table
 from modallab.exchange.options import ImportOptions
 from modallab.exchange.unit_text import normal_unit
@@ -36,17 +37,21 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     rate = _rate(table, names, time, options, where)
     units = [table.units[places[c.name]] if table.units else "" for c in rig.channels]
     order = [places[channel.name] for channel in rig.channels]
+    facts = facts_or_options(read_facts(table.remark, where), path.stem, rate, options)
     samples = np.ascontiguousarray(table.values[:, order].T)
     block = Block(
-        name=path.stem,
-        test=options.test,
+        name=facts.name,
+        test=facts.test,
         order=0,
-        rate_hz=rate,
+        rate_hz=facts.rate_hz,
+        level=facts.level,
+        frequency_hz=facts.frequency_hz,
+        first_sample=facts.first_sample,
         samples=samples,
         scale=np.ones(len(order)),
         units=tuple(unit or options.unit(c) for unit, c in zip(units, rig.channels, strict=True)),
         channels=tuple(channel.name for channel in rig.channels),
-        drive_point=options.drive_point,
+        drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
     )
     note = f"{path.name}: the last line has no end; if the file was cut off there, its last number is wrong"
     return Campaign(rig, (block,), provenance={} if table.ended else {"notes": note}, source=where)

@@ -27,6 +27,7 @@ class Table:
         values: (rows, columns).
         resolution: half of the last digit of the first column.
         ended: whether the last line has its end.
+        remark: the comment lines, one after the other.
     """
 
     names: tuple[str, ...]
@@ -34,6 +35,7 @@ class Table:
     values: NDArray[np.float64]
     resolution: float
     ended: bool
+    remark: str = ""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ def read_table(path: Path) -> Table:
     where = str(path)
     text = _decode(path)
     lines = [_Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    remark = "".join(line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENT))
     lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENT)]
     delimiter = _delimiter(lines)
     if lines and lines[0].text.startswith("sep="):
@@ -64,7 +67,7 @@ def read_table(path: Path) -> Table:
     if not ended:
         _check_end(body, delimiter, where)
     values = _numbers(body, delimiter, names, where)
-    return Table(names, units, values, _resolution(body, delimiter), ended)
+    return Table(names, units, values, _resolution(body, delimiter), ended, remark)
 
 
 def _decode(path: Path) -> str:

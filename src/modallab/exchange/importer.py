@@ -11,7 +11,9 @@ from modallab.exchange.collect import Collected
 from modallab.exchange.csv import read_csv
 from modallab.exchange.npy import read_npy
 from modallab.exchange.options import ImportOptions
+from modallab.exchange.sep005 import read_sep005
 from modallab.exchange.sniff import Kind, sniff
+from modallab.exchange.tdms import read_tdms
 from modallab.exchange.uff import read_uff
 from modallab.schema.block import Block, Campaign
 from modallab.schema.check import identical_channels
@@ -21,6 +23,8 @@ _READERS: dict[Kind, Callable[[Path, Rig, ImportOptions], Campaign]] = {
     "uff": read_uff,
     "npy": read_npy,
     "csv": read_csv,
+    "tdms": read_tdms,
+    "sep005": read_sep005,
 }
 
 

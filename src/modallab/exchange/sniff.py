@@ -7,9 +7,10 @@ from modallab.errors import FormatError
 from modallab.exchange.campaign_hdf5 import CAMPAIGN_FILE
 from modallab.exchange.hdf5_access import is_hdf5
 from modallab.exchange.npy import MAGIC as NPY_MAGIC
+from modallab.exchange.tdms_types import TAG as TDMS_TAG
 from modallab.exchange.uff_functions import DELIMITER
 
-Kind = Literal["campaign", "uff", "npy", "csv"]
+Kind = Literal["campaign", "uff", "npy", "csv", "tdms", "sep005"]
 
 _HEAD_BYTES = 4096
 _CLAIMS = {
@@ -19,10 +20,12 @@ _CLAIMS = {
     ".uff": "universal file: it does not begin with a line '    -1'",
     ".unv": "universal file: it does not begin with a line '    -1'",
     ".bunv": "universal file: it does not begin with a line '    -1'",
+    ".tdms": "TDMS file",
+    ".json": "JSON list of time series",
     ".uf": "universal file: it does not begin with a line '    -1'",
 }
 _TEXTS = {".csv", ".txt", ".tsv", ".dat", ".asc"}
-_KINDS = "UFF 58 or 58b, NPY, CSV, or a campaign in HDF5"
+_KINDS = "UFF 58 or 58b, NPY, CSV, TDMS, SEP005 in JSON, or a campaign in HDF5"
 
 
 def sniff(path: Path) -> Kind:
@@ -55,6 +58,10 @@ def _of_content(head: bytes, path: Path) -> Kind:
         return "campaign"
     if head.startswith(NPY_MAGIC):
         return "npy"
+    if head.startswith(TDMS_TAG):
+        return "tdms"
+    if head.lstrip().startswith(b"[") and path.suffix.lower() == ".json":
+        return "sep005"
     if head.lstrip().splitlines()[0].strip() == DELIMITER:
         return "uff"
     ending = path.suffix.lower()

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from modallab.errors import DataError
+from modallab.exchange.block_facts import facts_or_options, read_facts
 from modallab.exchange.options import ImportOptions
 from modallab.exchange.uff_functions import Function, UniversalFile
 from modallab.exchange.uff_match import Match, known_point, match_channel, unit_of
@@ -47,11 +48,17 @@ def _block(
     _check_complete(group, rig, where)
     parts = [group[channel.name] for channel in rig.channels]
     functions = [function for function, _ in parts]
+    rate = _common_rate(functions, rig.channels, options, where)
+    # Our own files carry the facts of a block in the last two identification lines.
+    facts = facts_or_options(read_facts("".join(functions[0].names[3:5]), where), name, rate, options)
     return Block(
-        name=name,
-        test=options.test,
+        name=facts.name,
+        test=facts.test,
         order=order,
-        rate_hz=_common_rate(functions, rig.channels, options, where),
+        rate_hz=facts.rate_hz,
+        level=facts.level,
+        frequency_hz=facts.frequency_hz,
+        first_sample=facts.first_sample,
         samples=np.stack([np.asarray(f.values, dtype=np.float64) for f in functions]),
         scale=np.array([match.sign for _, match in parts], dtype=np.float64),
         units=tuple(
