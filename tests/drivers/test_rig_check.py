@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
+from modallab.acquisition.trip import TripLatch
 from modallab.backend.loader import find_devices, open_bench
 from modallab.cli import main
 from modallab.errors import ConfigurationError, DataError
@@ -134,6 +135,19 @@ def test_the_commands_say_what_they_found(rig: Rig, tmp_path: Path, capsys: pyte
     assert main([*command, "--method", "turnover", "--seconds", "0.5"]) == 2
     assert "nothing was seen" in capsys.readouterr().err
     assert read_rig(tmp_path / "rig.yaml").history == ()
+
+
+def test_a_tripped_rig_is_reset_by_a_command(rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    file = tmp_path / "rig.yaml"
+    write_rig(rig.model_copy(update={"bench": "nidaqmx://cDAQ1"}), file)
+    latch = TripLatch(tmp_path / "data", "nidaqmx://cDAQ1")
+    latch.trip("emergency stop", "by the operator")
+    command = ["rig", "reset", str(file), "--data", str(tmp_path / "data")]
+    assert main(command) == 0
+    assert "was tripped by emergency stop" in capsys.readouterr().out.replace("\n", " ")
+    assert not latch.tripped
+    assert main(command) == 0
+    assert "is not tripped" in capsys.readouterr().out
 
 
 def test_devices_of_a_server_are_listed_with_their_addresses(ni_server: NiServer, capsys: pytest.CaptureFixture[str]):

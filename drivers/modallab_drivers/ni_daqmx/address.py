@@ -1,12 +1,14 @@
 """Addresses of NI devices."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import parse_qsl, urlsplit
 
 from modallab.errors import ConfigurationError
 
-_KNOWN = ("tls", "virtual_time")
+_FILES = ("tls", "cert", "key")
+_KNOWN = (*_FILES, "virtual_time")
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +20,7 @@ class Address:
         device: name of the device or chassis.
         server: `host:port` of a gRPC device server; empty: this machine.
         certificate: of the authority that signed the server's certificate; None: no TLS.
+        own: our certificate and its key, for a server that wants to know who asks.
         virtual_time: whether the bench's time goes on only by reading, as with a simulated server that is not paced.
     """
 
@@ -25,11 +28,12 @@ class Address:
     device: str
     server: str = ""
     certificate: Path | None = None
+    own: tuple[Path, Path] | None = None
     virtual_time: bool = False
 
 
-def parse(url: str) -> Address:
-    """Read an address strictly.
+def parse(url: str, *, whole_system: bool = False) -> Address:
+    """Read an address strictly; that of a whole system needs to name no device.
 
     Raises:
         ConfigurationError: it names no device, no server where one is needed, or an unknown parameter.
@@ -38,15 +42,27 @@ def parse(url: str) -> Address:
     remote = parts.scheme == "nidaqmx+grpc"
     device = parts.path.strip("/") if remote else parts.netloc
     example = "nidaqmx+grpc://host:31763/cDAQ1" if remote else "nidaqmx://cDAQ1"
-    if not device or (remote and not parts.netloc) or (not remote and parts.path.strip("/")):
+    if not (device or whole_system) or (remote and not parts.netloc) or (not remote and parts.path.strip("/")):
         raise ConfigurationError(f"no device is named by {url!r}", remedy=f"write {example}")
     given = dict(parse_qsl(parts.query, keep_blank_values=True))
     unknown = sorted(set(given) - set(_KNOWN))
     if unknown or given.get("virtual_time", "0") not in ("0", "1"):
         raise ConfigurationError(
-            f"unknown parameter in {parts.query!r}", where=url, remedy="allowed: tls=ca.crt, virtual_time=1"
+            f"unknown parameter in {parts.query!r}",
+            where=url,
+            remedy="allowed: tls=ca.crt, cert=own.crt with key=own.key, virtual_time=1",
         )
-    certificate = Path(given["tls"]) if "tls" in given else None
-    if certificate is not None and not certificate.is_file():
-        raise ConfigurationError(f"there is no certificate at {certificate}", where=url, remedy="give its path")
-    return Address(url, device, parts.netloc if remote else "", certificate, given.get("virtual_time") == "1")
+    files = {name: Path(given[name]) for name in _FILES if name in given}
+    _require_files(files, url)
+    own = (files["cert"], files["key"]) if "cert" in files else None
+    return Address(url, device, parts.netloc if remote else "", files.get("tls"), own, given.get("virtual_time") == "1")
+
+
+def _require_files(files: Mapping[str, Path], url: str) -> None:
+    for name, path in files.items():
+        if not path.is_file():
+            raise ConfigurationError(f"{name}: there is no file {path}", where=url, remedy="give its path")
+    if ("cert" in files) != ("key" in files) or ("cert" in files and "tls" not in files):
+        raise ConfigurationError(
+            f"only {', '.join(files)} is given", where=url, remedy="give tls, cert and key together, or tls alone"
+        )

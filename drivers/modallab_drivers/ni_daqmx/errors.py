@@ -30,6 +30,7 @@ _BUSY = (
     "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
     " is given back by: modallab devices ADDRESS --release"
 )
+_LOG = "look at the server's log"
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
 
 TABLE: dict[int, tuple[type[BenchError], str]] = {
@@ -67,7 +68,7 @@ def typed(error: Exception, where: str) -> BenchError:
     if isinstance(error, nidaqmx.errors.RpcError):
         gone = error.rpc_code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)
         kind = DeviceGoneError if gone else BenchError
-        return kind(f"the device server: {error}", where=where, remedy=_GONE if gone else "look at the server's log")
+        return kind(f"the device server: {error}", where=where, remedy=_unreached(where) if gone else _LOG)
     if isinstance(error, nidaqmx.errors.DaqNotFoundError | nidaqmx.errors.DaqNotSupportedError):
         return DeviceGoneError(
             "NI-DAQmx is not installed on this machine",
@@ -75,6 +76,12 @@ def typed(error: Exception, where: str) -> BenchError:
             remedy="install NI-DAQmx, or reach the device's own machine by nidaqmx+grpc://host:port/device",
         )
     return BenchError(f"unexpected {type(error).__name__}: {error}", where=where, remedy="report this with the log")
+
+
+def _unreached(where: str) -> str:
+    if "tls=" in where:
+        return f"{_GONE}; or it is not the server whose certificate tls= vouches for, or wants cert= and key= of ours"
+    return f"{_GONE}; a server with TLS needs tls=ca.crt in the address"
 
 
 def of_code(code: int, text: str, where: str) -> BenchError:

@@ -12,7 +12,7 @@ from nidaqmx.system import Device, System
 
 from modallab.backend.protocol import Found
 from modallab.errors import ConfigurationError, DeviceBusyError
-from modallab_drivers.ni_daqmx.address import Address
+from modallab_drivers.ni_daqmx.address import Address, parse
 from modallab_drivers.ni_daqmx.errors import translated
 
 T = TypeVar("T")
@@ -149,12 +149,13 @@ def found_devices(url: str) -> list[Found]:
     """Every device of a system, with its address.
 
     Raises:
+        ConfigurationError: the address is not understood.
         DeviceGoneError: no driver, no server.
     """
-    scheme, _, rest = url.partition("://")
-    server = rest.partition("/")[0] if scheme == "nidaqmx+grpc" else ""
-    route = Route(Address(url, "", server))
-    base = f"{scheme}://{server}/" if server else "nidaqmx://"
+    address = parse(url, whole_system=True)
+    route = Route(address)
+    scheme, query = url.partition("://")[0], url.partition("?")[1] + url.partition("?")[2]
+    base = f"{scheme}://{address.server}/" if address.server else "nidaqmx://"
     try:
         with translated(url):
             names = list(route.system().devices.device_names)
@@ -162,13 +163,21 @@ def found_devices(url: str) -> list[Found]:
     finally:
         route.close()
     return [
-        Found(f"{base}{name}", f"{d.product}, serial {d.serial}, {len(d.inputs)} inputs, {len(d.outputs)} outputs")
+        Found(
+            f"{base}{name}{query}", f"{d.product}, serial {d.serial}, {len(d.inputs)} inputs, {len(d.outputs)} outputs"
+        )
         for name, d in found
     ]
+
+
+def _said(device: DeviceInfo) -> str:
+    counted = f"{len(device.inputs)} inputs, {len(device.outputs)} outputs"
+    return f"{device.product}, serial {device.serial}, {counted}"
 
 
 def _channel(address: Address) -> grpc.Channel:
     if address.certificate is None:
         return grpc.insecure_channel(address.server, options=_OPTIONS)
-    credentials = grpc.ssl_channel_credentials(address.certificate.read_bytes())
+    certificate, key = (None, None) if address.own is None else (path.read_bytes() for path in address.own)
+    credentials = grpc.ssl_channel_credentials(address.certificate.read_bytes(), key, certificate)
     return grpc.secure_channel(address.server, credentials, options=_OPTIONS)

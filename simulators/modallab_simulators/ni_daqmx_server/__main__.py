@@ -95,7 +95,10 @@ def _credentials(folder: Path | None) -> grpc.ServerCredentials | None:
     if folder is None:
         return None
     pair = ((folder / "server.key").read_bytes(), (folder / "server.crt").read_bytes())
-    return grpc.ssl_server_credentials([pair])
+    clients = folder / "clients.crt"
+    if not clients.exists():
+        return grpc.ssl_server_credentials([pair])
+    return grpc.ssl_server_credentials([pair], clients.read_bytes(), require_client_auth=True)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -108,7 +111,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--pace", action="store_true", help="run as the clock on the wall does")
     parser.add_argument("--cables", action="store_true", help="every input on the output by a cable, no beam")
     parser.add_argument("--generator", choices=sorted(SINE_DIALECTS), help="a serial generator on the same bench")
-    parser.add_argument("--tls", type=Path, help="folder with server.crt and server.key")
+    parser.add_argument("--tls", type=Path, help="folder with server.crt, server.key; clients.crt: who may ask")
     return parser
 
 

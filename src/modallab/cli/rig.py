@@ -1,4 +1,4 @@
-"""`modallab rig check` and `modallab rig calibrate`."""
+"""`modallab rig check`, `modallab rig calibrate` and `modallab rig reset`."""
 
 import argparse
 from datetime import date
@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from modallab.acquisition.trip import TripLatch
 from modallab.backend.loader import open_bench
 from modallab.backend.protocol import Bench, Delivery, Request
 from modallab.errors import PlanError, RigError
 from modallab.exchange.rig_file import read_rig, write_rig
 from modallab.schema.rig import Channel, Rig
 from modallab.tasks import calibrate
-from modallab.tasks.rig_check import Finding, check_at_rest, check_clock, check_polarity
+from modallab.tasks.rig_check import CLOCK_BURST_S, Finding, check_at_rest, check_clock, check_polarity
 
 RATE_HZ = 2000.0
 
@@ -25,11 +26,22 @@ def run(arguments: argparse.Namespace) -> int:
     url = arguments.bench or rig.bench
     if not url:
         raise RigError("names no bench", where=str(arguments.rig), remedy="give --bench ADDRESS, or a field bench")
+    if arguments.action == "reset":
+        return _reset(url, arguments)
     bench = open_bench(url, rig)
     try:
         return _check(bench, rig, arguments) if arguments.action == "check" else _calibrate(bench, rig, arguments)
     finally:
         bench.close()
+
+
+def _reset(url: str, arguments: argparse.Namespace) -> int:
+    trip = TripLatch(arguments.data, url).reset()
+    told = (
+        f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"
+    )
+    Console().print(f"{url}: {told}", markup=False, highlight=False)
+    return 0
 
 
 def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
@@ -43,6 +55,7 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
             raise PlanError(
                 f"--drive is {arguments.drive:g} V; allowed by limits.drive_v: {limit:g} V", remedy="drive less"
             )
+        console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows; it ends at 0 V by itself")
         findings += check_clock(bench, rig, arguments.drive)
     console.print(_table(findings))
     bad = sum(finding.verdict == "bad" for finding in findings)

@@ -24,6 +24,7 @@ NOISE_FACTOR = 5.0
 OFFSET_PART = 0.05
 TEDS_PART = 0.05
 CLOCK_PPM = 100.0
+CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
 TAP_N = 5.0
 TAP_PATIENCE_S = 60.0
 CONTACT_S = 0.01
@@ -87,7 +88,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     delivery = bench.configure(Request("sine", RATE_HZ))
     bench.start()
     try:
-        begin = bench.play(Burst(frequency_hz, volts, 0.5, 4.0))
+        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S))
         count = begin + round(1.0 * delivery.rate_hz)
         lead, _ = _take(bench, delivery, count)
         held, _ = _take(bench, delivery, round(3.0 * delivery.rate_hz))
