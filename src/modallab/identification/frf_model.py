@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.errors import IdentificationError
 from modallab.identification.basis import LineBlock
+from modallab.identification.choice import chosen, start_poles
 from modallab.identification.excitation import Grid, UnitExcitation
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
@@ -13,7 +14,6 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem, solve_at
-from modallab.identification.prune import is_mode
 from modallab.identification.search import search
 from modallab.identification.stabilisation import stable_poles
 from modallab.schema.check import check_frf
@@ -48,18 +48,20 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     n_inputs = used.values.shape[1]
     order = options.max_order or max(2, min(COLUMNS // n_inputs, used.frequency_hz.size // 2 - 1))
-    poles = np.array([p.pole for p in stable_poles(plscf(used, order))])
+    orders = plscf(used, order)
+    stable = np.array([p.pole for p in stable_poles(orders)], dtype=np.complex128)
+    poles = start_poles(stable, orders, options)
     if poles.size == 0:
         raise IdentificationError(
             f"no stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {order}",
             remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
         )
     fit = _refined(used, poles)
-    keep = is_mode(fit, band)
+    keep = chosen(fit, band, options, first=True)
     if np.any(keep) and not np.all(keep):
         at = fit.point.parameters
         fit = _refined(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
-        keep = is_mode(fit, band)
+        keep = chosen(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz", remedy="widen the band"

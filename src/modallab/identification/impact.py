@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from modallab.errors import IdentificationError
 from modallab.identification.basis import LineBlock
 from modallab.identification.beyond import StartPoles, with_stand_ins
+from modallab.identification.choice import chosen, start_poles
+from modallab.identification.confidence import MODEL_ERROR_FROM, least_strength, strength
 from modallab.identification.excitation import BlowExcitation, Grid
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
@@ -17,7 +19,6 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
-from modallab.identification.prune import is_mode
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import stable_poles
 from modallab.schema.block import Signals
@@ -46,7 +47,6 @@ MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
 SILENCE_NEEDED = 1000
 """Samples before the blows, over all outputs and blocks, that tell the noise to some 2 %."""
-MODEL_ERROR_FROM = 1.1
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 
@@ -68,13 +68,14 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     check_test(signals)
     groups = group_by_point(signals)
     band = options.band_hz or default_band(groups)
-    poles = _start_poles(groups, rig, band, options.max_order)
+    poles = _start_poles(groups, rig, band, options)
     unknown, notes = line_blocks(groups, rig, band)
     fit = _refined(unknown, poles, groups, band, FIRST_LOOK)
-    keep = is_mode(fit, band)
+    keep = chosen(fit, band, options, first=True)
     if np.any(keep) and (unknown.at_rest or not (np.sum(keep) == poles.size and fit.refined.settled)):
         fit = _again(unknown, fit, keep, band)
-        keep = is_mode(fit, band)
+        keep = chosen(fit, band, options, first=False)
+    fit, keep, ratio = _without_errors(unknown, fit, keep, signals, band, options)
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
@@ -85,7 +86,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
             *notes,
             "The search for the poles had not settled when it was ended; the uncertainties may be too small.",
         )
-    notes = (*notes, *_model_error_notes(model_error(fit, signals)))
+    notes = (*notes, *_model_error_notes(ratio))
     readings = half_power_readings(fit, groups, rig, band, keep)
     return model_of_fit(fit, keep, rig, "impact", band, readings, notes), fit
 
@@ -101,18 +102,20 @@ def default_band(groups: Groups) -> tuple[float, float]:
     return LOWEST_LINE * rate / n, min(ANTI_ALIAS_SHARE * rate, float(loud[-1]) * rate / n)
 
 
-def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], max_order: int | None) -> NDArray[np.complex128]:
+def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: Options) -> NDArray[np.complex128]:
     first = groups[0][0]
     shift = np.log(LEAK) / (first.force.size / first.rate_hz)
     frf = impact_frf(groups, rig, band, damping_shift=float(shift))
-    order = max_order or min(COLUMNS // len(groups), frf.frequency_hz.size // 2 - 1)
-    found = stable_poles(plscf(frf, order))
-    if not found:
+    order = options.max_order or min(COLUMNS // len(groups), frf.frequency_hz.size // 2 - 1)
+    orders = plscf(frf, order)
+    stable = np.array([p.pole for p in stable_poles(orders)], dtype=np.complex128)
+    found = start_poles(stable, orders, options)
+    if not found.size:
         raise IdentificationError(
             f"no stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {order}",
             remedy="widen the band or look at the FRFs: is there a resonance in them at all?",
         )
-    return np.array([p.pole for p in found])
+    return found
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -255,6 +258,27 @@ def _again(unknown: Blows, fit: Fit, keep: NDArray[np.bool_], band: tuple[float,
     else:
         sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
     return _searched(unknown, begin, sigma, at.force, fit.input_points, MAX_ITERATIONS)
+
+
+def _without_errors(
+    unknown: Blows,
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    signals: Sequence[Signals],
+    band: tuple[float, float],
+    options: Options,
+) -> tuple[Fit, NDArray[np.bool_], float]:
+    """The fit without poles that may stand for what is wrong with the model, what is kept, and the misfit's ratio.
+
+    Where the operator has picked or dropped modes, nothing more is taken away.
+    """
+    ratio = model_error(fit, signals)
+    doubtful = keep & (strength(fit) < least_strength(fit, ratio))
+    by_hand = bool(options.pick_hz or options.drop_hz)
+    if by_hand or not np.any(doubtful) or np.array_equal(doubtful, keep):
+        return fit, keep, ratio
+    fit = _again(unknown, fit, keep & ~doubtful, band)
+    return fit, chosen(fit, band, options, first=False), model_error(fit, signals)
 
 
 def _searched(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from modallab.errors import DataError, IdentificationError
 from modallab.identification.basis import LineBlock, poles_of
 from modallab.identification.beyond import with_stand_ins
+from modallab.identification.choice import chosen, start_poles
 from modallab.identification.excitation import Grid, tone
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
@@ -21,7 +22,6 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
-from modallab.identification.prune import is_mode
 from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import Tolerance, stable_poles
@@ -77,14 +77,14 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     band = options.band_hz or default_band(tones)
     used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
     frf = stepped_frf([t.signals for t in used], [t.fit for t in used], rig)
-    start = _start_poles(frf, options.max_order, band)
+    start = _start_poles(frf, options, band)
     fit = _refined(used, rig, start, band, FIRST_LOOK)
-    keep = is_mode(fit, band)
+    keep = chosen(fit, band, options, first=True)
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
     if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
         at = fit.point.parameters
         fit = _refined(used, rig, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep], band)
-        keep = is_mode(fit, band)
+        keep = chosen(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
@@ -118,11 +118,12 @@ def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
     return min(driven) / BAND_MARGIN, max(driven) * BAND_MARGIN
 
 
-def _start_poles(frf: Frf, max_order: int | None, band: tuple[float, float]) -> NDArray[np.complex128]:
-    order = max_order or max(2, frf.frequency_hz.size // 2 - 1)
-    found = [p.pole for p in stable_poles(plscf(frf, order), START)]
+def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArray[np.complex128]:
+    order = options.max_order or max(2, frf.frequency_hz.size // 2 - 1)
+    orders = plscf(frf, order)
+    found = [p.pole for p in stable_poles(orders, START)]
     inside = np.array([p for p in found if band[0] < abs(p) / (2 * np.pi) < band[1]], dtype=np.complex128)
-    start = with_missing(frf, inside, band)
+    start = start_poles(with_missing(frf, inside, band), orders, options)
     if start.size == 0:
         raise IdentificationError(
             f"no stable pole among {frf.frequency_hz.size} drive frequencies from {band[0]:.4g} to {band[1]:.4g} Hz",
