@@ -36,7 +36,13 @@ ODD_HZ = 1651.6129032258063
 
 def visit() -> Campaign:
     """Two blows in counts, one with an odd rate in real numbers, and a sine block."""
-    sine = {"test": "sine", "level": "low", "frequency_hz": 105.46875, "drive_point": 2, "order": 3}
+    sine = {
+        "test": "sine",
+        "level": "low  – drive",
+        "frequency_hz": 105.46875,
+        "drive_point": 2,
+        "order": 3,
+    }
     real = {"scale": np.ones(4), "units": ("N", "m/s^2", "m/s^2", "m/s^2"), "rate_hz": ODD_HZ, "order": 2}
     return campaign(
         RIG,

@@ -4,6 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.data_commands import add_data_commands
+
 
 class _Commands(Protocol):
     # argparse gives its own class for this no public name.
@@ -23,7 +25,9 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_gap(commands)
     _add_rig(commands)
     _add_devices(commands)
+    _add_campaign(commands)
     _add_serve(commands)
+    add_data_commands(commands)
     return parser
 
 
@@ -104,6 +108,10 @@ def _add_rig(commands: _Commands) -> None:
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
         command.add_argument("--seconds", type=float, default=3.0, help="how long to look")
+    reset = actions.add_parser("reset", help="let a tripped rig be armed again, after somebody has looked at the bench")
+    reset.add_argument("rig", type=Path, metavar="RIG.yaml")
+    reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
     rig.set_defaults(module="rig")
 
 
@@ -128,4 +136,20 @@ def _add_serve(commands: _Commands) -> None:
     command.add_argument("--token-file", type=Path, metavar="FILE", help="where the token is kept")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (default: own workers)")
     command.add_argument("--workers", type=int, metavar="N", help="processes that compute jobs on this machine")
+    command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="compute no jobs here")
     command.set_defaults(module="serve")
+
+
+def _add_campaign(commands: _Commands) -> None:
+    campaign = commands.add_parser("campaign", help="run tests on a bench")
+    actions = campaign.add_subparsers(metavar="ACTION", required=True, dest="action")
+    command = actions.add_parser("run", help="run the tests of a plan, identify, and show the model")
+    command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
+    command.add_argument("--plan", type=Path, required=True, metavar="PLAN.yaml", help="one test, or a list of them")
+    command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")
+    command.add_argument("--name", help="of the campaign (default: that of the rig)")
+    command.add_argument("--operator", metavar="NAME", help="who runs it (default: who is logged in)")
+    command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
+    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    campaign.set_defaults(module="campaign")

@@ -50,7 +50,9 @@ def _block(
     functions = [function for function, _ in parts]
     rate = _common_rate(functions, rig.channels, options, where)
     # Our own files carry the facts of a block in the last two identification lines.
-    facts = facts_or_options(read_facts("".join(functions[0].names[3:5]), where), name, rate, options)
+    facts = facts_or_options(
+        read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
+    )
     return Block(
         name=facts.name,
         test=facts.test,

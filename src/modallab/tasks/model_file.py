@@ -2,10 +2,13 @@
 
 import json
 from pathlib import Path
+from typing import Any, cast
 
 from modallab import __version__
+from modallab.errors import FormatError
 from modallab.exchange.atomic import replacing
 from modallab.schema.block import Campaign
+from modallab.schema.model import ModalModel
 from modallab.schema.versions import MODEL
 from modallab.tasks.identify import Identified, Result
 
@@ -19,6 +22,26 @@ def write_models(path: Path, campaign: Campaign, result: Result) -> None:
     document = model_document(campaign, result)
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def read_models(path: Path) -> tuple[ModalModel, ...]:
+    """The models of such a file.
+
+    Raises:
+        FormatError: it cannot be read, or holds no models.
+    """
+    try:
+        content: Any = json.loads(path.read_text(encoding="utf-8"))
+        models = cast("list[dict[str, Any]]", content["models"])
+        return tuple(
+            ModalModel.model_validate({key: value for key, value in model.items() if key != "frac"}) for model in models
+        )
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror}", where=str(path), remedy="name a models file") from error
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise FormatError(
+            f"holds no models: {error}", where=str(path), remedy="write it with modallab identify --json"
+        ) from error
 
 
 def model_document(campaign: Campaign, result: Result) -> dict[str, object]:

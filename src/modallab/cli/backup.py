@@ -1,0 +1,62 @@
+"""`modallab backup`, `restore` and `retention`: a data folder is copied, made anew, or relieved of old samples."""
+
+import argparse
+from datetime import timedelta
+from pathlib import Path
+
+from rich.console import Console
+
+from modallab.errors import StorageError
+from modallab.jobs.table import METADATA as JOBS
+from modallab.storage import Store
+from modallab.storage.address import ADDRESS, DATABASE
+from modallab.storage.backup import Copied, back_up, restore
+from modallab.storage.retention import Rule, find_removable, remove
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the chosen one of the three."""
+    return {"backup": _backup, "restore": _restore, "retention": _retention}[arguments.action](arguments)
+
+
+def _backup(arguments: argparse.Namespace) -> int:
+    _require_data(arguments.data)
+    with Store(arguments.data) as store:
+        _tell(back_up(store, arguments.out, [JOBS]), arguments.out)
+    return 0
+
+
+def _restore(arguments: argparse.Namespace) -> int:
+    _tell(restore(arguments.backup, arguments.out, arguments.database, [JOBS]), arguments.out)
+    return 0
+
+
+def _retention(arguments: argparse.Namespace) -> int:
+    _require_data(arguments.data)
+    days = arguments.older_than
+    states = tuple(arguments.state or ("failed", "aborted"))
+    rule = Rule(timedelta(days=days), states, arguments.valid)
+    console = Console()
+    with Store(arguments.data) as store:
+        found = find_removable(store, rule)
+        for item in found:
+            data = "valid" if item.run.valid else "invalid"
+            line = f"{item.run.id}  {item.run.state}, {data}, {item.size / 1e6:.1f} MB"
+            console.print(line, markup=False, highlight=False, soft_wrap=True)
+        total = sum(item.size for item in found)
+        if arguments.delete:
+            remove(store, found, f"retention: {', '.join(states)}, older than {days:g} days")
+    done = "deleted" if arguments.delete else "would be deleted, with --delete"
+    console.print(f"{len(found)} runs, {total / 1e6:.1f} MB: {done}", markup=False, highlight=False)
+    return 0
+
+
+def _require_data(folder: Path) -> None:
+    # A store makes the folder it is given; a command that was told a wrong one must not.
+    if not ((folder / DATABASE).is_file() or (folder / ADDRESS).is_file()):
+        raise StorageError("is no data folder", where=str(folder), remedy=f"name a folder with {DATABASE} or {ADDRESS}")
+
+
+def _tell(copied: Copied, out: Path) -> None:
+    line = f"{copied.runs} runs, {copied.blocks} blocks, {copied.sample_bytes / 1e6:.1f} MB of samples: {out}"
+    Console().print(line, markup=False, highlight=False, soft_wrap=True)

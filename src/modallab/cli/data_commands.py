@@ -1,0 +1,53 @@
+"""The commands that move and keep data: export, backup, restore, retention."""
+
+from pathlib import Path
+from typing import Any, Protocol
+
+
+class _Commands(Protocol):
+    def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
+
+
+def add_data_commands(commands: _Commands) -> None:
+    """Add them to the parser; nothing they need is imported."""
+    _add_export(commands)
+    _add_backup(commands)
+    _add_restore(commands)
+    _add_retention(commands)
+
+
+def _add_export(commands: _Commands) -> None:
+    command = commands.add_parser("export", help="write a campaign in a format of others")
+    command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
+    command.add_argument("--format", required=True, choices=("hdf5", "uff", "csv", "sep005", "tdms"))
+    command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
+    command.add_argument("--run", action="append", default=[], metavar="RUN", help="of a data folder; may be repeated")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
+    command.add_argument("--frf", action="store_true", help="add the measured FRFs of the impact test")
+    command.add_argument("--models", type=Path, metavar="MODELS.json", help="add the modes that identify wrote")
+    command.set_defaults(module="export")
+
+
+def _add_backup(commands: _Commands) -> None:
+    command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
+    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
+    command.set_defaults(module="backup", action="backup")
+
+
+def _add_restore(commands: _Commands) -> None:
+    command = commands.add_parser("restore", help="make a data folder of a backup")
+    command.add_argument("backup", type=Path, metavar="BACKUP")
+    command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
+    command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
+    command.set_defaults(module="backup", action="restore")
+
+
+def _add_retention(commands: _Commands) -> None:
+    command = commands.add_parser("retention", help="list samples that may go, and delete them if told so")
+    command.add_argument("data", type=Path, metavar="DATA")
+    command.add_argument("--older-than", type=float, default=0.0, metavar="DAYS", help="since the run's end")
+    command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
+    command.add_argument("--valid", action="store_true", help="runs with valid data too")
+    command.add_argument("--delete", action="store_true", help="delete them; without it they are only listed")
+    command.set_defaults(module="backup", action="retention")
