@@ -13,7 +13,7 @@ from modallab.identification.options import Options
 from modallab.spectra.scale import to_signals_of
 
 
-def recorded(seed=4, hits=2):
+def recorded(seed=4, hits=3):
     rng = np.random.default_rng(seed)
     system, rig = bench.modes(rng), bench.rig(5)
     return system, rig, to_signals_of(bench.impact_blocks(system, rng, points=(5,), hits=hits), rig)
