@@ -22,8 +22,10 @@ class Settings(BaseSettings):
         hosts: names the service is known by, besides its own address.
         body_bytes: largest body of a request.
         scheduler: address of a Dask scheduler; none: workers of this machine.
+        jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
         workers: processes that compute jobs on this machine; none: one less than there are processors.
-        heartbeat_s: without a sign of life of the REST service for so long, what is driven is stopped.
+        heartbeat_s: when the REST process is gone for so long, what is driven is stopped.
+        silence_s: when it is there and gives no sign of life for so long, too.
         log_level: of the log on standard error.
     """
 
@@ -38,8 +40,10 @@ class Settings(BaseSettings):
     hosts: tuple[str, ...] = ()
     body_bytes: Annotated[int, Field(ge=1024)] = 1 << 20
     scheduler: str | None = None
+    jobs: bool = True
     workers: Annotated[int, Field(ge=1)] | None = None
-    heartbeat_s: Annotated[float, Field(ge=0.5, le=5)] = 1.0
+    heartbeat_s: Annotated[float, Field(ge=0.1, le=5)] = 1.0
+    silence_s: Annotated[float, Field(ge=1, le=60)] = 5.0
     log_level: str = "INFO"
 
     @property

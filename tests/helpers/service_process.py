@@ -20,12 +20,11 @@ COMMAND = Path(sys.executable).with_name("modallab")
 class ServiceProcess:
     """Starts `modallab serve` on free ports, and ends it."""
 
-    def __init__(
-        self, data: Path, *options: str, bench: str = "sim://cantilever?seed=1", env: Mapping[str, str] | None = None
-    ) -> None:
+    def __init__(self, data: Path, *options: str, bench: str = "", env: Mapping[str, str] | None = None) -> None:
         self.data = data
         self._log = data.with_suffix(".log").open("a+")
-        command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0", "--bench", bench]
+        command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
+        command += ["--bench", bench] if bench else []
         self.process = subprocess.Popen(
             [*command, *options],
             stdout=subprocess.PIPE,

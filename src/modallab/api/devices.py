@@ -1,15 +1,22 @@
-"""Devices that are there, with the address to open each by."""
+"""What is there: devices, with the address to open each by, and the service's own processes."""
 
 from typing import Annotated
 
 from fastapi import Query
 
+from modallab.api.context import ServiceOf
 from modallab.api.router import make_router
 from modallab.backend.loader import find_devices
 from modallab.schema.service.pages import Page
 from modallab.schema.service.rigs import DeviceView
 
 router = make_router("devices")
+
+
+@router.get("/processes")
+def list_processes(service: ServiceOf) -> dict[str, int]:
+    """The processes of the service that live, by name, each with the system's number for it."""
+    return service.control.processes()
 
 
 @router.get("/devices")

@@ -28,13 +28,21 @@ STREAM = "text/event-stream"
     responses={200: {"content": {STREAM: {"schema": {"type": "string"}}}}},
 )
 async def follow_events(
-    request: Request, after: After = None, last: LastEventId = None, rig: Name = "", campaign: Name = "", run: Name = ""
+    request: Request,
+    after: After = None,
+    last: LastEventId = None,
+    rig: Name = "",
+    campaign: Name = "",
+    run: Name = "",
+    to_end: Annotated[bool, Query(description="Close when a run has ended.")] = False,
 ) -> StreamingResponse:
     """Follow events as server-sent events, from now on or, by `Last-Event-ID`, from where you were."""
     if last is not None and not (last.isascii() and last.isdigit()):
         raise DataError(f"{last!r} is no event's number", where="Last-Event-ID", remedy="send the id of the last one")
     feed: Feed = request.app.state.feed
-    lines: AsyncGenerator[bytes] = feed.listen(int(last) if last is not None else after, Topic(rig, campaign, run))
+    lines: AsyncGenerator[bytes] = feed.listen(
+        int(last) if last is not None else after, Topic(rig, campaign, run), to_end=to_end
+    )
     return StreamingResponse(lines, media_type=STREAM, headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
 
 

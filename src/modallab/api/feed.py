@@ -10,8 +10,10 @@ from threading import Thread
 from modallab.campaign.event_log import EventLog, Topic
 from modallab.errors import ModallabError
 from modallab.schema.service.pages import EventView
+from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
+STILL_HERE = b": still here\n\n"
 LOOK_S = 0.05
 AT_ONCE = 500
 QUEUE = 2000
@@ -59,8 +61,11 @@ class Feed:
         for listener in self._listeners:
             _put(listener, None)
 
-    async def listen(self, after: int | None, topic: Topic) -> AsyncGenerator[bytes]:
-        """Events as SSE text, from the one after number `after`, or from now on; a comment now and then."""
+    async def listen(self, after: int | None, topic: Topic, *, to_end: bool = False) -> AsyncGenerator[bytes]:
+        """Events as SSE text, from the one after number `after`, or from now on; a comment now and then.
+
+        With `to_end` no more after the first event that says that a run has ended.
+        """
         listener = Listener()
         self._listeners.add(listener)
         try:
@@ -70,8 +75,12 @@ class Feed:
                 while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
                     yield b"".join(_text(event) for event in before)
                     last = before[-1].seq
-            async for text in _follow(listener, last, topic):
-                yield text
+                    if to_end and any(_ends(event) for event in before):
+                        return
+            async for line in _follow(listener, last, topic):
+                yield line.text if line is not None else STILL_HERE
+                if to_end and line is not None and _ends(line.event):
+                    return
         finally:
             self._listeners.discard(listener)
 
@@ -95,17 +104,21 @@ class Feed:
                 _put(listener, line)
 
 
-async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator[bytes]:
+def _ends(event: EventView) -> bool:
+    return event.kind == "state" and event.content["state"] in ENDED
+
+
+async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator[Line | None]:
     while True:
         try:
             line = await asyncio.wait_for(listener.queue.get(), 15.0)
         except TimeoutError:
-            yield b": still here\n\n"
+            yield None
             continue
         if line is None:
             return
         if line.event.seq > last and _is_of(line.event, topic):
-            yield line.text
+            yield line
 
 
 def _put(listener: Listener, line: Line | None) -> None:

@@ -59,6 +59,10 @@ class Control(Protocol):
         """How every rig stands."""
         ...
 
+    def processes(self) -> dict[str, int]:
+        """The processes of the service that live, by name, each with the system's number for it."""
+        ...
+
     def start(self, order: StartRun) -> str:
         """Begin a run; returns its name once it has one.
 

@@ -1,6 +1,7 @@
 """The desk of one rig: it owns the rig's process, begins runs, passes commands on, and writes down what happens."""
 
 import logging
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -73,12 +74,25 @@ class Desk:
         active = self._active
         return active is not None and active.plan.kind == "sine"
 
+    @property
+    def pid(self) -> int | None:
+        """The system's number of the rig's process."""
+        process = self._process
+        return None if process is None else process.process.pid
+
     def state(self) -> DeskState:
         """How the rig stands."""
         active = self._active
         run = active.run if active is not None else None
         bench = self.bench
         return DeskState(bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error)
+
+    def wait_until_settled(self, patience_s: float) -> DeskState:
+        """Wait until the bench is open or cannot be opened, and no run is on; how it stands then."""
+        end = time.monotonic() + patience_s
+        while self._state in ("starting", "running") and time.monotonic() < end:
+            time.sleep(LOOK_S)
+        return self.state()
 
     def start(self, order: StartRun, operator: str) -> str:
         """Begin a run and wait until it has a name.

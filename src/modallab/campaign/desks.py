@@ -18,10 +18,16 @@ class Desks:
     def __init__(self, desks: Sequence[Desk], leases: Leases) -> None:
         self._desks = {desk.bench.id: desk for desk in desks}
         self._leases = leases
+        self.others: Callable[[], dict[str, int]] = dict
 
     def states(self) -> tuple[DeskState, ...]:
         """How every rig stands."""
         return tuple(desk.state() for desk in self._desks.values())
+
+    def processes(self) -> dict[str, int]:
+        """As `Control`."""
+        rigs = {f"rig {rig}": desk.pid for rig, desk in self._desks.items() if desk.pid is not None}
+        return rigs | self.others()
 
     def start(self, order: StartRun) -> str:
         """Begin a run; returns its name. Raises as `Control`."""

@@ -55,3 +55,9 @@ class IdempotencyError(ServiceError):
     """The idempotency key was used for another request."""
 
     code = "idempotency-key"
+
+
+class RunEndedError(ServiceError):
+    """The run was stopped short: aborted, or failed. What it had acknowledged is kept."""
+
+    code = "run-ended"

@@ -13,7 +13,7 @@ from modallab.serve.supervisor import Supervisor
 from modallab.serve.token_file import require_token, token_path
 from modallab.settings import Settings
 
-OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers")
+OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers", "jobs")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -25,6 +25,8 @@ Document = TypeVar("Document", bound=BaseModel)
 ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
 AGAIN_S = 0.5
+TRIES = 5
+_BROKEN = (httpx.ConnectError, httpx.ReadError, httpx.WriteError, httpx.RemoteProtocolError)
 
 
 class Client:
@@ -56,6 +58,10 @@ class Client:
             time.sleep(0.1)
         return view
 
+    def processes(self) -> dict[str, int]:
+        """The processes of the service that live, by name."""
+        return self._send("GET", "/processes").json()
+
     def emergency_stop(self, rig: str, reason: str = "") -> RigView:
         """Bring the output of a rig to 0 V and latch it. Not a safety-rated stop."""
         return self._post(RigView, f"/rigs/{rig}/emergency-stop", StopReason(reason=reason))
@@ -72,6 +78,10 @@ class Client:
     def create_campaign(self, name: str, rig: str, note: str = "") -> CampaignView:
         """Make a campaign on a rig."""
         return self._post(CampaignView, "/campaigns", CampaignNew(name=name, rig=rig, note=note))
+
+    def campaigns(self) -> tuple[CampaignView, ...]:
+        """All campaigns, the newest first."""
+        return tuple(self._all(CampaignView, "/campaigns"))
 
     def campaign(self, campaign: str) -> CampaignView:
         """A campaign and the names of its runs."""
@@ -116,13 +126,18 @@ class Client:
 
     def follow(self, run: str, after: int = 0) -> Iterator[EventView]:
         """The events of a run as they come, to its end; a connection that breaks is taken up where it was."""
+        for event in self.follow_all(after, run):
+            yield event
+            if event.kind == "state" and event.content["state"] in ENDED:
+                return
+
+    def follow_all(self, after: int = 0, run: str = "") -> Iterator[EventView]:
+        """All events as they come, for ever; a connection that breaks is taken up where it was."""
         while True:
             try:
                 for event in self._stream(run, after):
                     after = event.seq
                     yield event
-                    if event.kind == "state" and event.content["state"] in ENDED:
-                        return
             except httpx.TransportError:
                 time.sleep(AGAIN_S)
 
@@ -210,4 +225,10 @@ class Client:
         content = None if body is None else body.model_dump_json()
         if content is not None:
             headers["Content-Type"] = "application/json"
+        for _ in range(TRIES - 1):
+            try:
+                return require_good(self._http.request(method, path, content=content, headers=headers, params=query))
+            except _BROKEN:
+                # Sent again it is not done again: it changes nothing, or says the same, or carries its key.
+                time.sleep(AGAIN_S)
         return require_good(self._http.request(method, path, content=content, headers=headers, params=query))

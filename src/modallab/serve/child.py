@@ -36,6 +36,12 @@ class Child:
         self.process: BaseProcess | None = None
         self._connection: Connection | None = None
 
+    @property
+    def pid(self) -> int | None:
+        """The system's number of it; None while it is not there."""
+        process = self.process
+        return process.pid if process is not None and process.is_alive() else None
+
     def look(self) -> None:
         """Start it, if it is not there and its time has come."""
         if self.process is not None and self.process.is_alive():

@@ -4,7 +4,6 @@ import logging
 import os
 import secrets
 import socket
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -93,6 +92,7 @@ class Supervisor:
         self._counter: Counter | None = None
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,))
+        self.desks.others = self._processes
         self._api.look()
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
@@ -125,12 +125,16 @@ class Supervisor:
     def _api_started(self, connection: Connection) -> None:
         self._counter = Counter(connection, self.desks)
 
+    def _processes(self) -> dict[str, int]:
+        known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
+        return {name: pid for name, pid in known.items() if pid is not None}
+
     def _keep(self) -> None:
         """Housekeeping, which may wait for a disk."""
         while not self._closing.wait(LOOK_S):
             try:
                 self._api.look()
-                if self._counter is not None and self._counter.began:
+                if self._settings.jobs and self._counter is not None and self._counter.began:
                     # Its imports take seconds of processor time, and the REST service comes first.
                     self._jobs.look()
                 self._diary.log.flush()
@@ -144,20 +148,19 @@ class Supervisor:
         tripped = False
         while not self._closing.wait(BEAT_LOOK_S):
             counter = self._counter
-            silent_s = 0.0 if counter is None or not counter.began else time.monotonic() - counter.heard_s
-            if silent_s <= self._settings.heartbeat_s:
-                tripped = False
-            elif not tripped:
-                tripped = True
-                self._trip(silent_s)
+            settings = self._settings
+            trouble = "" if counter is None else counter.trouble(settings.heartbeat_s, settings.silence_s)
+            if trouble and not tripped:
+                self._trip(trouble)
+            tripped = bool(trouble)
 
-    def _trip(self, silent_s: float) -> None:
+    def _trip(self, trouble: str) -> None:
         try:
-            stopped = self.desks.trip_driving(f"no sign of life of the REST service for {silent_s:.1f} s")
+            stopped = self.desks.trip_driving(trouble)
         except ModallabError:
-            LOG.exception("heartbeat")
+            LOG.exception("heartbeat: %s", trouble)
         else:
-            LOG.warning("the REST service is silent; stopped: %s", ", ".join(stopped) or "nothing was driven")
+            LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
 
 
 def _bound(host: str, port: int) -> socket.socket:

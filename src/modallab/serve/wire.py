@@ -18,7 +18,7 @@ from modallab.schema.service.runs import Command
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
-CALLS = frozenset({"states", "start", "command", "emergency_stop", "reset"})
+CALLS = frozenset({"states", "processes", "start", "command", "emergency_stop", "reset"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +61,10 @@ class RemoteControl:
     def states(self) -> tuple[DeskState, ...]:
         """As `Control`."""
         return self._call("states")
+
+    def processes(self) -> dict[str, int]:
+        """As `Control`."""
+        return self._call("processes")
 
     def start(self, order: StartRun) -> str:
         """As `Control`."""
@@ -133,6 +137,7 @@ class Counter:
         self._sending = Lock()
         self.heard_s = time.monotonic()
         self.began = False
+        self._gone_s: float | None = None
         self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="call")
         Thread(target=self._hear, name="calls", daemon=True).start()
 
@@ -145,7 +150,20 @@ class Counter:
                 if isinstance(message, Call):
                     self._pool.submit(self._do, message)
         except (EOFError, OSError):
+            self._gone_s = time.monotonic()
             self._pool.shutdown(wait=False)
+
+    def trouble(self, gone_s: float, silent_s: float) -> str:
+        """What is wrong with the REST process, if it is gone or silent for longer than that; else "".
+
+        A machine under load was seen to keep a living process silent for two seconds: silence alone needs more time.
+        """
+        now = time.monotonic()
+        if self._gone_s is not None and now - self._gone_s > gone_s:
+            return f"the REST process has been gone for {now - self._gone_s:.1f} s"
+        if self.began and self._gone_s is None and now - self.heard_s > silent_s:
+            return f"no sign of life of the REST process for {now - self.heard_s:.1f} s"
+        return ""
 
     def _do(self, call: Call) -> None:
         try:

@@ -1,0 +1,100 @@
+"""`modallab campaign run`: a visit to the bench from the terminal, by the same code as the service."""
+
+import argparse
+import getpass
+import signal
+from pathlib import Path
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from modallab.campaign.local import LocalCampaign
+from modallab.cli.gap import read_plans
+from modallab.cli.identify import print_remarks
+from modallab.errors import RigError
+from modallab.exchange.campaign_hdf5 import write_campaign
+from modallab.exchange.rig_file import read_rig
+from modallab.figures.report import write_report
+from modallab.figures.table import modal_table
+from modallab.identification.options import Options
+from modallab.schema.block import Campaign
+from modallab.schema.plan import Plan
+from modallab.schema.rig import Rig
+from modallab.schema.service.pages import EventView
+from modallab.storage import Store, campaign_of
+from modallab.storage.campaigns import refused_blocks
+from modallab.tasks.identify import identify_campaign
+from modallab.tasks.report import report_content, truth_of
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the plans in turn, identify, and show the model."""
+    rig = read_rig(arguments.rig)
+    url = arguments.bench or rig.bench
+    if not url:
+        raise RigError("names no bench", where=str(arguments.rig), remedy="give --bench ADDRESS, or a field bench")
+    # Told to end, it leaves the bench as Ctrl-C does: at rest.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    console = Console()
+    runs = _record(console, rig, url, read_plans(arguments.plan), arguments)
+    with Store(arguments.data) as store:
+        campaign = campaign_of(store, runs)
+        if arguments.out is not None:
+            write_campaign(campaign, arguments.out)
+        _identify(console, store, campaign, runs, arguments.report)
+    return 0
+
+
+def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: argparse.Namespace) -> tuple[str, ...]:
+    operator = arguments.operator or getpass.getuser()
+    with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as visit:
+        console.print(f"campaign {visit.campaign.id} on {url}", markup=False, highlight=False)
+        with Display(console) as display:
+            return tuple(visit.run(plan, display.tell) for plan in plans)
+
+
+def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:
+    result = identify_campaign(campaign, Options())
+    console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
+    print_remarks(console, result)
+    if report is not None:
+        refused = [pair for name in runs for pair in refused_blocks(store, name)]
+        write_report(report, report_content(campaign, result, f"Modal test of {campaign.rig.name}", refused))
+
+
+class Display:
+    """Progress bars, one a run, and what the operator should know."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._bars = Progress(
+            TextColumn("{task.description:<28}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=console,
+        )
+        self._tasks: dict[str, TaskID] = {}
+
+    def tell(self, event: EventView) -> None:
+        """Show an event."""
+        said = event.content
+        if event.kind == "progress":
+            if event.run not in self._tasks:
+                self._tasks[event.run] = self._bars.add_task(said["what"], total=said["total"])
+            self._bars.update(self._tasks[event.run], completed=said["done"], description=said["what"])
+        elif event.kind == "hit_refused":
+            self._say(f"  hit at point {said['point']} refused: {said['reason']}")
+        elif event.kind in ("notice", "failed"):
+            self._say(f"  {said['what']}")
+
+    def _say(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False)
+
+    def __enter__(self) -> Self:
+        self._bars.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bars.stop()
