@@ -110,7 +110,6 @@ def test_flat_tops_are_seen_with_their_level(make: Make) -> None:
     assert found.where.channels == ["a08"]
 
 
-@pytest.mark.xfail(strict=True, reason="a known defect: blows alone raise a false alarm on this healthy campaign")
 def test_blows_alone_raise_no_alarm(make: Make) -> None:
     assert diagnose(make(tests=("impact",))).verdict == "no_gap"
 

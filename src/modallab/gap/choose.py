@@ -60,7 +60,7 @@ def choose(bench: Bench, levels: list[Level]) -> Choice:
 def prune(bench: Bench, fit: Fit) -> Fit:
     """Drop every effect whose absence changes little."""
     at = 0
-    while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates) - 1:
+    while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates):
         without = _without(fit, at)
         if excess(fit) > HOLDS * excess(without):
             fit = without

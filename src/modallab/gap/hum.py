@@ -34,14 +34,14 @@ def find_hum(blocks: Sequence[Block], noise_v: Array) -> Hum | None:
     """Hum that stands in most records, clear of noise; None if there is none."""
     best: Hum | None = None
     for hz in MAINS_HZ:
-        fits = [_amplitudes(b, hz) for b in blocks if b.test == "sine" and _clear(b, hz)]
-        if len(fits) < 4:
-            fits = [_amplitudes(b, hz) for b in blocks if b.test == "impact"]
-        if len(fits) < 3:
+        heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
+        if len(heard) < 4:
+            heard = [b for b in blocks if b.test == "impact"]
+        if len(heard) < 3:
             continue
-        size = np.abs(np.array(fits))
+        size = np.abs(np.array([_amplitudes(b, hz) for b in heard]))
         volts = np.median(size, axis=0)
-        n = blocks[-1].n_samples
+        n = int(np.median([_heard_samples(b) for b in heard]))
         z = volts / (noise_v * np.sqrt(2 / n))
         # Steady: a response to the drive would change from record to record; hum does not.
         steady = np.median(np.abs(size - volts), axis=0) < 0.2 * volts + 3 * noise_v * np.sqrt(2 / n)
@@ -71,9 +71,7 @@ def _clear(block: Block, hz: float) -> bool:
 def _amplitudes(block: Block, hz: float) -> Complex:
     """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
     volts = block.samples * block.scale[:, None]
-    before = _before(block)
-    if block.test == "impact" and before > 60:
-        volts = volts[:, :before]
+    volts = volts[:, : _heard_samples(block)]
     t = np.arange(volts.shape[1]) / block.rate_hz
     columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
     if block.test == "sine" and block.frequency_hz:
@@ -85,8 +83,10 @@ def _amplitudes(block: Block, hz: float) -> Complex:
     return a[0] + 1j * a[1]
 
 
-def _before(block: Block) -> int:
-    return int(np.argmax(np.abs(block.samples[0]))) - 30
+def _heard_samples(block: Block) -> int:
+    """Samples from which the hum is told: of a blow those before it, where they suffice."""
+    before = int(np.argmax(np.abs(block.samples[0]))) - 30
+    return before if block.test == "impact" and before > 60 else block.n_samples
 
 
 def _phase_before(block: Block, hum: Hum) -> float:

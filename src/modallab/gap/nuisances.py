@@ -13,6 +13,8 @@ from modallab.twin.structure import MODES, Structure
 Array = NDArray[np.float64]
 
 
+FREE = 3.0
+"""Deviations of a tolerance up to which they are free."""
 BEYOND = 4.5
 """Deviations of a tolerance beyond which Young's modulus, thickness and density never go."""
 
@@ -44,7 +46,7 @@ class Nuisances:
         assert beam is not None
         nominal = Structure.of(beam, damping.guess)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
-        u = np.concatenate([np.clip(u[:3], -BEYOND, BEYOND), u[3:]])
+        u = np.concatenate([_held(u[:3]), u[3:]])
         zeta = nominal.zeta.copy()
         zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
         structure = replace(
@@ -60,6 +62,12 @@ class Nuisances:
         factors = np.exp(u[3 + self.modes :] * self.tolerance)
         gain = dict(zip(self.gains, factors.tolist(), strict=True))
         return replace(twin, chain=replace(twin.chain, gain=gain))
+
+
+def _held(u: Array) -> Array:
+    """As it is up to `FREE` deviations, and ever slower towards `BEYOND`: a fit that strayed can find its way back."""
+    room = BEYOND - FREE
+    return np.where(np.abs(u) < FREE, u, np.sign(u) * (FREE + room * np.tanh((np.abs(u) - FREE) / room)))
 
 
 def nuisances(rig: Rig, top_hz: float) -> Nuisances:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from modallab.gap.candidates import Candidate
 from modallab.gap.nuisances import Nuisances
@@ -51,7 +52,26 @@ def starts(
         )
         for values in grid
     ]
-    return sorted(found, key=lambda s: s.cost)[:best]
+    return [refined(s, candidates, free, poles) for s in sorted(found, key=lambda s: s.cost)[:best]]
+
+
+def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex) -> Start:
+    """The same with the last candidate's numbers moved to where the frequencies fit best nearby."""
+    count = len(candidates[-1].slots) if candidates else 0
+    if not count or not len(poles):
+        return begin
+    held = begin.u[free.size : len(begin.u) - count]
+
+    def cost(own: Array) -> float:
+        return start(candidates, np.concatenate([held, own]), free, poles).cost
+
+    own = begin.u[-count:]
+    simplex = np.vstack([own, own + np.diag([0.25 if s.name != "x" else 0.03 for s in candidates[-1].slots])])
+    found = minimize(
+        cost, own, method="Nelder-Mead", options={"maxfev": 30 * count, "initial_simplex": simplex, "fatol": 1e-3}
+    )
+    moved = start(candidates, np.concatenate([held, found.x]), free, poles)
+    return moved if moved.cost < begin.cost else begin
 
 
 def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, poles: Complex) -> Start:
@@ -84,8 +104,10 @@ def _match(seen: Array, model: Array, free: Nuisances) -> tuple[float, float, li
     gaps = np.array([log_seen[i] - log_model[j] for i, j in pairs])
     close = np.abs(gaps - shifts[best]) < 10 * SPREAD
     shift = float(np.median(gaps[close])) if np.any(close) else float(shifts[best])
+    moved = np.min(np.abs(log_seen[:, None] - log_model[None, :] - shift), axis=1) / SPREAD
+    least = min(float(costs[best]), float(np.sum(np.minimum(moved, 30.0)) + 0.5 * (shift / shift_sigma) ** 2))
     kept = [pair for pair, ok in zip(pairs, close, strict=True) if ok]
-    return float(np.clip(2 * shift / max(tolerance.youngs_modulus, 1e-4), -4, 4)), float(costs[best]), kept
+    return float(np.clip(2 * shift / max(tolerance.youngs_modulus, 1e-4), -4, 4)), least, kept
 
 
 def _damping(poles: Complex, model: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Array:

@@ -293,8 +293,20 @@ def _rows(y: Complex, sigma: Array, force_noise: Array) -> Rows:
 
 
 def thinned(data: Reduced, poles: Complex) -> Reduced:
-    """The data with fewer lines, for a first look: all lines about the poles, few between them."""
-    return replace(data, impacts=tuple(_thin(d, poles) for d in data.impacts))
+    """The data with fewer lines, for a first look: all lines about the poles, few between them, three about a sine."""
+    sines = _thin_sines(data.sines) if data.sines is not None else None
+    return replace(data, impacts=tuple(_thin(d, poles) for d in data.impacts), sines=sines)
+
+
+def _thin_sines(d: SineData) -> SineData:
+    count = d.source.lines.shape[1]
+    keep = np.abs(np.arange(count) - count // 2) <= 1
+    rows = _kept(d.rows, np.tile(keep, len(d.source.lines)))
+    return replace(d, source=replace(d.source, lines=d.source.lines[:, keep]), rows=rows)
+
+
+def _kept(rows: Rows, keep: NDArray[np.bool_]) -> Rows:
+    return Rows(rows.y[:, keep], rows.sigma[:, keep], rows.common[keep], rows.direction[:, keep])
 
 
 def _thin(d: ImpactData, poles: Complex) -> ImpactData:
@@ -303,7 +315,5 @@ def _thin(d: ImpactData, poles: Complex) -> ImpactData:
     keep = (np.arange(len(hz)) % 12 == 0) | (hz < 8)
     for pole in np.abs(poles) / (2 * np.pi):
         keep |= np.abs(hz - pole) < np.maximum(3.5 * df, 0.025 * pole)
-    rows = Rows(d.rows.y[:, keep], d.rows.sigma[:, keep], d.rows.common[keep], d.rows.direction[:, keep])
-    return replace(
-        d, source=replace(d.source, lines=d.source.lines[keep], weights=d.source.weights[:, keep]), rows=rows
-    )
+    source = replace(d.source, lines=d.source.lines[keep], weights=d.source.weights[:, keep])
+    return replace(d, source=source, rows=_kept(d.rows, keep))

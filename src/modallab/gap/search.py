@@ -15,7 +15,7 @@ from modallab.gap.forward import forward
 from modallab.gap.nuisances import Nuisances
 from modallab.gap.prefit import start, starts
 from modallab.gap.reduce import Reduced
-from modallab.twin.structure import solve
+from modallab.gap.screen import OUTLIER, Begin, Screen
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -30,12 +30,24 @@ HOLDS = 0.15
 """An effect stays if without it more than this share of the gap would come back."""
 NEARLY = 0.01
 """Share of the first excess that counts as nearly explained."""
+SECOND = 0.3
+"""The same from the second round on."""
+SOLVED = 1.3
+"""Times the floor at which a search is done."""
+SOLVED_SHARE = 0.003
+"""Share of the first excess at which it is done as well."""
+LAST_DIGIT = 2.5e-4
+"""Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
 MOST = 3
 """Effects in one diagnosis."""
+LIKELY = 14
+"""Candidates that are fitted at all where the misfit is small, those that the screen puts first."""
+BEGINS = 2
+"""Places to begin from which a candidate is fitted."""
+HOPELESS = 5.0
+"""What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
 LONGER = 6
 """Candidates of a round that get a second look."""
-OUTLIER = 25.0
-"""Square at which a residual stops counting when places to begin are compared."""
 WORKERS = 2
 
 
@@ -102,6 +114,14 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 12, 2e-3))
 
 
+def on_all(bench: Bench, fit: Fit) -> Fit:
+    """A short fit as it is, on all data."""
+    problem = Problem(bench.data, bench.free, fit.problem.candidates)
+    r = problem.residual(fit.u)
+    n = bench.free.size
+    return Fit(problem, fit.u, float(r @ r + fit.u[:n] @ fit.u[:n]), r, fit.normal)
+
+
 def misfit(fit: Fit) -> float:
     """Relative model error at which the fit would be excused: where a look for more must begin."""
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
@@ -114,60 +134,6 @@ def misfit(fit: Fit) -> float:
 
 def _short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
     return minimise(Problem(bench.thin, bench.free, candidates, floor), u, 3, 5e-2)
-
-
-def _begins(bench: Bench, candidates: tuple[Candidate, ...], base: Fit, floor: float) -> list[Array]:
-    """Where to begin: at the fit so far with the best of the new effect's grid, and at the poles of the ring-down."""
-    added = candidates[-1]
-    problem = Problem(bench.thin, bench.free, candidates, floor)
-    begins: list[Array] = []
-    if floor > 0.05 and len(bench.poles) and added.effect in _MOVES_POLES:
-        former = base.u[bench.free.size :]
-        begins = [s.u for s in starts(candidates, bench.free, bench.poles, 3 if len(added.slots) > 1 else 1, former)]
-    nears = [base.u]
-    if floor > 0.05 and len(bench.poles):
-        # A large effect drags the fit so far off: the poles of the ring-down know the beam without it.
-        nears.append(start(candidates[:-1], base.u[bench.free.size :], bench.free, bench.poles).u)
-    return [*begins, *(_best_on_grid(bench, problem, near) for near in nears)]
-
-
-def _best_on_grid(bench: Bench, problem: Problem, near: Array) -> Array:
-    """The free numbers so far with the best of the last effect's first values."""
-    added = problem.candidates[-1]
-    scores: list[tuple[float, Array]] = []
-    grids = np.meshgrid(*(np.array(s.starts) for s in added.slots), indexing="ij")
-    for values in np.stack([g.ravel() for g in grids], axis=-1) if added.slots else [np.zeros(0)]:
-        more = np.array([s.coordinate(float(v)) for s, v in zip(added.slots, values, strict=True)])
-        tried = [np.concatenate([near, more])]
-        if added.effect == "local_damper":
-            tried = [_relieved(bench, problem, tried[0])]
-        elif added.effect == "thermal_drift" and len(bench.poles):
-            former = np.concatenate([near[bench.free.size :], more])
-            tried.append(start(problem.candidates, former, bench.free, bench.poles).u)
-        scores += [(float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))), u) for u in tried]
-    return min(scores, key=lambda s: s[0])[1]
-
-
-def _relieved(bench: Bench, problem: Problem, u: Array) -> Array:
-    """The same with each damping ratio less what the damper now does: the fit so far had put it there."""
-    free = bench.free
-    structure = problem.twin(u).structure
-    x, c = structure.dampers[-1]
-    modes = solve(replace(structure, dampers=()))
-    omega = np.abs(modes.poles[: free.modes])
-    phi_squared = np.abs(modes.at(x)[0, : free.modes] ** 2 * 2 * omega)
-    share = c * phi_squared / (2 * omega)
-    zeta = np.maximum(structure.zeta[: free.modes] - share, 0.15 * structure.zeta[: free.modes])
-    damping = free.rig.damping_ratio
-    relieved = u.copy()
-    relieved[3 : 3 + free.modes] = np.log(zeta / damping.guess) / np.log(damping.factor)
-    return relieved
-
-
-_MOVES_POLES = frozenset(
-    {"clamp_rotation", "clamp_translation", "sensor_mass", "added_mass", "stiffness_loss", "ground_spring"}
-    | {"local_damper", "thermal_drift", "clock_error"}
-)
 
 
 def pool(bench: Bench, fit: Fit) -> list[Candidate]:
@@ -218,12 +184,14 @@ def channel_share(fit: Fit) -> Array:
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
-    """One round: every candidate has a short look, the better ones a longer one, the best are fitted to the end."""
+    """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
     floor = misfit(base)
-    candidates = [(*base.problem.candidates, c) for c in pool(bench, base)]
+    problem = Problem(bench.thin, bench.free, base.problem.candidates, floor)
+    screen = Screen(problem, base.u, bench.poles)
 
-    def look(c: tuple[Candidate, ...]) -> Fit:
-        return min((_short(bench, c, u, floor) for u in _begins(bench, c, base, floor)), key=lambda f: f.cost)
+    def look(begins: tuple[Begin, ...]) -> Fit:
+        fits = (_short(bench, b.problem.candidates, b.u, floor) for b in begins[:BEGINS])
+        return min(fits, key=lambda f: f.cost)
 
     def longer(f: Fit) -> Fit:
         return _short(bench, f.problem.candidates, f.u, floor / 6)
@@ -232,29 +200,66 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         return finish(bench, f, floor / 12)
 
     with ThreadPoolExecutor(WORKERS) as workers:
-        looks = sorted(workers.map(look, candidates), key=lambda f: f.cost)
+        begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
+        likely = begins if screen.large else begins[:LIKELY]
+        looks = sorted(workers.map(look, likely), key=lambda f: f.cost)
         better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
-        best = list(workers.map(to_the_end, better[:finished]))
+        hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
+        best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
     fits = tuple(sorted(best, key=lambda f: f.cost))
     rest = (*better, *looks[LONGER:])
     return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))
 
 
 def explain(bench: Bench) -> list[Level]:
-    """Round after round until nothing is left, or no further effect helps."""
-    base = baseline(bench)
+    """Round after round until nothing is left, or no further effect helps; if that fails, once more from the blows."""
+    levels = rounds(bench, baseline(bench), MOST)
+    if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
+        return levels
+    started = from_blows(bench)
+    if started is None:
+        return levels
+    later = rounds(bench, started, MOST - len(started.problem.candidates))
+    again = [Level(levels[0].base, (started,), ()), *later] if started.problem.candidates else later
+    return again if _best(again).cost < 0.5 * _best(levels).cost else levels
+
+
+def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
+    """At most so many rounds from a fit."""
     levels: list[Level] = []
     first = base.gap
-    # Where a thousand noise units are explained, what is left of a tenth is the last digit of the fit.
-    while base.gap > bench.flat + 1e-4 * first and len(levels) < MOST:
+    while base.gap > bench.flat + LAST_DIGIT * first and len(levels) < most:
         level = round_of(bench, base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
+        if len(levels) > 1:
+            # Two effects hide each other; once both are there, the rest must fall.
+            worth = min(worth, SECOND)
         if not level.fits or excess(level.fits[0]) > worth * excess(base):
             break
         base = level.fits[0]
     return levels or [Level(base, (), ())]
+
+
+def from_blows(bench: Bench) -> Fit | None:
+    """What explains the blows alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
+    only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
+    levels = rounds(only, baseline(only), MOST - 1)
+    if not _solved(only, levels):
+        return None
+    best = _best(levels)
+    return on_all(bench, best)
+
+
+def _best(levels: list[Level]) -> Fit:
+    return min((f for level in levels for f in (level.base, *level.fits)), key=lambda f: f.cost)
+
+
+def _solved(bench: Bench, levels: list[Level]) -> bool:
+    """Whether next to nothing is left."""
+    best = _best(levels)
+    return best.gap <= bench.flat * SOLVED or excess(best) < SOLVED_SHARE * excess(levels[0].base)
 
 
 def excess(fit: Fit) -> float:

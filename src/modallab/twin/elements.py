@@ -30,13 +30,21 @@ class Patterns:
 
 
 def shape_rows(x_m: float | Array, length_m: float) -> Array:
-    """Hermite interpolation of the deflection: (points, n) rows N with w(x) = N q."""
-    return _rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)), length_m, 0)
+    """Hermite interpolation of the deflection: (points, n) rows N with w(x) = N q; not to be written to."""
+    return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 0)
 
 
 def slope_rows(x_m: float | Array, length_m: float) -> Array:
-    """Hermite interpolation of the slope: (points, n) rows N with w'(x) = N q."""
-    return _rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)), length_m, 1)
+    """Hermite interpolation of the slope: (points, n) rows N with w'(x) = N q; not to be written to."""
+    return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 1)
+
+
+@lru_cache(maxsize=256)
+def _known_rows(places: bytes, length_m: float, derivative: int) -> Array:
+    # A fit asks for the same sensors thousands of times.
+    rows = _rows(np.frombuffer(places), length_m, derivative)
+    rows.flags.writeable = False
+    return rows
 
 
 def weakened(x_m: float, width_m: float, length_m: float, share: float) -> Array:

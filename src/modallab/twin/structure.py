@@ -1,6 +1,8 @@
 """The cantilever's numbers, and the modes that follow from them."""
 
+from collections import OrderedDict
 from dataclasses import dataclass, field
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -107,11 +109,7 @@ class Modes:
 
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    stiffness, mass = matrices(structure)
-    free = _free(structure)
-    values, vectors = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], check_finite=False)
-    omega, phi = np.sqrt(np.maximum(values[:MODES], 1e-12)), np.zeros((len(stiffness), MODES))
-    phi[free] = vectors[:, :MODES]
+    omega, phi = _undamped(structure)
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
         return Modes(poles, phi @ mixing, structure.length_m)
@@ -121,13 +119,45 @@ def solve(structure: Structure) -> Modes:
     return Modes(-zeta * omega + 1j * damped, columns, structure.length_m)
 
 
+_LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array]] = OrderedDict()
+_KEPT = 48
+_LOCK = Lock()
+
+
+def _undamped(structure: Structure) -> tuple[Array, Array]:
+    """(MODES,) rad/s and (n, MODES) shapes; remembered, as damping, chain and clock leave them as they are."""
+    key = _undamped_key(structure)
+    with _LOCK:
+        if key in _LATEST:
+            _LATEST.move_to_end(key)
+            return _LATEST[key]
+    stiffness, mass = matrices(structure)
+    free = _free(structure)
+    held = np.ix_(free, free)
+    # The low modes are the large eigenvalues of this pencil, exact to the last digits; of the other they are the small.
+    values, vectors = eigh(mass[held], stiffness[held], check_finite=False, overwrite_a=True, overwrite_b=True)
+    omega, phi = 1 / np.sqrt(values[: -MODES - 1 : -1]), np.zeros((len(stiffness), MODES))
+    phi[free] = vectors[:, : -MODES - 1 : -1] * omega
+    with _LOCK:
+        _LATEST[key] = omega, phi
+        while len(_LATEST) > _KEPT:
+            _LATEST.popitem(last=False)
+    return omega, phi
+
+
+def _undamped_key(s: Structure) -> tuple[object, ...]:
+    size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
+    fields = s.ei_field.tobytes(), s.mass_field.tobytes()
+    attached = s.masses, s.springs, s.rotation_springs, s.losses
+    return (*size, *fields, s.root_rotation, s.root_translation, *attached)
+
+
 def matrices(structure: Structure) -> tuple[Array, Array]:
     """Stiffness and mass over all degrees of freedom; those a rigid root takes are still in."""
     pattern, length = patterns(structure.length_m), structure.length_m
     ei, rho_a = structure.bending_stiffness, structure.mass_per_length
-    stiffness = ei * (pattern.stiffness[0] + np.tensordot(structure.ei_field, pattern.stiffness[1:], 1))
-    mass = rho_a * (pattern.mass[0] + np.tensordot(structure.mass_field, pattern.mass[1:], 1))
-    mass += rho_a * structure.thickness_m**2 / 12 * pattern.rotary
+    stiffness = ei * _with_field(pattern.stiffness, structure.ei_field)
+    mass = rho_a * (_with_field(pattern.mass, structure.mass_field) + structure.thickness_m**2 / 12 * pattern.rotary)
     if structure.root_translation > RIGID:
         stiffness[0, 0] += ei / length**3 / structure.root_translation
     if structure.root_rotation > RIGID:
@@ -141,6 +171,12 @@ def matrices(structure: Structure) -> tuple[Array, Array]:
     for x, value in structure.masses:
         mass += value * _square(shape_rows(x, length)[0])
     return stiffness, mass
+
+
+def _with_field(patterns_of: Array, field_of: Array) -> Array:
+    if not np.any(field_of):
+        return patterns_of[0]
+    return patterns_of[0] + np.tensordot(field_of, patterns_of[1:], 1)
 
 
 def _free(structure: Structure) -> NDArray[np.int64]:

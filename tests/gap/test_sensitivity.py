@@ -1,0 +1,55 @@
+"""Slopes through poles and residues against differences of the whole prediction."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.gap.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.fit import Problem, jacobian
+from modallab.gap.nuisances import nuisances
+from modallab.gap.prepare import prepare
+from modallab.gap.reduce import Reduced, Weights, reduce
+from modallab.schema.block import Campaign
+from modallab.schema.rig import Rig
+
+STEP = 1e-3
+
+
+@pytest.fixture(scope="module")
+def data(make: Callable[..., Campaign]) -> Reduced:
+    campaign = make()
+    prepared = prepare(campaign)
+    return reduce(campaign, prepared.blocks, Weights(prepared.noise_v))
+
+
+def every(rig: Rig) -> dict[str, Candidate]:
+    return {c.effect: c for c in (*structural(rig), *chained(rig), *of_channel(rig, 4)) if c.slots}
+
+
+@pytest.mark.parametrize(
+    "effect",
+    ["added_mass", "stiffness_loss", "local_damper", "thermal_drift", "shaker_mass", "hit_position"]
+    + ["position_error", "gain_error", "force_gain", "clock_error", "channel_skew"],
+)
+def test_slopes_are_those_of_the_whole_prediction(rig: Rig, data: Reduced, effect: str) -> None:
+    candidate = every(rig)[effect]
+    problem = Problem(data, nuisances(rig, 450.0), (candidate,), 0.01)
+    start = [s.coordinate(s.starts[len(s.starts) // 2]) for s in candidate.slots]
+    u = np.concatenate([np.full(problem.free.size, 0.1), start])
+    J = jacobian(problem, u, problem.residual(u))
+    for k in range(len(u)):
+        step = STEP * np.eye(len(u))[k]
+        slope = (problem.residual(u + step) - problem.residual(u - step)) / (2 * STEP)
+        assert np.linalg.norm(J[:, k] - slope) < 5e-3 * np.linalg.norm(slope) + 1e-6
+
+
+def test_a_drift_beside_leaves_the_slopes_right(rig: Rig, data: Reduced) -> None:
+    both = (every(rig)["thermal_drift"], every(rig)["added_mass"])
+    problem = replace(Problem(data, nuisances(rig, 450.0), both), floor=0.01)
+    u = np.concatenate([np.zeros(problem.free.size), [2.0], [np.log(0.03), 0.6]])
+    J = jacobian(problem, u, problem.residual(u))
+    step = STEP * np.eye(len(u))[-1]
+    slope = (problem.residual(u + step) - problem.residual(u - step)) / (2 * STEP)
+    assert np.linalg.norm(J[:, -1] - slope) < 5e-3 * np.linalg.norm(slope)
