@@ -58,7 +58,8 @@ def frf(points: Sequence[int] = (1, 2)) -> Frf:
     shape = (3, len(points), 40)
     return Frf(
         frequency_hz=np.arange(3, 43) / 1.024,
-        values=rng.normal(size=shape) + 1j * rng.normal(size=shape),
+        # As estimators leave it: lines on the first axis in memory.
+        values=np.asfortranarray(rng.normal(size=shape) + 1j * rng.normal(size=shape)),
         quantity="mobility",
         outputs=("a01", "a02", "a03"),
         output_points=(1, 2, 3),

@@ -21,7 +21,7 @@ def _add_export(commands: _Commands) -> None:
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
     command.add_argument("--format", required=True, choices=("hdf5", "uff", "csv", "sep005", "tdms"))
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
-    command.add_argument("--run", action="append", default=[], metavar="RUN", help="of a data folder; may be repeated")
+    command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
     command.add_argument("--frf", action="store_true", help="add the measured FRFs of the impact test")
     command.add_argument("--models", type=Path, metavar="MODELS.json", help="add the modes that identify wrote")

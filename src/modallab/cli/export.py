@@ -24,7 +24,7 @@ from modallab.tasks.model_file import read_models
 def run(arguments: argparse.Namespace) -> int:
     """Export, and say what had no place in the format."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
-    campaign = _campaign(arguments.source, arguments.run, rig)
+    campaign = _campaign(arguments.source, arguments.run or (), rig)
     if arguments.frf:
         campaign = _with_frfs(campaign)
     models: Sequence[ModalModel] = () if arguments.models is None else read_models(arguments.models)

@@ -18,7 +18,7 @@ def dataset(kind: int, lines: Sequence[str]) -> bytes:
 
 def binary_58(head: Sequence[str], axis: NDArray[np.float64] | None, values: Values) -> bytes:
     """Dataset 58b: eleven lines, then little-endian IEEE doubles; with an axis, each value follows its abscissa."""
-    flat = values.view(np.float64).reshape(len(values), -1)
+    flat = np.ascontiguousarray(values).view(np.float64).reshape(len(values), -1)
     body = flat if axis is None else np.column_stack([axis, flat])
     raw = np.ascontiguousarray(body, dtype="<f8").tobytes()
     first = f"{58:6d}b{1:6d}{2:6d}{len(head):12d}{len(raw):12d}{0:6d}{0:6d}{0:12d}{0:12d}"

@@ -37,6 +37,13 @@ class Tls:
     cert: Path
     key: Path
 
+    @classmethod
+    def configured(cls) -> Self | None:
+        """The files that Dask's own configuration or environment names for a client; None if it names none."""
+        names = ("ca-file", "client.cert", "client.key")
+        files = [config.get(f"distributed.comm.tls.{name}", None) for name in names]
+        return cls(*(Path(file) for file in files)) if all(files) else None
+
     def security(self) -> Security:
         """As Dask wants it."""
         names = {"ca_file": self.ca, "client_cert": self.cert, "client_key": self.key}

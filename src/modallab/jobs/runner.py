@@ -44,7 +44,7 @@ class Runner:
             kinds: what can be computed.
             scheduler: address of a Dask scheduler, `tcp://` on the loopback or `tls://` anywhere; None for workers of
                 this machine's own.
-            tls: certificates for `tls://`.
+            tls: certificates for `tls://`; those of Dask's configuration (`distributed.comm.tls`) if None.
             workers: processes of this machine's own; one less than there are processors if None.
             lease_s: after so long without a sign of this runner, others take its jobs.
 
@@ -52,6 +52,7 @@ class Runner:
             JobError: an address that would not be safe.
         """
         if scheduler is not None:
+            tls = tls or Tls.configured()
             check_address(scheduler, tls)
         self._kinds = {kind.name: kind for kind in kinds}
         self._address = (scheduler, tls, workers or default_workers())
