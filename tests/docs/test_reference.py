@@ -79,7 +79,12 @@ def test_every_unit_is_there_with_its_factor() -> None:
 
 
 def test_every_error_is_there_with_its_code() -> None:
-    for module in ("modallab.acquisition.process", "modallab.cli.demo", "modallab_drivers.replay"):
+    for module in (
+        "modallab.acquisition.process",
+        "modallab.cli.demo",
+        "modallab.cli.serve",
+        "modallab_drivers.replay",
+    ):
         import_module(module)
     said = dict(re.findall(r"^\| `([\w-]+)` \| `(\w+)` \|", prose(REFERENCE / "errors.md"), re.MULTILINE))
     own = [kind for kind in _kinds(ModallabError) if kind.__module__.startswith("modallab")]

@@ -55,8 +55,10 @@ def of_error(error: ModallabError) -> Response:
     return problem(kind, error.what, headers, code=error.code, remedy=error.remedy, where=error.where, legal=legal)
 
 
-async def _known(_request: Request, error: Exception) -> Response:
+async def _known(request: Request, error: Exception) -> Response:
     assert isinstance(error, ModallabError)
+    if kind_of(error).status >= 500:
+        LOG.warning("%s %s: %s", request.method, request.url.path, error)
     return of_error(error)
 
 

@@ -125,9 +125,7 @@ def _add_devices(commands: _Commands) -> None:
 
 def _add_serve(commands: _Commands) -> None:
     command = commands.add_parser("serve", help="run tests for other programs: a REST service and an emergency stop")
-    command.add_argument(
-        "--rig", type=Path, action="append", default=[], metavar="RIG.yaml", help="may be given many times"
-    )
+    command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be given many times")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
     command.add_argument("--host", metavar="ADDRESS", help="to listen on (default: 127.0.0.1)")

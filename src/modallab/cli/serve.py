@@ -21,7 +21,7 @@ def run(arguments: argparse.Namespace) -> int:
     given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS if getattr(arguments, name) is not None}
     settings = Settings(**given)
     set_up(settings.log_level)
-    rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig] or [_demo(arguments.bench)]
+    rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig or ()] or [_demo(arguments.bench)]
     token = require_token(settings)
     with Supervisor(settings, rigs, token) as supervisor:
         signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
