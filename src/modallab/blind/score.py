@@ -74,6 +74,7 @@ def score(trials: Sequence[Trial]) -> list[Figure]:
         _share("two effects named right", doubles, lambda t: t.said == t.names),
         _share("returned set of three holds the truth", singles, _in_set),
         _share("stage right", present, _stage_right),
+        _share("stage right by tests on the residual alone", [t for t in present if _tested(t)], _tested_right),
         _share("channel right", [t for t in singles if _true_channels(t)], _channel_right),
         _share("place within 0.05 L", [t for t in singles if _true_x(t) is not None], _place_right),
         _median("parameter, median relative error", [e for t in (*singles, *doubles) for e in parameter_errors(t)]),
@@ -127,6 +128,14 @@ def _median(name: str, values: Sequence[float]) -> Figure:
 
 def _stage_right(trial: Trial) -> bool:
     return trial.diagnosis.where.stage in {e["family"] for e in trial.truth}
+
+
+def _tested(trial: Trial) -> bool:
+    return trial.diagnosis.where.tested_stage is not None
+
+
+def _tested_right(trial: Trial) -> bool:
+    return trial.diagnosis.where.tested_stage in {e["family"] for e in trial.truth}
 
 
 def _closed(trials: Iterable[Trial]) -> list[float]:

@@ -25,6 +25,7 @@ class Slot:
         scale: unit of a plain number.
         low: smallest value it may take.
         high: largest.
+        inverse: whether a large number is a small effect, as of the stiffness of a clamp.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Slot:
     scale: float = 1.0
     low: float = -np.inf
     high: float = np.inf
+    inverse: bool = False
 
     def value(self, u: float) -> float:
         """The number at coordinate u, held within its range."""
@@ -108,9 +110,15 @@ def structural(rig: Rig) -> list[Candidate]:
     shaker = (("x", rig.x_of(rig.shaker_point) / length),) if rig.shaker_point is not None else ()
     along = _along()
     found = [
-        Candidate("clamp_rotation", (Slot("k_rot", "log", _spread(4 * ei / length, 4e3 * ei / length, 7)),), here),
         Candidate(
-            "clamp_translation", (Slot("k_trans", "log", _spread(50 * ei / length**3, 5e4 * ei / length**3, 7)),), here
+            "clamp_rotation",
+            (Slot("k_rot", "log", _spread(4 * ei / length, 4e3 * ei / length, 7), inverse=True),),
+            here,
+        ),
+        Candidate(
+            "clamp_translation",
+            (Slot("k_trans", "log", _spread(50 * ei / length**3, 5e4 * ei / length**3, 7), inverse=True),),
+            here,
         ),
         Candidate("sensor_mass", (Slot("mass_each", "log", _spread(3e-5 * mass, 0.03 * mass, 7)),), (("x", "all"),)),
         Candidate("added_mass", (Slot("mass", "log", _spread(1e-3 * mass, 0.4 * mass, 5)), along)),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.gap.choose import Choice, choose, intervals, probabilities
 from modallab.gap.fit import Fit
 from modallab.gap.inspected import inspected
-from modallab.gap.locate import Location, locate
+from modallab.gap.locate import locate
 from modallab.gap.measure import band_of, by_frequency, squares
 from modallab.gap.next_step import next_experiment
 from modallab.gap.nuisances import nuisances
@@ -18,8 +18,9 @@ from modallab.gap.reduce import Reduced, Weights, reduce, thinned
 from modallab.gap.search import Bench, explain
 from modallab.gap.shrink import closed, shrink
 from modallab.gap.split import split
+from modallab.gap.where import where
 from modallab.schema.block import Campaign
-from modallab.schema.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict, Where
+from modallab.schema.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict
 from modallab.schema.effects import kind_of
 from modallab.twin.bench import Twin
 
@@ -61,7 +62,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         rig=campaign.rig.name,
         verdict=verdict,
         gap=_gap(campaign, prepared, choice, everything),
-        where=_where(verdict, found, withheld, location, choice, everything, prepared),
+        where=where(verdict, found, withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates(ranked, seen, choice),
         shrink=_shrink(campaign, prepared, choice, [b.name for b in held or fitted], bool(held)),
@@ -165,85 +166,6 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
         poles_hz=hz,
     )
-
-
-def _where(
-    verdict: Verdict,
-    found: list[Found],
-    withheld: list[str],
-    location: Location | None,
-    choice: Choice,
-    data: Reduced,
-    prepared: Prepared,
-) -> Where:
-    rig = prepared.campaign.rig
-    if verdict == "no_gap":
-        return Where(
-            stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=["Nothing but noise is left."]
-        )
-    bands = _bands(choice, data)
-    lead = max(found, key=lambda f: f.probability) if found and verdict == "known" else None
-    if lead is not None:
-        kind = kind_of(lead.effect)
-        rows = sorted({r for f in found for r in _rows_of(f, rig.force_channel.index, data.channels)})
-        x = next((f.place["x_m"] for f in found if "x_m" in f.place), None)
-        tests = sorted({t for f in found for t in kind_of(f.effect).tests})
-        why = location.why if location is not None else ()
-        return Where(
-            stage=kind.stage,
-            channels=[rig.channels[r].name for r in rows],
-            x_m=x,
-            tests=list(tests),
-            bands=bands,
-            share=1.0,
-            why=list(why),
-        )
-    if location is not None:
-        return Where(
-            stage=location.stage,
-            channels=[rig.channels[r].name for r in location.channels],
-            x_m=None,
-            tests=list(location.tests),
-            bands=bands,
-            share=0.9,
-            why=list(location.why),
-        )
-    kind = kind_of(withheld[0])
-    rows = [*prepared.noisy, *(c.row for c in prepared.clipped)]
-    return Where(
-        stage=kind.stage,
-        channels=[rig.channels[r].name for r in rows],
-        x_m=None,
-        tests=list(kind.tests),
-        bands=bands,
-        share=0.9,
-        why=["The records show it without any model."],
-    )
-
-
-def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
-    kind, channel = kind_of(found.effect), found.place.get("channel")
-    if kind.place == "force":
-        return [force]
-    if isinstance(channel, int):
-        return [channel]
-    if isinstance(channel, list | tuple):
-        return [int(c) for c in channel]  # pyright: ignore[reportUnknownVariableType]
-    return list(channels) if channel == "all" else []
-
-
-def _bands(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
-    shares = by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
-    ordered = sorted(shares.items(), key=lambda kv: -kv[1])
-    held: list[tuple[float, float]] = []
-    total = 0.0
-    for name, share in ordered:
-        if total > 0.8:
-            break
-        low, _, high = name.partition("-")
-        held.append((float(low), float(high) if high else 1e4))
-        total += share
-    return sorted(held)
 
 
 def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[str], held: bool) -> Shrink:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.gap.reduce import ImpactData, Reduced, SineData
 from modallab.twin.bench import Chain, Twin, transfer
+from modallab.twin.predict import seats
 from modallab.twin.response import Blows, Sines
 from modallab.twin.structure import Modes, solve
 
@@ -30,7 +31,7 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     poles, residue = impact_residue(twin, modes, d, data)
     source = on_clock(d.source, twin)
     total = np.zeros(d.rows.y.shape, dtype=np.complex128)
-    forced_sum = np.zeros_like(total)
+    forced_sum = impact_rest(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
         forced, tail = source.kernel(pole)
         forced_sum += r @ forced
@@ -46,12 +47,28 @@ def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tu
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
 
 
+def impact_rest(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
+    """(channels,) static displacement per N of blows at one point that the modes left out add, drift included."""
+    tau = d.piece.order / data.last_order
+    drive = min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
+    softer = max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau)))
+    return twin.rest / softer * modes.remainder(_seats(twin.chain, modes, data), drive)
+
+
+def sine_rest(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> Array:
+    """(channels, blocks) the same in the sine test."""
+    softer = np.ones(len(d.pieces)) if scale is None else scale**2
+    static = modes.remainder(_seats(twin.chain, modes, data), d.pieces[0].drive_x_m)
+    return twin.rest * np.outer(static, 1 / softer)
+
+
 def on_clock(source: S, twin: Twin) -> S:
     """The source on the clock of the world."""
     if not twin.clock:
         return source
     if isinstance(source, Sines):
-        return replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=source.frequency_hz * (1 + twin.clock))
+        hz, rise = source.frequency_hz * (1 + twin.clock), source.rise.on_clock(twin.clock)
+        return replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=hz, rise=rise)
     return replace(source, dt=source.dt / (1 + twin.clock))
 
 
@@ -73,7 +90,8 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
     source = on_clock(d.source, twin)
     scale = sine_drift(twin, d, data)
     poles, residue = sine_residue(twin, modes, d, data, scale)
-    up, down = np.zeros((2, len(data.channels), len(d.pieces)), dtype=np.complex128)
+    up = sine_rest(twin, modes, d, data, scale) * source.drive**2
+    down = up.copy()
     rings = np.zeros((len(data.channels), *source.lines.shape), dtype=np.complex128)
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
         a, b, decay = source.kernel(pole)
@@ -96,9 +114,12 @@ def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:
     return values if values.ndim == 3 else values[:, :, None]
 
 
+def _seats(chain: Chain, modes: Modes, data: Reduced) -> Array:
+    return seats(chain, modes, data.channels, data.x_m)
+
+
 def _outputs(chain: Chain, modes: Modes, data: Reduced) -> Complex:
-    x = data.x_m + np.array([chain.shift.get(c, 0.0) for c in data.channels])
-    return modes.at(np.clip(x, 0.0, modes.length_m))
+    return modes.at(_seats(chain, modes, data))
 
 
 def swapped(chain: Chain, data: Reduced, y: Complex) -> Complex:

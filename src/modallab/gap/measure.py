@@ -1,7 +1,7 @@
 """The gap in noise units, split by everything it can be split by."""
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,6 +94,29 @@ def squares(twin: Twin, data: Reduced) -> Squares:
     return Squares(
         np.array(total), np.array(count), tuple(records), tuple(tests), tuple(levels), tuple(channels), np.array(order)
     )
+
+
+def share_within(
+    twin: Twin, data: Reduced, tests: Sequence[str], rows: Sequence[int], bands: Sequence[tuple[float, float]]
+) -> float:
+    """Share of the squares above the floor that lie in these tests, rows (none: all) and bands, 0 to 1."""
+    inside = whole = 0.0
+    chosen = np.array([not rows or c in rows for c in data.channels])
+    for (test, hz, used), r in zip(_kinds(data), residuals(twin, data), strict=True):
+        excess = np.where(used, np.abs(r) ** 2 - 2, 0.0)
+        lines = np.any([(hz >= low) & (hz < high) for low, high in bands], axis=0)
+        whole += float(np.sum(excess))
+        inside += float(np.sum(excess[np.ix_(chosen, lines)])) if test in tests else 0.0
+    return float(np.clip(inside / whole, 0.0, 1.0)) if whole > 0 else 0.0
+
+
+def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
+    """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
+    found = [("impact", d.source.lines / (d.source.n * d.source.dt), np.isfinite(d.rows.sigma)) for d in data.impacts]
+    if data.sines is not None:
+        s = data.sines.source
+        found.append(("sine", np.abs(s.lines / (s.n * s.dt)).ravel(), np.isfinite(data.sines.rows.sigma)))
+    return found
 
 
 def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What is always free: the beam within its tolerances, the damping of each mode, sensitivities if they are in doubt."""
+"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft."""
 
 from dataclasses import dataclass, replace
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.errors import RigError
 from modallab.schema.rig import Rig
 from modallab.twin.bench import Twin
-from modallab.twin.structure import MODES, Structure
+from modallab.twin.structure import MODES, Structure, believed_root
 
 Array = NDArray[np.float64]
 
@@ -19,26 +19,35 @@ BEYOND = 4.5
 """Deviations of a tolerance beyond which Young's modulus, thickness and density never go."""
 
 
+ROOT = 0.1
+"""Relative deviation of a rotational spring at the root that the rig file tells of as "about" so much."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Nuisances:
     """Free numbers in units of their prior's deviation: E, thickness, density, damping ratios, sensitivities.
+
+    Then the root's spring, where the rig file tells of one, and the share of the static compliance of the modes that
+    the twin leaves out.
 
     Attributes:
         rig: the bench as believed.
         modes: damping ratios that are free; those beyond the band stay at the guess.
         gains: accelerometers whose sensitivity is free.
         tolerance: relative deviation of a sensitivity.
+        root: whether the root's spring is free.
     """
 
     rig: Rig
     modes: int
     gains: tuple[int, ...] = ()
     tolerance: float = 0.0
+    root: bool = False
 
     @property
     def size(self) -> int:
         """How many."""
-        return 3 + self.modes + len(self.gains)
+        return 4 + self.modes + len(self.gains) + self.root
 
     def build(self, u: Array) -> Twin:
         """The twin without effects."""
@@ -55,11 +64,13 @@ class Nuisances:
             thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
             density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
             zeta=np.minimum(zeta, 0.95),
+            root_rotation=nominal.root_rotation * float(np.exp(u[-2] * ROOT)) if self.root else 0.0,
         )
-        twin = Twin(structure)
+        twin = Twin(structure, rest=float(u[-1]))
         if not self.gains:
             return twin
-        factors = np.exp(u[3 + self.modes :] * self.tolerance)
+        first = 3 + self.modes
+        factors = np.exp(u[first : first + len(self.gains)] * self.tolerance)
         gain = dict(zip(self.gains, factors.tolist(), strict=True))
         return replace(twin, chain=replace(twin.chain, gain=gain))
 
@@ -88,4 +99,5 @@ def nuisances(rig: Rig, top_hz: float) -> Nuisances:
     # A tolerance that the rig file does not state is no licence to turn every gain.
     stated = "sensitivity" in rig.tolerance.model_fields_set and rig.tolerance.sensitivity > 0
     gains = tuple(c.index for c in rig.responses) if stated else ()
-    return Nuisances(rig, modes, gains, rig.tolerance.sensitivity if stated else 0.0)
+    tolerance = rig.tolerance.sensitivity if stated else 0.0
+    return Nuisances(rig, modes, gains, tolerance, believed_root(beam) > 0)

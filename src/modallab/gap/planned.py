@@ -24,7 +24,7 @@ from modallab.gap.reduce import (
 )
 from modallab.schema.plan import ImpactPlan, SinePlan
 from modallab.schema.rig import Rig
-from modallab.twin.response import Blows, Sines
+from modallab.twin.response import Blows, Rise, Sines
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -96,7 +96,10 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> SineData
     pairs = [(name, volts, hz) for name, volts in plan.levels_v.items() for hz in plan.frequencies_hz]
     lines = np.array([round(hz * n * dt) + offsets for _, _, hz in pairs], dtype=np.float64)
     force = np.array([complex(volts * N_PER_V) for _, volts, _ in pairs])
-    source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force)
+    count = len(pairs)
+    yes = np.ones(count, dtype=np.bool_)
+    rise = Rise(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
+    source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
     sigma = np.concatenate(
         [weights.sigma(rig, "sine", at) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)], axis=1
     )

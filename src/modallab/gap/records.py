@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.reduce import blow, harmonic, on_line, scaled
+from modallab.gap.reduce import blow, harmonic, on_line, rise_of, scaled
 from modallab.schema.block import Block
 from modallab.schema.rig import Rig
 from modallab.twin.bench import Twin
@@ -38,4 +38,5 @@ def predict_record(twin: Twin, rig: Rig, block: Block, last_order: float, ratio:
         return predict_blow(twin, blow_only(force), block.rate_hz, drive, channels, x, tau)
     n, dt = block.n_samples, 1 / block.rate_hz
     f0 = on_line(block.frequency_hz or 0.0, n, dt) * ratio
-    return predict_sine(twin, harmonic(force, f0, dt), f0, n, block.rate_hz, drive, channels, x, tau)
+    amplitude = harmonic(force, f0, dt)
+    return predict_sine(twin, amplitude, f0, n, block.rate_hz, drive, channels, x, tau, rise_of([block]))

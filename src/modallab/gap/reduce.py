@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.schema.block import Block, Campaign
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
-from modallab.twin.response import Blows, Sines
+from modallab.twin.response import HISTORY_S, RAMP_S, Blows, Rise, Sines
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -215,8 +215,18 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
     rows = _rows(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
-    source = Sines(np.array(lines), np.array(drive), n, dt, np.array(forces))
+    source = Sines(np.array(lines), np.array(drive), n, dt, np.array(forces), rise_of(blocks))
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
+
+
+def rise_of(blocks: Sequence[Block]) -> Rise:
+    """How the sines of blocks came about, the usual where a block does not say it."""
+    return Rise(
+        np.array([HISTORY_S if b.history_s is None else b.history_s for b in blocks]),
+        np.array([RAMP_S if b.ramp_s is None else b.ramp_s for b in blocks]),
+        np.array([b.ramp == "cosine" for b in blocks]),
+        np.array([b.history_s is not None for b in blocks]),
+    )
 
 
 def sine_ratio(blocks: Sequence[Block], rig: Rig, force_sigma: float) -> tuple[float, float]:

@@ -18,6 +18,10 @@ OUTLIER = 25.0
 """Square at which a residual stops counting when places to begin are compared."""
 LARGE = 0.05
 """Relative misfit from which an effect is no small change of the fit so far."""
+SMALL = 0.01
+"""Relative misfit up to which nothing is forgiven: the effect itself may be no larger."""
+CUT = 5.0
+"""Times the rms at which a residual stops counting."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,6 +31,42 @@ class Begin:
     problem: Problem
     u: Array
     cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Scale:
+    """How a number runs from no effect to the smallest of its first values, and on.
+
+    Attributes:
+        kind: small, plain, gain (none at 1), or stiff (none at infinity).
+        unit: the number at one.
+        most: the largest it is worth to begin at, for stiff the smallest.
+    """
+
+    kind: str
+    unit: float
+    most: float
+
+    @classmethod
+    def of(cls, size: Slot) -> "_Scale":
+        if size.transform == "plain":
+            least = min((v for v in size.starts if v > 0), key=abs)
+            return cls("plain", least, max(abs(v) for v in size.starts))
+        if size.name == "gain":
+            return cls("gain", 0.003, 0.6)
+        if size.inverse:
+            return cls("stiff", max(size.starts), min(size.starts))
+        return cls("small", min(size.starts), max(size.starts))
+
+    def value(self, times: float) -> float:
+        """The number so many times as far from no effect as one."""
+        if self.kind == "plain":
+            return float(np.clip(times * self.unit, -self.most, self.most))
+        if self.kind == "gain":
+            return 1 + float(np.clip(times * self.unit, -self.most, self.most))
+        if self.kind == "stiff":
+            return float(np.clip(self.unit / max(times, 1e-4), self.most, None))
+        return float(np.clip(times * self.unit, 0.03 * self.unit, self.most))
 
 
 class Screen:
@@ -40,9 +80,14 @@ class Screen:
             u: its numbers.
             poles: of the ring-down.
         """
-        self.problem, self.u, self.poles = problem, u, poles
         self.large = problem.floor > LARGE
+        if not self.large:
+            problem = replace(problem, floor=problem.floor / 10 if problem.floor > SMALL else 0.0)
+        self.problem, self.u, self.poles = problem, u, poles
+        self.floor = problem.floor
         self.here = problem.residual(u)
+        used = self.here[self.here != 0]
+        self.cut = max(OUTLIER, CUT**2 * float(np.mean(used**2))) if len(used) else OUTLIER
         J = jacobian(problem, u, self.here)
         self.priors = problem.free.size
         whole = np.concatenate([J, np.eye(self.priors, len(u))])
@@ -59,32 +104,31 @@ class Screen:
     def left(self, problem: Problem, u: Array) -> float:
         """Squares that stay at u of a problem with one candidate more, large ones cut."""
         rest = self._project(problem.residual(u), u)
-        return float(np.sum(np.minimum(rest**2, OUTLIER)))
+        return float(np.sum(np.minimum(rest**2, self.cut)))
 
     def _project(self, r: Array, u: Array) -> Array:
         whole = np.concatenate([r, u[: self.priors]])
         return whole - self.q @ (self.q.T @ whole)
 
     def _near(self, problem: Problem, candidate: Candidate) -> list[Array]:
-        """Small changes: where there is a place, the size follows from the signature there."""
+        """Small changes: the size follows from the signature of a small one, at each place where there are places."""
         slots = candidate.slots
         if candidate.effect == "local_damper":
             # The damping ratios have taken its work over: to first order nothing of it is left to see.
             return [_relieved(problem, np.concatenate([self.u, more])) for more in _grid(slots)]
         if len(slots) == 2 and slots[1].name == "x":
-            return [self._sized(problem, slots, x) for x in slots[1].starts]
-        return [np.concatenate([self.u, more]) for more in _grid(slots)]
+            return [self._sized(problem, slots[0], np.array([slots[1].coordinate(x)])) for x in slots[1].starts]
+        plain = [np.concatenate([self.u, more]) for more in _grid(slots)]
+        return [*plain, self._sized(problem, slots[0], np.zeros(0))] if len(slots) == 1 else plain
 
-    def _sized(self, problem: Problem, slots: tuple[Slot, ...], x: float) -> Array:
-        size, place = slots
-        small = min(size.starts)
-        more = np.array([size.coordinate(small), place.coordinate(x)])
-        u = np.concatenate([self.u, more])
+    def _sized(self, problem: Problem, size: Slot, place: Array) -> Array:
+        """The size that explains most, if the answer were in proportion to it."""
+        scale = _Scale.of(size)
+        u = np.concatenate([self.u, [size.coordinate(scale.value(1.0))], place])
         before = self._project(self.here, self.u)
         signature = self._project(problem.residual(u), u) - before
         times = float(-(signature @ before) / max(float(signature @ signature), 1e-300))
-        value = float(np.clip(small * times, 0.03 * small, max(size.starts)))
-        return np.concatenate([self.u, [size.coordinate(value), more[1]]])
+        return np.concatenate([self.u, [size.coordinate(scale.value(times))], place])
 
     def _far(self, problem: Problem, candidate: Candidate) -> tuple[Begin, ...]:
         """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down tell of."""

@@ -190,14 +190,14 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     screen = Screen(problem, base.u, bench.poles)
 
     def look(begins: tuple[Begin, ...]) -> Fit:
-        fits = (_short(bench, b.problem.candidates, b.u, floor) for b in begins[:BEGINS])
+        fits = (_short(bench, b.problem.candidates, b.u, screen.floor) for b in begins[:BEGINS])
         return min(fits, key=lambda f: f.cost)
 
     def longer(f: Fit) -> Fit:
-        return _short(bench, f.problem.candidates, f.u, floor / 6)
+        return _short(bench, f.problem.candidates, f.u, screen.floor / 6)
 
     def to_the_end(f: Fit) -> Fit:
-        return finish(bench, f, floor / 12)
+        return finish(bench, f, screen.floor / 12)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
@@ -245,7 +245,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
 def from_blows(bench: Bench) -> Fit | None:
     """What explains the blows alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
     only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
-    levels = rounds(only, baseline(only), MOST - 1)
+    levels = rounds(only, baseline(only), 1)
     if not _solved(only, levels):
         return None
     best = _best(levels)

@@ -11,7 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.forward import at_poles, impact_residue, on_clock, sine_drift, sine_residue, swapped
+from modallab.gap.forward import (
+    at_poles,
+    impact_residue,
+    impact_rest,
+    on_clock,
+    sine_drift,
+    sine_residue,
+    sine_rest,
+    swapped,
+)
 from modallab.gap.reduce import ImpactData, Reduced, SineData
 from modallab.twin.bench import Chain, Twin, transfer
 from modallab.twin.response import Blows, Sines
@@ -83,7 +92,9 @@ class _Blow:
         self.on_lines = transfer(twin.chain, data.channels, source.s)
         self.halves = [self._half(source, p) for p in (self.poles, self.poles.conj())]
         pairs = zip(self.halves, (self.residue, self.residue.conj()), strict=True)
-        self.y = sum((self._answer(h, r) for h, r in pairs), np.zeros(d.rows.y.shape, dtype=np.complex128))
+        self.static = self.on_lines * source.s**2
+        self.rest = impact_rest(twin, modes, d, data)
+        self.y = sum((self._answer(h, r) for h, r in pairs), self.rest[:, None] * self.static)
 
     def _half(self, source: Blows, poles: Complex) -> _Half:
         moved = poles * (1 + SLOPE)
@@ -99,7 +110,9 @@ class _Blow:
     def changes(self, twins: Sequence[Twin], modes: Sequence[Modes]) -> Complex:
         there = [impact_residue(t, m, self.d, self.data) for t, m in zip(twins, modes, strict=True)]
         dp, dr = _steps((self.poles, self.residue), there)
+        rests = np.array([impact_rest(t, m, self.d, self.data) for t, m in zip(twins, modes, strict=True)])
         total = _louder(self.gains, twins, self.data)[:, :, None] * self.y
+        total = total + (rests - self.rest)[:, :, None] * self.static
         for half, p, r, r0 in (
             (self.halves[0], dp, dr, self.residue),
             (self.halves[1], dp.conj(), dr.conj(), self.residue.conj()),
@@ -125,8 +138,10 @@ class _Sine:
         self.share = source.shares()
         self.poles, self.residue = sine_residue(twin, modes, d, data, self.drift)
         self.halves = [self._half(source, p) for p in (self.poles, self.poles.conj())]
+        self.squared = source.drive**2
+        self.rest = sine_rest(twin, modes, d, data, self.drift)
         still = np.zeros_like(self.poles)[None]
-        self.y = self._total([(r[None], still) for r in (self.residue, self.residue.conj())])[0]
+        self.y = self._total([(r[None], still) for r in (self.residue, self.residue.conj())], self.rest[None])[0]
 
     def _kernel(self, source: Sines, poles: Complex) -> tuple[Complex, ...]:
         up, down, decay = source.kernel(poles)
@@ -145,16 +160,17 @@ class _Sine:
     def changes(self, twins: Sequence[Twin], modes: Sequence[Modes]) -> Complex:
         there = [sine_residue(t, m, self.d, self.data, self.drift) for t, m in zip(twins, modes, strict=True)]
         dp, dr = _steps((self.poles, self.residue), there)
-        change = self._total([(dr, dp), (dr.conj(), dp.conj())])
+        rests = [sine_rest(t, m, self.d, self.data, self.drift) for t, m in zip(twins, modes, strict=True)]
+        change = self._total([(dr, dp), (dr.conj(), dp.conj())], np.array(rests) - self.rest)
         change = change + _louder(self.gains, twins, self.data)[:, :, None, None] * self.y
         return swapped(self.chain, self.data, change.reshape(*change.shape[:2], -1))
 
-    def _total(self, steps: list[tuple[Complex, Complex]]) -> Complex:
-        """(twins, channels, blocks, lines) of changes of residue and pole."""
+    def _total(self, steps: list[tuple[Complex, Complex]], rest: Array) -> Complex:
+        """(twins, channels, blocks, lines) of changes of residue, pole and (twins, channels, blocks) remainder."""
         count, channels = steps[0][0].shape[:2]
         blocks, lines = self.share[0].shape
-        up = np.zeros((count, channels, blocks), dtype=np.complex128)
-        down, rings = np.zeros_like(up), np.zeros((blocks, count * channels, lines), dtype=np.complex128)
+        up = rest * self.squared
+        down, rings = up, np.zeros((blocks, count * channels, lines), dtype=np.complex128)
         for half, (dr, dp), r0 in zip(self.halves, steps, (self.residue, self.residue.conj()), strict=True):
             a, b, decay, wave = half.parts
             da, db, ddecay, dwave = half.slopes

@@ -44,10 +44,13 @@ class Gap(Frozen):
 
 
 class Where(Frozen):
-    """Where the gap lies, found before and without a name for it.
+    """Where the gap lies.
 
     Attributes:
-        stage: where in the chain; None if there is no gap.
+        stage: where in the chain; None if there is no gap. That of the models which explain the gap where some do,
+            otherwise what the tests on the residual say.
+        tested_stage: what the tests on the residual say, before any effect has been fitted and without a name; None if
+            the records show it without a model.
         channels: rows concerned: force, a01, ...; empty if it is none of them.
         x_m: place from the clamp; None where it has none or none was found.
         tests: tests that show it.
@@ -57,6 +60,7 @@ class Where(Frozen):
     """
 
     stage: Stage | None
+    tested_stage: Stage | None = None
     channels: list[str]
     x_m: float | None
     tests: list[str]
