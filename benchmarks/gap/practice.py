@@ -1,7 +1,11 @@
 """Diagnoses the practice campaigns of one share of a fixed split and scores them.
 
     python benchmarks/gap/practice.py PRACTICE --share report --out trials.jsonl
+    python benchmarks/gap/practice.py PRACTICE --share report --withhold --out withheld.jsonl
     python benchmarks/gap/practice.py PRACTICE --score trials.jsonl
+
+With --withhold the names of the true effects are taken out of the candidates: the right answer is "unknown", at the
+right stage.
 
 The split is by the hash of a campaign's name, stratified by effect: of two campaigns with one effect one is for
 development, one for the report; those without and with two effects fall into develop, calibrate and report.
@@ -21,6 +25,7 @@ from modallab.blind.score import Trial, reliability, score
 from modallab.exchange.campaign_hdf5 import read_campaign
 from modallab.gap.diagnose import diagnose
 from modallab.schema.diagnosis import Diagnosis
+from modallab.schema.effects import CATALOGUE
 
 SALT = "modallab-split-1:"
 
@@ -39,15 +44,23 @@ def shares(practice: Path) -> dict[str, list[str]]:
     return split
 
 
-def run(practice: Path, names: list[str], out: Path) -> None:
+def truth_of(practice: Path, name: str) -> list[dict[str, Any]]:
+    return yaml.safe_load((practice / name / "truth.yaml").read_text())["effects"]
+
+
+def run(practice: Path, names: list[str], out: Path, withhold: bool = False) -> None:
     done = {json.loads(line)["name"] for line in out.read_text().splitlines()} if out.exists() else set()
     for name in names:
         if name in done:
             continue
+        withheld = {e["effect"] for e in truth_of(practice, name)} if withhold else set[str]()
+        if withhold and not withheld & set(CATALOGUE):
+            continue
         campaign = read_campaign(practice / name)
         begun = time.process_time()
-        diagnosis = diagnose(campaign)
+        diagnosis = diagnose(campaign, allowed=lambda effect, held=withheld: effect not in held)
         entry = {"name": name, "seconds": time.process_time() - begun, "diagnosis": diagnosis.model_dump(mode="json")}
+        entry["withheld"] = sorted(withheld)
         with out.open("a") as target:
             target.write(json.dumps(entry) + "\n")
 
@@ -60,7 +73,8 @@ def trials(practice: Path, file: Path) -> list[Trial]:
         rig = yaml.safe_load((practice / entry["name"] / "rig.yaml").read_text())
         diagnosis = Diagnosis.model_validate(entry["diagnosis"])
         length = float(rig["beam"]["length_m"])
-        found.append(Trial(entry["name"], truth["effects"], diagnosis, length, entry["seconds"]))
+        withheld = frozenset(entry.get("withheld", ()))
+        found.append(Trial(entry["name"], truth["effects"], diagnosis, length, entry["seconds"], withheld))
     return found
 
 
@@ -69,6 +83,7 @@ def main() -> None:
     parser.add_argument("practice", type=Path)
     parser.add_argument("--share", choices=("develop", "calibrate", "report"), default="report")
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("I", "OF"))
+    parser.add_argument("--withhold", action="store_true", help="take the true effects out of the candidates")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--score", type=Path)
     arguments = parser.parse_args()
@@ -77,6 +92,7 @@ def main() -> None:
             arguments.practice,
             shares(arguments.practice)[arguments.share][arguments.part[0] :: arguments.part[1]],
             arguments.out,
+            arguments.withhold,
         )
     if arguments.score is not None:
         listed = trials(arguments.practice, arguments.score)

@@ -28,6 +28,7 @@ class Trial:
         diagnosis: what was said.
         length_m: of the beam.
         seconds: how long it took.
+        withheld: names that were taken out of the candidates.
     """
 
     name: str
@@ -35,11 +36,13 @@ class Trial:
     diagnosis: Diagnosis
     length_m: float
     seconds: float = 0.0
+    withheld: frozenset[str] = frozenset()
 
     @property
     def names(self) -> frozenset[str]:
         """True effects that the catalogue names and the twin can model."""
-        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in CATALOGUE and e["effect"] not in LATER)
+        out = LATER | self.withheld
+        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in CATALOGUE and e["effect"] not in out)
 
     @property
     def knowable(self) -> bool:
