@@ -19,7 +19,12 @@ def run(arguments: argparse.Namespace) -> int:
     rig = None if arguments.rig is None else read_rig(arguments.rig)
     campaign = read_campaign(arguments.campaign, rig)
     band = None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1]))
-    options = Options(method=arguments.method, band_hz=band)
+    options = Options(
+        method=arguments.method,
+        band_hz=band,
+        pick_hz=tuple(arguments.pick or ()),
+        drop_hz=tuple(arguments.drop or ()),
+    )
     result = identify_campaign(campaign, options, arguments.test)
     console = Console()
     console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
@@ -42,6 +47,10 @@ def print_remarks(console: Console, result: Result) -> None:
             console.print(
                 f"{item.source}: FRAC of the regenerated mobility {low:.4f} to {high:.4f}, {band}", markup=False
             )
+        if item.assessment is not None:
+            for verdict in item.assessment.verdicts:
+                holds = "holds" if verdict.holds else "DOES NOT HOLD"
+                console.print(f"{item.source}: {verdict.assumption} {holds}: {verdict.words}", markup=False)
         for note in (*item.model.notes, item.model.shapes_unavailable):
             if note:
                 console.print(f"{item.source}: {note}", markup=False)

@@ -57,6 +57,8 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--method", choices=("peak", "plscf"), default="plscf")
     command.add_argument("--test", choices=("impact", "sine"), help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
+    command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
+    command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     command.set_defaults(module="identify")

@@ -11,6 +11,7 @@ from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 from modallab.schema.verification import Verification
+from modallab.verification.assessment import Assessment
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,6 +63,7 @@ class Outcome:
         filtered: (outputs, n) the responses of `example` after the band-pass filter.
         hits: every blow, the refused ones too.
         missing: why there is no model.
+        assessment: the test's assumptions, and how well each mode stands.
     """
 
     test: Test | None
@@ -72,6 +74,7 @@ class Outcome:
     filtered: NDArray[np.float64] | None = None
     hits: tuple[Hit, ...] = ()
     missing: str = ""
+    assessment: Assessment | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

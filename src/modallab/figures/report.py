@@ -8,7 +8,17 @@ from modallab.figures import style
 from modallab.figures.compare import modes
 from modallab.figures.content import ReportContent
 from modallab.figures.markup import Markup, tag, trusted
-from modallab.figures.sections import half_power, model, provenance, rig, shapes, signals, summary, verification
+from modallab.figures.sections import (
+    assumptions,
+    half_power,
+    model,
+    provenance,
+    rig,
+    shapes,
+    signals,
+    summary,
+    verification,
+)
 from modallab.figures.sections import modes as table_of_modes
 from modallab.figures.sections.section import Section
 
@@ -32,6 +42,7 @@ def render(content: ReportContent) -> str:
         half_power.section(content, found),
         shapes.section(content),
         verification.section(content),
+        assumptions.section(content),
         signals.section(content),
         model.section(content),
         rig.section(content),

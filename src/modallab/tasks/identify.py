@@ -20,6 +20,8 @@ from modallab.spectra.frf import group_by_point, impact_frf
 from modallab.spectra.overload import overloaded
 from modallab.spectra.scale import to_signals_of
 from modallab.spectra.stepped import stepped_frf
+from modallab.tasks.assess import assess_frf, assess_impact, assess_sine
+from modallab.verification.assessment import Assessment
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 Source = Literal["impact", "sine", "frf"]
@@ -27,11 +29,12 @@ Source = Literal["impact", "sine", "frf"]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Identified:
-    """One test's model and its verification; none for the peak method, which has no model of the block."""
+    """One test's model, its verification and its assessment; none for the peak method: it has no model of the block."""
 
     source: Source
     model: ModalModel
     verification: Verification | None
+    assessment: Assessment | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -121,7 +124,12 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
         return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
     model, fit = identify_impact(signals, campaign.rig, options)
-    return Identified("impact", _with_notes(model, notes), verify_impact(model, fit, groups, campaign.rig))
+    return Identified(
+        "impact",
+        _with_notes(model, notes),
+        verify_impact(model, fit, groups, campaign.rig),
+        assess_impact(model, fit, groups, campaign.rig),
+    )
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
@@ -133,12 +141,17 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
         frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
         return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
-    return Identified("sine", _with_notes(model, notes), verify_sine(model, fit, signals, campaign.rig))
+    return Identified(
+        "sine",
+        _with_notes(model, notes),
+        verify_sine(model, fit, signals, campaign.rig),
+        assess_sine(model, fit, signals, campaign.rig),
+    )
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     frf = campaign.frfs[index]
     if options.method == "peak":
         return Identified("frf", identify_peaks(frf, None), None)
-    model, _ = identify_frf(frf, campaign.rig, options)
-    return Identified("frf", model, verify_frf(model, frf))
+    model, fit = identify_frf(frf, campaign.rig, options)
+    return Identified("frf", model, verify_frf(model, frf), assess_frf(model, fit, frf))

@@ -1,8 +1,12 @@
 """Models as JSON, for other programs."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from modallab import __version__
 from modallab.errors import FormatError
@@ -11,6 +15,7 @@ from modallab.schema.block import Campaign
 from modallab.schema.model import ModalModel
 from modallab.schema.versions import MODEL
 from modallab.tasks.identify import Identified, Result
+from modallab.verification.assessment import Assessment
 
 
 def write_models(path: Path, campaign: Campaign, result: Result) -> None:
@@ -53,6 +58,8 @@ def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
         "rig": campaign.rig.name,
         "provenance": campaign.provenance,
         "models": [_model(item) for item in result.identified],
+        # Beside the models, not in them: what reads a model today reads it unchanged.
+        "assessments": [None if i.assessment is None else _assessment(i.assessment) for i in result.identified],
         "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
 
@@ -61,3 +68,23 @@ def _model(item: Identified) -> dict[str, object]:
     content = item.model.model_dump(mode="json")
     content["frac"] = None if item.verification is None else item.verification.frac.tolist()
     return content
+
+
+def _assessment(found: Assessment) -> dict[str, object]:
+    """Verdicts, what could not be judged and why, and indices by mode; what is not known is null."""
+    return {
+        "verdicts": [_finite(asdict(verdict)) for verdict in found.verdicts],
+        "unjudged": [{"assumption": name, "why": why} for name, why in found.unjudged],
+        "confidence": _numbers(found.confidence),
+        "mpc": _numbers(found.mpc),
+        "mpd_rad": _numbers(found.mpd_rad),
+        "auto_mac": [_numbers(row) for row in found.auto_mac],
+    }
+
+
+def _finite(values: dict[str, object]) -> dict[str, object]:
+    return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+
+
+def _numbers(values: NDArray[np.float64]) -> list[float | None]:
+    return [float(v) if np.isfinite(v) else None for v in values]

@@ -57,7 +57,7 @@ def truth_of(campaign: Campaign) -> Truth | None:
 
 def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block, str]]) -> Outcome:
     if item.source == "frf":
-        return Outcome(test=None, model=item.model, verification=item.verification)
+        return Outcome(test=None, model=item.model, verification=item.verification, assessment=item.assessment)
     test: Test = item.source
     block = example_block(campaign, test)
     example = None if block is None else to_signals(block, campaign.rig)
@@ -69,6 +69,7 @@ def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block
         example=example,
         filtered=None if example is None else _filtered(example),
         hits=_hits(campaign, refused) if test == "impact" else (),
+        assessment=item.assessment,
     )
 
 

@@ -1,0 +1,48 @@
+"""What is said of a model beside its numbers: its assumptions, its shapes' indices, each mode's standing."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError
+from modallab.identification.assumptions import Verdict
+from modallab.identification.criteria import auto_mac, mpc, mpd
+from modallab.schema.model import ModalModel
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Assessment:
+    """Judgement of a model.
+
+    Attributes:
+        verdicts: the assumptions that could be judged.
+        unjudged: (assumption, why not) of the others.
+        confidence: (modes,) 0 to 1; NaN where it is not known.
+        mpc: (modes,) modal phase collinearity; NaN with fewer than two outputs.
+        mpd_rad: (modes,) mean phase deviation.
+        auto_mac: (modes, modes).
+    """
+
+    verdicts: tuple[Verdict, ...]
+    unjudged: tuple[tuple[str, str], ...]
+    confidence: Real
+    mpc: Real
+    mpd_rad: Real
+    auto_mac: Real
+
+
+def assessed(
+    model: ModalModel, verdicts: tuple[Verdict, ...], unjudged: tuple[tuple[str, str], ...], confidence: Real
+) -> Assessment:
+    """Verdicts and confidence, with the indices of the shapes from each mode's loudest input."""
+    size = np.sum(np.abs(model.modal_constants), axis=1)
+    shapes = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(np.argmax(size, axis=1))])
+    try:
+        return Assessment(verdicts, unjudged, confidence, mpc(shapes), mpd(shapes), auto_mac(shapes))
+    except DataError as error:
+        unknown = np.full(model.n_modes, np.nan)
+        reasons = (*unjudged, ("shapes", str(error)))
+        return Assessment(verdicts, reasons, confidence, unknown, unknown, np.full((model.n_modes,) * 2, np.nan))
