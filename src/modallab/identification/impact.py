@@ -187,15 +187,20 @@ def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
 
     1 where the model explains the blocks; NaN where there is too little silence to tell.
     """
+    silence = silence_noise(signals)
+    return float("nan") if silence is None else float(np.median(fit.point.noise / silence))
+
+
+def silence_noise(signals: Sequence[Signals]) -> NDArray[np.float64] | None:
+    """Noise (outputs,) of a DFT line's real part, from the silence before the blows; None if there is too little."""
     cut = [s.responses[:, : find_blow(s.force).first] for s in signals]
     quiet = [q - q.mean(axis=1, keepdims=True) for q in cut if q.shape[1] > 1]
     free = sum(q.shape[1] - 1 for q in quiet)
-    if free * len(fit.point.noise) < SILENCE_NEEDED:
-        return float("nan")
+    if free * len(signals[0].outputs) < SILENCE_NEEDED:
+        return None
     variance = np.sum([np.sum(q**2, axis=1) for q in quiet], axis=0) / free
     # A DFT line's real part holds half of n times the variance of a sample.
-    silence = np.sqrt(variance * signals[0].force.size / 2)
-    return float(np.median(fit.point.noise / np.maximum(silence, np.finfo(float).tiny)))
+    return np.maximum(np.sqrt(variance * signals[0].force.size / 2), np.finfo(float).tiny)
 
 
 def _model_error_notes(ratio: float) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.errors import DataError, ModallabError
 from modallab.identification.assumptions import (
@@ -16,7 +17,7 @@ from modallab.identification.assumptions import (
 )
 from modallab.identification.confidence import confidence, least_strength, strength
 from modallab.identification.fit import Fit
-from modallab.identification.impact import LEAK, model_error
+from modallab.identification.impact import LEAK, model_error, silence_noise
 from modallab.identification.sine import fit_tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf
@@ -41,9 +42,13 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
     shift = float(np.log(LEAK) * groups[0][0].rate_hz / groups[0][0].force.size)
 
     band = _loud_band(groups, model.band_hz)
+    flat = [s for group in groups for s in group]
+    # What the fit leaves over holds the very change that is looked for; the silence does not.
+    silence = silence_noise(flat)
+    noise = fit.point.noise if silence is None else silence
 
     def frf(chosen: Groups) -> Frf:
-        return _with_noise(impact_frf(chosen, rig, band, damping_shift=shift), fit, chosen)
+        return _with_noise(impact_frf(chosen, rig, band, damping_shift=shift), noise, chosen)
 
     judges: list[Judge] = [
         ("linearity", lambda: linearity(*(frf(g) for g in _two_levels(groups)))),
@@ -51,7 +56,7 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
         ("reciprocity", lambda: reciprocity(frf(groups))),
         ("driving point", lambda: driving_point(frf(groups))),
     ]
-    least = least_strength(fit, model_error(fit, [s for group in groups for s in group]))
+    least = least_strength(fit, model_error(fit, flat))
     return _assessed(model, fit, judges, least)
 
 
@@ -133,8 +138,8 @@ def _first_and_last(groups: Groups) -> tuple[Groups, Groups]:
     return [g[:1] for g in several], [g[-1:] for g in several]
 
 
-def _with_noise(frf: Frf, fit: Fit, groups: Groups) -> Frf:
-    """The FRF with the variance that the fit's noise gives it: H1 of K blows has 2 noise^2 / sum |F|^2."""
+def _with_noise(frf: Frf, noise: NDArray[np.float64], groups: Groups) -> Frf:
+    """The FRF with the variance that the responses' noise gives it: H1 of K blows has 2 noise^2 / sum |F|^2."""
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
     place = np.round(frf.frequency_hz * n / rate).astype(int)
@@ -143,8 +148,8 @@ def _with_noise(frf: Frf, fit: Fit, groups: Groups) -> Frf:
         sum(np.abs(np.fft.rfft(window * windowed_force(s.force, find_blow(s.force)))[place]) ** 2 for s in group)
         for group in groups
     ]
-    noise = 2 * fit.point.noise**2 * np.mean(window**2)
-    return replace(frf, variance=noise[:, None, None] / np.stack(power)[None])
+    variance = 2 * noise**2 * np.mean(window**2)
+    return replace(frf, variance=variance[:, None, None] / np.stack(power)[None])
 
 
 def _by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
