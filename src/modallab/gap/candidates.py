@@ -95,7 +95,7 @@ def _both(low: float, high: float, count: int) -> tuple[float, ...]:
 
 
 def _along() -> Slot:
-    return Slot("x", "plain", tuple(float(v) for v in np.linspace(0.1, 0.98, 12)))
+    return Slot("x", "plain", tuple(float(v) for v in np.linspace(0.1, 0.98, 12)), low=0.0, high=1.0)
 
 
 def structural(rig: Rig) -> list[Candidate]:

@@ -18,6 +18,13 @@ CLOSED_RESAMPLED = 0.98
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
 
+MODEL_SHARE = 0.7
+"""Relative error of a parameter per relative residual its effect leaves."""
+UNFELT = 50.0
+"""Deviation of a number that is not felt, in its own units: plain ones to their bounds, logarithms to e^50."""
+CURVED = 1e-14
+"""Share of the largest curvature below which a number is not felt at all, as a place held at the tip."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Choice:
@@ -103,21 +110,38 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
 
 
-def intervals(fit: Fit) -> list[dict[str, tuple[float, float]]]:
-    """95 % intervals of the parameters of each effect, from the curvature at the fit, widened by what is left."""
-    scale = max(1.0, fit.gap)
-    try:
-        covariance = np.linalg.inv(fit.normal) * scale**2
-    except np.linalg.LinAlgError:
-        covariance = np.full(fit.normal.shape, np.inf)
-    deviation = np.sqrt(np.maximum(np.diag(covariance), 0))
+def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
+    """95 % intervals of the parameters of each effect: noise by the curvature at the fit, and the model's own error.
+
+    What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
+    are believed no better.
+    """
+    fit = choice.fit
+    deviation = _deviations(fit) * max(1.0, fit.gap)
+    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
     found: list[dict[str, tuple[float, float]]] = []
     at = fit.problem.free.size
     for candidate in fit.problem.candidates:
         own: dict[str, tuple[float, float]] = {}
         for slot in candidate.slots:
-            low, high = (slot.value(float(fit.u[at] + sign * 1.96 * deviation[at])) for sign in (-1, 1))
-            own[slot.name] = (min(low, high), max(low, high))
+            u = float(fit.u[at])
+            value = slot.value(u)
+            low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
+            model = 1.96 * share * abs(value - (1.0 if slot.name == "gain" else 0.0)) if slot.name != "x" else 0.0
+            own[slot.name] = (
+                max(value - float(np.hypot(value - min(low, high), model)), slot.low),
+                min(value + float(np.hypot(max(low, high) - value, model)), slot.high),
+            )
             at += 1
         found.append(own)
     return found
+
+
+def _deviations(fit: Fit) -> Array:
+    """Standard deviation of each free number; beyond any range where the data do not move it."""
+    curvature = np.diag(fit.normal)
+    felt = curvature > CURVED * np.max(curvature)
+    deviation = np.full(len(curvature), UNFELT)
+    covariance = np.linalg.pinv(fit.normal[np.ix_(felt, felt)], hermitian=True)
+    deviation[felt] = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return deviation

@@ -108,7 +108,7 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
         return []
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Found] = []
-    for effect, interval in zip(fit.effects, intervals(fit), strict=True):
+    for effect, interval in zip(fit.effects, intervals(choice), strict=True):
         share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
         place: dict[str, Any] = {k: list(v) if isinstance(v, tuple) else v for k, v in effect.place.items()}
         if isinstance(place.get("x"), float):
