@@ -131,7 +131,7 @@ def main() -> int:
         return 0
     rig = parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     if arguments.also_supervisor and not arguments.no_watchdog:
-        rig = rig.model_copy(update={"excitation": Excitation(watchdog_s=0.3)})
+        rig = rig.model_copy(update={"excitation": Excitation(watchdog_s=0.4)})
     plan = long_burst(arguments.burst_s)
     with NiServer(rig, "9215", "--pace", virtual=False) as server, tempfile.TemporaryDirectory() as folder:
         server.say("preamplifiers sine")

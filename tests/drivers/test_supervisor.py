@@ -12,10 +12,10 @@ from ni_server import NiServer
 
 from modallab.acquisition.process import RigProcess
 from modallab.acquisition.supervisor import BEAT_S, SILENCE_S
-from modallab.acquisition.trip import TrippedError
+from modallab.acquisition.trip import Trip, TrippedError
 from modallab.backend.loader import open_bench, open_output
 from modallab.backend.protocol import Burst, Request
-from modallab.errors import DeviceBusyError, ModallabError
+from modallab.errors import DeviceBusyError, ModallabError, OutputLostError
 from modallab.schema.hardware import Excitation
 from modallab.schema.plan import SinePlan
 from modallab.schema.rig import Rig
@@ -23,6 +23,7 @@ from modallab.schema.rig import Rig
 OUTPUT = "cDAQ1Mod4/ao0"
 LIMIT_S = 0.5
 PATIENCE_S = 30.0
+WATCHDOG_S = 0.8
 
 # One burst of 20 s, with hardly anything before it.
 PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, rest_s=0.2, rest_timeout_s=0.2)
@@ -49,6 +50,14 @@ def started(server: NiServer, rig: Rig, folder: Path) -> tuple[RigProcess, threa
     runner.start()
     wait_for_volts(server, on=True)
     return process, runner
+
+
+def waited_for_trip(process: RigProcess) -> Trip:
+    began = time.monotonic()
+    while (trip := process.trip) is None:
+        assert time.monotonic() - began < PATIENCE_S, process.view
+        time.sleep(0.01)
+    return trip
 
 
 def drain(process: RigProcess, ended_by: list[ModallabError] | None = None) -> None:
@@ -99,9 +108,8 @@ def test_an_acquisition_that_falls_silent_for_a_second_is_brought_to_zero_and_tr
     os.kill(pid, signal.SIGSTOP)
     try:
         assert wait_for_volts(paced, on=False) < SILENCE_S + BEAT_S + LIMIT_S
-        while process.trip is None:
-            time.sleep(0.01)
-        assert process.trip.cause == "silence"
+        trip = waited_for_trip(process)
+        assert trip.cause == "silence"
     finally:
         os.kill(pid, signal.SIGCONT)
     # When it comes to itself again, it finds the rig tripped, and drives nothing.
@@ -133,7 +141,9 @@ def test_an_emergency_stop_needs_no_answer_from_the_acquisition_process(paced: N
 
 
 def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, rig: Rig, tmp_path: Path):
-    guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=0.3, heartbeat_line="cDAQ1Mod5/port0/line0")})
+    guarded = rig.model_copy(
+        update={"excitation": Excitation(watchdog_s=WATCHDOG_S, heartbeat_line="cDAQ1Mod5/port0/line0")}
+    )
     process, runner = started(paced, guarded, tmp_path)
     before = paced.say("levels")["cDAQ1Mod5/port0/line0 changes"]
     time.sleep(0.3)
@@ -143,7 +153,7 @@ def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, ri
     supervisor.process.kill()
     supervisor.process.join()
     process.process.kill()
-    assert wait_for_volts(paced, on=False) < LIMIT_S
+    assert wait_for_volts(paced, on=False) < WATCHDOG_S + LIMIT_S
     runner.join()
     process.close()
     handle = open_output(paced.url, guarded)
@@ -179,6 +189,26 @@ def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(
     assert ni_server.say("levels 0.05")[OUTPUT] > 0.4
     for handle in handles:
         handle.close()
+    bench.close()
+
+
+def test_a_watchdog_that_expired_before_the_burst_watches_again_from_its_start(paced: NiServer, rig: Rig):
+    guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=WATCHDOG_S)})
+    bench = open_bench(paced.url, guarded)
+    bench.configure(Request("sine", 1000.0))
+    bench.start()
+    # Nobody reads for so long that it expires.
+    time.sleep(1.5 * WATCHDOG_S)
+    bench.play(Burst(20.0, 0.5, 0.1, 20.0))
+    began = time.monotonic()
+    while time.monotonic() - began < 0.6 + 1.5 * WATCHDOG_S:
+        bench.read(50, 5.0)
+    assert paced.say("levels 0.05")[OUTPUT] > 0.4
+    # And from here on nobody reads.
+    assert wait_for_volts(paced, on=False) < WATCHDOG_S + LIMIT_S
+    with pytest.raises(OutputLostError, match="the watchdog has expired"):
+        bench.read(500, 5.0)
+    assert wait_for_volts(paced, on=False) < LIMIT_S
     bench.close()
 
 

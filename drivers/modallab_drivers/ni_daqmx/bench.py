@@ -48,7 +48,7 @@ class NiBench:
         self._route = Route(self._address)
         self._inputs: Inputs | None = None
         self._state: State = "open"
-        self._position = 0
+        self._position = self._burst_end = 0
         self._request: Request | None = None
         self._record: TriggeredRecord | None = None
         devices = self._route.devices()
@@ -123,7 +123,7 @@ class NiBench:
             self._gone()
             raise
         self._guards = Guards(self._route, self._rig.excitation, self._guarded)
-        self._position = 0
+        self._position = self._burst_end = 0
         self._state = "running"
 
     def read(self, count: int, timeout_s: float) -> Chunk:
@@ -182,7 +182,9 @@ class NiBench:
         require_burst(burst, self._inputs.rate_hz, self._output.range_v, self._rig.limits, self._url)
         if self._output.busy:
             raise ConfigurationError("a burst is still on", where=self._url, remedy="wait for its end, or zero()")
+        self._guards.ready()
         self._output.play(burst, self._position, self._inputs.rate_hz)
+        self._burst_end = self._position + round(burst.duration_s * self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
@@ -197,6 +199,7 @@ class NiBench:
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""
+        self._burst_end = 0
         if self._output is not None and self._state not in ("closed", "gone"):
             self._output.zero()
 
@@ -256,7 +259,7 @@ class NiBench:
         return count if event is None else max(1, min(count, event - self._position))
 
     def _look_after(self) -> None:
-        self._guards.beat()
+        self._guards.beat(driving=self._position < self._burst_end)
         if self._output is not None:
             self._output.tick(self._position)
 

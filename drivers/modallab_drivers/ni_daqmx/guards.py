@@ -9,6 +9,7 @@ from nidaqmx.constants import WatchdogAOExpirState
 from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
+from modallab.errors import OutputLostError
 from modallab.schema.hardware import Excitation
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.route import Route
@@ -34,8 +35,25 @@ class Watchdog:
             self._task.start()
 
     def beat(self) -> None:
-        """Reset its timer."""
+        """Reset its timer.
+
+        Raises:
+            OutputLostError: it has expired, so that the device holds the output at 0 V, whatever is written to it.
+        """
         with translated(self._where):
+            if self._task.expired:
+                raise OutputLostError(
+                    "the watchdog has expired: nothing was read for longer than it allows; the output is held at 0 V",
+                    where=self._where,
+                    remedy="allow it longer, or use a quieter machine",
+                )
+            self._task.reset_timer()
+
+    def ready(self) -> None:
+        """Before a burst: where it has expired while nothing was driven, let it watch anew."""
+        with translated(self._where):
+            if self._task.expired:
+                self._task.clear_expiration()
             self._task.reset_timer()
 
     def close(self) -> None:
@@ -66,6 +84,9 @@ class HeartbeatLine:
         with translated(self._where):
             self._task.write(self._level, auto_start=True)
 
+    def ready(self) -> None:
+        """Nothing to do."""
+
     def close(self) -> None:
         """Let go of the line: it stands still."""
         with suppress(nidaqmx.errors.Error):
@@ -86,12 +107,26 @@ class Guards:
         if excitation.heartbeat_line:
             self._guards.append(HeartbeatLine(route, excitation.heartbeat_line))
 
-    def beat(self) -> None:
-        """All is well."""
-        if self._guards and time.monotonic() - self._beaten_s >= BEAT_S:
-            self._beaten_s = time.monotonic()
-            for guard in self._guards:
+    def beat(self, *, driving: bool) -> None:
+        """All is well.
+
+        Raises:
+            OutputLostError: while a burst is on, a watchdog has ended it.
+        """
+        if not self._guards or time.monotonic() - self._beaten_s < BEAT_S:
+            return
+        self._beaten_s = time.monotonic()
+        for guard in self._guards:
+            try:
                 guard.beat()
+            except OutputLostError:
+                if driving:
+                    raise
+
+    def ready(self) -> None:
+        """A burst comes: all guards must watch."""
+        for guard in self._guards:
+            guard.ready()
 
     def close(self) -> None:
         """Stop watching."""

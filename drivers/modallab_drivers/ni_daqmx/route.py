@@ -162,12 +162,7 @@ def found_devices(url: str) -> list[Found]:
             found = [(name, route.describe(name)) for name in names]
     finally:
         route.close()
-    return [
-        Found(
-            f"{base}{name}{query}", f"{d.product}, serial {d.serial}, {len(d.inputs)} inputs, {len(d.outputs)} outputs"
-        )
-        for name, d in found
-    ]
+    return [Found(f"{base}{name}{query}", _said(device)) for name, device in found]
 
 
 def _said(device: DeviceInfo) -> str:

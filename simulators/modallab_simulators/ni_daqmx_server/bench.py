@@ -123,6 +123,7 @@ class SimulatedSystem:
         else:
             task.running = True
             if isinstance(task, WatchdogTask):
+                self.let_go(task)
                 task.kick(time.monotonic())
 
     def stop(self, task: Task) -> None:
@@ -130,6 +131,8 @@ class SimulatedSystem:
         if isinstance(task, OutputTask):
             task.stop(self.clock)
             self.changed()
+        if isinstance(task, WatchdogTask):
+            self.let_go(task)
         task.running = False
         self.reserved.release(task)
 
@@ -149,6 +152,7 @@ class SimulatedSystem:
             self.clear(task.name)
         for name, line in self.lines.items():
             if name.partition("/")[0] in hit and not self.reset_keeps_outputs:
+                line.held = False
                 line.put(self.clock.now() + LATENCY_S, Hold(0.0))
         self.changed()
 
@@ -172,8 +176,14 @@ class SimulatedSystem:
             return
         task.expired = True
         for name, volts in task.states.items():
-            self.lines[name].put(self.clock.now() + LATENCY_S, Hold(volts))
+            self.lines[name].expire(self.clock.now() + LATENCY_S, volts)
         self.changed()
+
+    def let_go(self, watchdog: WatchdogTask) -> None:
+        """The outputs of a watchdog that is cleared, stopped or started anew follow their tasks again."""
+        watchdog.expired = False
+        for name in watchdog.states:
+            self.lines[name].held = False
 
     def fault(self, line: str) -> None:
         """Arm a fault, as an operator types it: `unplugged -201003`, `status ReadAnalogF64 -200279 2`.

@@ -239,7 +239,7 @@ def control_watchdog(system: SimulatedSystem, request: Any) -> Answer:
     """Reset the timer, or clear what has expired."""
     task = system.task(request.task.name, WatchdogTask)
     if request.action_raw == 1 or request.action == 1:
-        task.expired = False
+        system.let_go(task)
     task.kick(time.monotonic())
     return {}
 

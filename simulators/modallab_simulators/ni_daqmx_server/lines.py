@@ -70,9 +70,17 @@ class OutputLine:
 
     def __init__(self) -> None:
         self._parts: list[tuple[float, Wave]] = [(-np.inf, Hold(0.0))]
+        self.held = False
+
+    def expire(self, at_s: float, volts: float) -> None:
+        """A watchdog takes the output: whatever a task writes from now on is ignored until the watchdog is cleared."""
+        self.put(at_s, Hold(volts))
+        self.held = True
 
     def put(self, at_s: float, wave: Wave) -> None:
-        """From `at_s` on the output follows `wave`."""
+        """From `at_s` on the output follows `wave`, unless a watchdog holds it."""
+        if self.held:
+            return
         self._parts = [part for part in self._parts if part[0] < at_s]
         self._parts.append((at_s, wave))
         while len(self._parts) > 1 and self._parts[1][0] < at_s - MEMORY_S:
