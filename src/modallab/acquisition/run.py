@@ -196,7 +196,10 @@ def _prepare(setup: Setup) -> Context:
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
     stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=setup.poll)
     bench.start()
-    return Context(bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut, setup.wishes)
+    return Context(
+        bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut,
+        setup.wishes, setup.excitation,
+    )  # fmt: skip
 
 
 def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
