@@ -10,7 +10,7 @@ from modallab.errors import FormatError
 from modallab.exchange.hdf5_access import COPY_AGAIN, Facts, datasets
 from modallab.exchange.hdf5_sealed import fixed, get_group, read_sealed, read_text, write_sealed, write_text
 from modallab.exchange.rig_file import dump_rig
-from modallab.schema.block import Block, Campaign
+from modallab.schema.block import Block, Campaign, Ramp
 from modallab.schema.frf import UNIT, Frf, FrfQuantity
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
@@ -19,7 +19,7 @@ from modallab.schema.versions import CAMPAIGN_NATIVE
 SAMPLE_TYPES = (np.int16, np.int32, np.float32, np.float64)
 """The types in which a device may deliver."""
 
-_OPTIONAL_REALS = ("frequency_hz", "requested_rate_hz", "actual_rate_hz")
+_OPTIONAL_REALS = ("frequency_hz", "requested_rate_hz", "actual_rate_hz", "history_s", "ramp_s")
 
 
 def write_content(target: h5py.File, campaign: Campaign) -> None:
@@ -69,6 +69,8 @@ def _write_block(records: h5py.Group, block: Block) -> None:
     record.attrs["channels"] = fixed(block.channels)
     if block.level is not None:
         record.attrs["level"] = fixed([block.level])[0]
+    if block.ramp is not None:
+        record.attrs["ramp"] = fixed([block.ramp])[0]
     if block.drive_point is not None:
         record.attrs["drive_point"] = block.drive_point
     if block.overload is not None:
@@ -101,6 +103,7 @@ def _read_block(name: str, record: h5py.Dataset, where: str) -> Block:
         level=facts.text("level") if facts.has("level") else None,
         first_sample=facts.whole("first_sample"),
         overload=tuple(bool(x) for x in facts.reals("overload")) if facts.has("overload") else None,
+        ramp=cast("Ramp", facts.choice("ramp", "straight", "cosine")) if facts.has("ramp") else None,
         **reals,
     )
 

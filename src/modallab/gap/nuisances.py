@@ -64,9 +64,10 @@ class Nuisances:
             thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
             density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
             zeta=np.minimum(zeta, 0.95),
-            root_rotation=nominal.root_rotation * float(np.exp(u[-2] * ROOT)) if self.root else 0.0,
+            root_rotation=nominal.root_rotation * float(np.exp(_held(u[-2]) * ROOT)) if self.root else 0.0,
         )
-        twin = Twin(structure, rest=float(u[-1]))
+        # Between none of the modes left out and all of them, with some room for what else is stiff and light.
+        twin = Twin(structure, rest=float(0.5 + _held(u[-1] - 0.5, 0.6, 1.0)))
         if not self.gains:
             return twin
         first = 3 + self.modes
@@ -75,10 +76,10 @@ class Nuisances:
         return replace(twin, chain=replace(twin.chain, gain=gain))
 
 
-def _held(u: Array) -> Array:
-    """As it is up to `FREE` deviations, and ever slower towards `BEYOND`: a fit that strayed can find its way back."""
-    room = BEYOND - FREE
-    return np.where(np.abs(u) < FREE, u, np.sign(u) * (FREE + room * np.tanh((np.abs(u) - FREE) / room)))
+def _held(u: Array, free: float = FREE, beyond: float = BEYOND) -> Array:
+    """As it is up to `free` deviations, and ever slower towards `beyond`: a fit that strayed can find its way back."""
+    room = beyond - free
+    return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
 
 
 def nuisances(rig: Rig, top_hz: float) -> Nuisances:

@@ -1,6 +1,7 @@
 """What a device delivered, block by block, and a campaign of such blocks."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 from modallab.schema.frf import Frf
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
+
+Ramp = Literal["straight", "cosine"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,6 +33,9 @@ class Block:
         requested_rate_hz: what was asked of the device; None if unknown.
         actual_rate_hz: what its clock gave; None if unknown.
         overload: (channels,) whether the device reported a channel beyond its range; None if it cannot tell.
+        history_s: from the start of a sine, out of rest, to the first sample, by the samples' count; None if unknown.
+        ramp_s: how long that sine took to rise; None if unknown.
+        ramp: along what it rose; None if unknown.
     """
 
     name: str
@@ -47,6 +53,9 @@ class Block:
     requested_rate_hz: float | None = None
     actual_rate_hz: float | None = None
     overload: tuple[bool, ...] | None = None
+    history_s: float | None = None
+    ramp_s: float | None = None
+    ramp: Ramp | None = None
 
     @property
     def n_samples(self) -> int:

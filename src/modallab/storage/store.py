@@ -5,7 +5,7 @@ import secrets
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Self
+from typing import Self, TypedDict
 
 import numpy as np
 
@@ -13,15 +13,15 @@ from modallab import __version__
 from modallab.backend.protocol import BenchInfo
 from modallab.backend.recut import Recut
 from modallab.errors import StorageError
-from modallab.schema.block import Block
-from modallab.schema.plan import Plan
+from modallab.schema.block import Block, Ramp
+from modallab.schema.plan import Plan, SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
 from modallab.storage.lease import Lease
 from modallab.storage.recorder import Recorder, checksum, drop, utc_now
-from modallab.storage.records import ENDED, BlockRecord, RunRecord
+from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
 from modallab.storage.samples import SampleReader, open_samples
 from modallab.storage.seal import seal
 
@@ -209,4 +209,19 @@ def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
         requested_rate_hz=run.rates.requested_hz,
         actual_rate_hz=run.rates.actual_hz,
         overload=tuple(channel.name in over for channel in run.rig.channels),
+        **_rise(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
     )
+
+
+class _Rise(TypedDict, total=False):
+    history_s: float
+    ramp_s: float
+    ramp: Ramp
+
+
+def _rise(run: RunRecord, note: BlockNote, rate_hz: float) -> _Rise:
+    """How the sine of a block came about: drivers raise every burst along a cosine, and say where it began."""
+    began = note.facts.get("burst_first_sample")
+    if not isinstance(run.plan, SinePlan) or not isinstance(began, float):
+        return {}
+    return {"history_s": (note.first_sample - began) / rate_hz, "ramp_s": run.plan.ramp_s, "ramp": "cosine"}

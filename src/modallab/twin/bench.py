@@ -59,6 +59,7 @@ class Twin:
         hit_shift_m: every blow lands that much farther from the clamp.
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
         stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
+        rest: share of what all modes beyond those of the twin add as a static compliance: 1 is the whole beam.
     """
 
     structure: Structure
@@ -69,6 +70,7 @@ class Twin:
     hit_shift_m: float = 0.0
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
+    rest: float = 0.0
 
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Chain, Twin, transfer
-from modallab.twin.response import Blows, Sines
+from modallab.twin.response import Blows, Rise, Sines
 from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
@@ -44,6 +44,7 @@ def predict_blow(
         forced, tail = source.kernel(poles)
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, channels, poles)) @ tail
+    forced_sum += twin.rest * np.outer(_beyond(twin, modes, channels, x_m, x), source.s**2)
     chain = transfer(twin.chain, channels, source.s)
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
@@ -60,6 +61,7 @@ def predict_sine(
     channels: tuple[int, ...],
     x_m: Array,
     tau: float,
+    rise: Rise | None = None,
 ) -> Array:
     """(channels, n) accelerations in m/s^2 of a sine block, with what rings on from its start.
 
@@ -73,11 +75,13 @@ def predict_sine(
         channels: rows of the accelerometers.
         x_m: their places.
         tau: place of the record in the campaign's time, 0 to 1.
+        rise: of one block: how the sine came about; None for the usual.
     """
     dt = 1 / rate_hz / (1 + twin.clock)
+    rise = rise or Rise.usual(1)
     world_hz = frequency_hz * (1 + twin.clock)
     modes = drifted(solve(twin.in_sine(drive_x_m)), twin.ei_drift, float(twin.drifted(tau)))
-    source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]))
+    source = Sines(np.zeros((1, 1)), np.array([world_hz]), n, dt, np.array([amplitude_n]), rise.on_clock(twin.clock))
     residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(drive_x_m)[0]
     t = np.arange(n) * dt
     drive = source.drive[0]
@@ -90,6 +94,8 @@ def predict_sine(
         # The kernel's decay is per n / 2 and per unit of the complex amplitude.
         weight = r * transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
         rings += np.real(weight @ np.exp(poles[:, None] * t))
+    rest = twin.rest * _beyond(twin, modes, channels, x_m, drive_x_m) * drive**2
+    up, down = up + rest, down + rest
     steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
     steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
@@ -101,12 +107,23 @@ def drifted(modes: Modes, ei_drift: float, tau: float) -> Modes:
     if not ei_drift:
         return modes
     scale = float(np.sqrt(max(1e-3, 1 + ei_drift * tau)))
-    return replace(modes, poles=modes.poles * scale, columns=modes.columns / np.sqrt(scale))
+    return replace(
+        modes, poles=modes.poles * scale, columns=modes.columns / np.sqrt(scale), beyond=modes.beyond / scale**2
+    )
+
+
+def seats(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Array:
+    """(channels,) places where the accelerometers truly sit, none beyond the beam's ends."""
+    x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
+    return np.clip(x, 0.0, modes.length_m)
 
 
 def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Complex:
-    x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
-    return modes.at(np.clip(x, 0.0, modes.length_m))
+    return modes.at(seats(chain, modes, channels, x_m))
+
+
+def _beyond(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Array, drive_x_m: float) -> Array:
+    return modes.remainder(seats(twin.chain, modes, channels, x_m), drive_x_m)
 
 
 def _swapped(chain: Chain, channels: tuple[int, ...], y: Array) -> Array:

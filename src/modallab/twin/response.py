@@ -3,19 +3,19 @@
 For a pole l and the displacement residue R the acceleration of a block that holds the whole force f is, on line k,
 R (F_k s^2 / (s - l) - l^2 F(l) p^N / (1 - p / z)), s = j omega_k, z = exp(s dt), p = exp(l dt), F(l) the Laplace
 transform of the force: the whole response less what rings on after the block. A sine block is its steady state and
-the decay that its start, eight seconds before, has left.
+the decay that its rise, some seconds before, has left.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 HISTORY_S = 8.0
-"""Time from the start of a sine to its block."""
+"""Time from the start of a sine to its block, where nothing else is known."""
 RAMP_S = 1.0
-"""Its linear rise."""
+"""Its straight rise, where nothing else is known."""
 TAIL_SHARE = 0.45
 """Poles beyond this share of the rate leave no tail: nothing in the band excites them."""
 
@@ -64,6 +64,45 @@ class Blows:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Rise:
+    """How each sine came about, out of rest.
+
+    Attributes:
+        history_s: (blocks,) from its start to the block.
+        ramp_s: (blocks,) how long it rose.
+        cosine: (blocks,) whether along (1 - cos(pi t / ramp)) / 2; else along a straight line.
+        counted: (blocks,) whether the history was counted in samples, so that the converter's clock stretches it.
+    """
+
+    history_s: Array
+    ramp_s: Array
+    cosine: NDArray[np.bool_]
+    counted: NDArray[np.bool_]
+
+    @classmethod
+    def usual(cls, blocks: int) -> Self:
+        """What is assumed of blocks of which nothing is known."""
+        no = np.zeros(blocks, dtype=np.bool_)
+        return cls(np.full(blocks, HISTORY_S), np.full(blocks, RAMP_S), no, no)
+
+    def on_clock(self, clock: float) -> Self:
+        """The same on the clock of the world, where the converter's runs fast by `clock`."""
+        return replace(self, history_s=np.where(self.counted, self.history_s / (1 + clock), self.history_s))
+
+    def left(self, a: Complex) -> Complex:
+        """(..., blocks) what exp(a t), raised from 0, has left at t = 0 of a decay, beyond its steady state 1 / a.
+
+        It is minus the integral of the rise's slope times exp(a t), over a. The slope is 1 / T on a straight line,
+        pi / (2 T) sin(pi t / T) along a cosine.
+        """
+        ramp = np.maximum(self.ramp_s, 1e-6)
+        late, early = np.exp(-(self.history_s - ramp) * a), np.exp(-self.history_s * a)
+        b2 = (np.pi / ramp) ** 2
+        along_cosine = b2 / 2 * (late + early) / (a**2 + b2)
+        return -np.where(self.cosine, along_cosine, (late - early) / (ramp * a)) / a
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Sines:
     """Sine blocks of one length, each on a few lines about its own; scaled by n / 2 times the force amplitude.
 
@@ -73,6 +112,7 @@ class Sines:
         n: samples of a block.
         dt: seconds between samples, on the clock of the world.
         force: (blocks,) complex amplitude of the force in N: f(t) = Re(force exp(j omega t)), t from the block's start.
+        rise: how the sines came about.
     """
 
     lines: Array
@@ -80,6 +120,7 @@ class Sines:
     n: int
     dt: float
     force: Complex
+    rise: Rise
 
     @property
     def s(self) -> Complex:
@@ -107,7 +148,7 @@ class Sines:
         poles = poles if poles.ndim == 2 else np.broadcast_to(poles[:, None], (len(poles), len(self.force)))
         drive = self.drive
         turned = np.conj(self.force) / self.force
-        start = (_ramp_up(drive - poles) + turned * _ramp_up(-drive - poles)) / self.n
+        start = (self.rise.left(drive - poles) + turned * self.rise.left(-drive - poles)) / self.n
         return drive**2 / (drive - poles), drive**2 / (-drive - poles), poles**2 * start
 
     def decay_shape(self, poles: Complex) -> Complex:
@@ -121,9 +162,3 @@ def _geometric(a: Complex, dt: float, n: int) -> Complex:
     ratio = np.exp(a * dt)
     one = np.abs(ratio - 1) < 1e-12
     return np.where(one, n, (1 - np.exp(a * dt * n)) / np.where(one, 1, 1 - ratio))
-
-
-def _ramp_up(a: Complex) -> Complex:
-    """What a linear rise of exp(a t) leaves at t = 0, less its steady state: minus the mean of its slope over a."""
-    late, early = np.exp(-(HISTORY_S - RAMP_S) * a), np.exp(-HISTORY_S * a)
-    return -(late - early) / (RAMP_S * a**2)

@@ -1,5 +1,6 @@
 """The cantilever's numbers, and the modes that follow from them."""
 
+import re
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from threading import Lock
@@ -14,7 +15,7 @@ from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, 
 
 MODES = 15
 """Modes kept: well past the band."""
-RIGID = 1e-7
+RIGID = 1e-9
 """Root compliance, in beam compliances, that counts as rigid."""
 
 Array = NDArray[np.float64]
@@ -70,6 +71,7 @@ class Structure:
             beam.youngs_modulus_pa,
             beam.density_kg_m3,
             np.full(MODES, damping_ratio),
+            root_rotation=believed_root(beam),
         )
 
     @property
@@ -91,15 +93,21 @@ class Modes:
         poles: (p,) rad/s, imaginary part >= 0.
         columns: (n, p) complex shapes over the elements' degrees of freedom, scaled so that the formula holds.
         length_m: length of the beam.
+        beyond: (n, n) static compliance in m/N that all other modes add, over the same degrees of freedom.
     """
 
     poles: Complex
     columns: Complex
     length_m: float
+    beyond: Array
 
     def at(self, x_m: float | Array) -> Complex:
         """(points, p) shapes at places on the beam."""
         return shape_rows(x_m, self.length_m) @ self.columns
+
+    def remainder(self, x_m: Array, drive_x_m: float) -> Array:
+        """(points,) static displacement in m per N at `drive_x_m` that the modes left out add."""
+        return shape_rows(x_m, self.length_m) @ (self.beyond @ shape_rows(drive_x_m, self.length_m)[0])
 
     @property
     def frequency_hz(self) -> Array:
@@ -107,25 +115,37 @@ class Modes:
         return np.abs(self.poles) / (2 * np.pi)
 
 
+_SPRING = re.compile(r"(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*EI/L(?!\^)")
+
+
+def believed_root(beam: Beam) -> float:
+    """Rotational compliance of the root in L / EI by the words of the rig file: "... 13 EI/L ..."; else 0."""
+    said = _SPRING.search(beam.clamp)
+    return 1 / float(said.group(1)) if said is not None and float(said.group(1)) > 0 else 0.0
+
+
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    omega, phi = _undamped(structure)
+    omega, phi, beyond = _undamped(structure)
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
-        return Modes(poles, phi @ mixing, structure.length_m)
+        return Modes(poles, phi @ mixing, structure.length_m, beyond)
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
     columns = (phi / np.sqrt(2j * damped)).astype(np.complex128)
-    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m)
+    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, beyond)
 
 
-_LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array]] = OrderedDict()
+_LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array, Array]] = OrderedDict()
 _KEPT = 48
 _LOCK = Lock()
 
 
-def _undamped(structure: Structure) -> tuple[Array, Array]:
-    """(MODES,) rad/s and (n, MODES) shapes; remembered, as damping, chain and clock leave them as they are."""
+def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
+    """(MODES,) rad/s, (n, MODES) shapes and (n, n) compliance beyond them.
+
+    Remembered, as damping, chain and clock leave them as they are.
+    """
     key = _undamped_key(structure)
     with _LOCK:
         if key in _LATEST:
@@ -138,11 +158,14 @@ def _undamped(structure: Structure) -> tuple[Array, Array]:
     values, vectors = eigh(mass[held], stiffness[held], check_finite=False, overwrite_a=True, overwrite_b=True)
     omega, phi = 1 / np.sqrt(values[: -MODES - 1 : -1]), np.zeros((len(stiffness), MODES))
     phi[free] = vectors[:, : -MODES - 1 : -1] * omega
+    # The vectors have unit strain energy: summed over all of them their squares are the compliance.
+    others, beyond = vectors[:, :-MODES], np.zeros(stiffness.shape)
+    beyond[held] = others @ others.T
     with _LOCK:
-        _LATEST[key] = omega, phi
+        _LATEST[key] = omega, phi, beyond
         while len(_LATEST) > _KEPT:
             _LATEST.popitem(last=False)
-    return omega, phi
+    return omega, phi, beyond
 
 
 def _undamped_key(s: Structure) -> tuple[object, ...]:
