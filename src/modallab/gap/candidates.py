@@ -182,7 +182,7 @@ def of_channel(rig: Rig, channel: int) -> list[Candidate]:
         Candidate(
             "loose_mount",
             (
-                Slot("hz", "log", (60.0, 90.0, 140.0, 210.0, 320.0, 500.0, 1000.0), low=40.0, high=2e4),
+                Slot("hz", "log", (60.0, 90.0, 140.0, 210.0, 320.0, 500.0, 1e3, 2e3, 4e3, 8e3), low=40.0, high=2e4),
                 Slot("zeta", "log", (0.04,), low=1e-3, high=0.4),
             ),
             place,
