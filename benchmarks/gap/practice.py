@@ -19,9 +19,10 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
-from modallab.blind.score import Trial, reliability, score
+from modallab.blind.score import Trial, parameter_errors, reliability, score
 from modallab.exchange.campaign_hdf5 import read_campaign
 from modallab.gap.diagnose import diagnose
 from modallab.schema.diagnosis import Diagnosis
@@ -78,6 +79,23 @@ def trials(practice: Path, file: Path) -> list[Trial]:
     return found
 
 
+def by_effect(listed: list[Trial]) -> list[str]:
+    """Rows of a table: effect, trials, named right, stage right, median relative error of the parameters."""
+    groups: dict[str, list[Trial]] = defaultdict(list)
+    for trial in listed:
+        groups[" + ".join(sorted(str(e["effect"]) for e in trial.truth)) or "none"].append(trial)
+    rows: list[str] = []
+    for name, group in sorted(groups.items()):
+        right = sum(t.said == t.names if t.knowable else t.diagnosis.verdict == "unknown" for t in group)
+        stage = sum(t.diagnosis.where.stage in {e["family"] for e in t.truth} for t in group if t.truth)
+        errors = [e for t in group for e in parameter_errors(t)]
+        error = f"{100 * float(np.median(errors)):.2g} %" if errors else ""
+        rows.append(
+            f"| {name.replace('_', ' ')} | {len(group)} | {right} | {stage if name != 'none' else ''} | {error} |"
+        )
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("practice", type=Path)
@@ -96,6 +114,7 @@ def main() -> None:
         )
     if arguments.score is not None:
         listed = trials(arguments.practice, arguments.score)
+        print("\n".join(by_effect(listed)))
         for figure in score(listed):
             print(f"{figure.name:42s} {figure.value:8.4f} of {figure.count:3d}  {' '.join(figure.misses)}")
         error, bins = reliability(listed)

@@ -1,6 +1,6 @@
 """What the accelerometers read without a force: ringing from before a blow, and a floor that shakes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -45,11 +45,13 @@ class Floor:
         rms_acc: m/s^2 of the base.
         z: how far its spectrum stands above the noise.
         spectrum: (channels, lines) variance per sample of the response on each line, in (m/s^2)^2.
+        density: (channels, lines) the same under a Hann window, where resonances do not leak into all lines.
     """
 
     rms_acc: float
     z: float
     spectrum: Array
+    density: Array
 
 
 def before_blow(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
@@ -78,16 +80,29 @@ def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex
     hits = [b for b in blocks if b.test == "impact"]
     if z < 2.0 or (hits and before_blow(hits, rig, noise_v) < 1.15):
         return None
-    middle = np.ma.median(stack, axis=0).filled(np.log(2)) / np.log(2) - 1
-    smooth = np.apply_along_axis(lambda row: np.convolve(row, np.ones(5) / 5, mode="same"), 1, np.maximum(middle, 0))
     sigma = _sigma(sines[0], rig, noise_v)
-    spectrum = smooth * sigma[:, None] ** 2
+    spectrum = _above_noise(stack) * sigma[:, None] ** 2
+    windowed = [_beside_drive(b, rig, noise_v, poles, ratio, np.hanning) for b in sines]
+    density = _above_noise(np.ma.masked_invalid(np.array(windowed))) * sigma[:, None] ** 2
     # Near the clamp an accelerometer moves with the base: the one with the least motion shows it best.
     base = float(np.sqrt(np.min(np.sum(spectrum, axis=1)) * 2 / n))
-    return Floor(base, float(np.sqrt(z)), spectrum)
+    return Floor(base, float(np.sqrt(z)), spectrum, density)
 
 
-def _beside_drive(block: Block, rig: Rig, noise_v: Array, poles: Complex, ratio: float) -> Array:
+def _above_noise(stack: "np.ma.MaskedArray[Any, Any]") -> Array:
+    """(channels, lines) mean over the blocks less the noise, smoothed over five lines."""
+    middle = np.ma.median(stack, axis=0).filled(np.log(2)) / np.log(2) - 1
+    return np.apply_along_axis(lambda row: np.convolve(row, np.ones(5) / 5, mode="same"), 1, np.maximum(middle, 0))
+
+
+def _beside_drive(
+    block: Block,
+    rig: Rig,
+    noise_v: Array,
+    poles: Complex,
+    ratio: float,
+    window: Callable[[int], Array] = np.ones,
+) -> Array:
     """(channels, lines) |residual|^2 over the noise after the drive and the decays are taken out; NaN at harmonics."""
     _, a = scaled(block, rig)
     n, dt = block.n_samples, 1 / block.rate_hz
@@ -99,7 +114,8 @@ def _beside_drive(block: Block, rig: Rig, noise_v: Array, poles: Complex, ratio:
         columns += [wave.real, wave.imag]
     basis = np.column_stack(columns)
     rest = a.T - basis @ np.linalg.lstsq(basis, a.T, rcond=None)[0]
-    power = np.abs(np.fft.rfft(rest, axis=0).T) ** 2 / n / _sigma(block, rig, noise_v)[:, None] ** 2
+    w = window(n)
+    power = np.abs(np.fft.rfft(rest.T * w)) ** 2 / np.sum(w**2) / _sigma(block, rig, noise_v)[:, None] ** 2
     lines = np.arange(power.shape[1])
     for k in range(1, 8):
         power[:, np.abs(lines - k * drive) < 3.5] = np.nan

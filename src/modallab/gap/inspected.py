@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 
 SURE = 0.98
 """Probability of an effect that the records show as such."""
+PLAIN = 6.0
+"""A channel tells the base's motion on a line where it answers to within this factor, in squares, as a rigid beam."""
+RINGS = 3.0
+"""Lines about a pole on which no channel tells it."""
 
 
 def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
@@ -98,13 +102,21 @@ def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
 
 
 def _base_motion(prepared: Prepared, twin: Twin) -> float:
+    """Rms of the base's acceleration: each line by the channels that neither ring nor rest there."""
     floor = prepared.floor
     assert floor is not None
     rig = prepared.campaign.rig
     sine = next(b for b in prepared.blocks if b.test == "sine")
     n, dt = sine.n_samples, 1 / sine.rate_hz
-    lines = np.arange(floor.spectrum.shape[1])
+    lines = np.arange(floor.density.shape[1])
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / (n * dt))) ** 2
-    base = np.median(floor.spectrum / np.maximum(gain, 0.05), axis=0)
-    return float(np.sqrt(2 / n * np.sum(base[1:])))
+    near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * n * dt / (2 * np.pi)), axis=1, initial=np.inf)
+    told = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
+    base = np.ma.median(np.ma.masked_where(~told, floor.density / gain), axis=0)
+    known = ~np.ma.getmaskarray(base)
+    known[0] = False
+    if not np.any(known):
+        return floor.rms_acc
+    whole = np.interp(lines[1:], lines[known], base.data[known])
+    return float(np.sqrt(2 / n * np.sum(whole)))
