@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
+from modallab.campaign.audit import enter
 from modallab.campaign.book import Book
 from modallab.campaign.database import writing
 from modallab.campaign.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
@@ -74,16 +75,15 @@ def test_events_are_read_on_from_any_number_and_never_changed(store: Store) -> N
     assert [event.content["n"] for event in seen + log.after(seen[-1].seq, 100)] == list(range(25))
     assert [event.content["n"] for event in log.after(0, 100, Topic(run="r1"))] == list(range(1, 25, 2))
     assert log.last() == 25
+    enter(store.catalogue.engine, "Ada", "look", "link", {})
     for change in ("UPDATE events SET kind = 'other'", "DELETE FROM events", "DELETE FROM audit"):
-        with pytest.raises(StorageError, match="append-only"), writing(store.catalogue.engine) as connection:
-            _need_a_row(connection)
-            connection.execute(text(change))
+        with pytest.raises(StorageError, match="append-only"):
+            _execute(store, change)
 
 
-def _need_a_row(connection) -> None:
-    connection.execute(
-        text("INSERT INTO audit (utc, operator, action, target, detail) VALUES ('', 'Ada', 'look', 'link', '{}')")
-    )
+def _execute(store: Store, change: str) -> None:
+    with writing(store.catalogue.engine) as connection:
+        connection.execute(text(change))
 
 
 def test_events_wait_in_order_while_the_disk_takes_none(store: Store) -> None:
