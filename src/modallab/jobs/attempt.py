@@ -68,6 +68,10 @@ class Attempt:
         except MACHINE_LOST as error:
             self._without_result(error)
             return
+        except Exception as error:
+            # It cannot be sent, or the worker cannot take it: nor could it the next time.
+            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+            return
         if verdict == "done" and isinstance(found, Computed):
             self._keep(found)
         elif verdict == "failed":

@@ -143,12 +143,12 @@ class Runner:
             going_on = self._going_on()
             try:
                 lost = self._leases.renew({a.taken.job.id: (a.taken.fence, a.progress) for a in going_on})
-            except SQLAlchemyError as error:
+                for attempt in going_on:
+                    if attempt.taken.job.id in lost or attempt.late:
+                        attempt.interrupt()
+            except Exception as error:
+                # This thread must outlive whatever database or scheduler do: without it every lease runs out.
                 _LOG.warning("leases were not renewed: %s", error)
-                continue
-            for attempt in going_on:
-                if attempt.taken.job.id in lost or attempt.late:
-                    attempt.interrupt()
 
     def _going_on(self) -> list[Attempt]:
         with self._lock:
