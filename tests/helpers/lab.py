@@ -41,7 +41,7 @@ class Lab:
         engine = self.store.catalogue.engine
         diary = Diary(self.store, EventLog(engine))
         after = AfterRun(self.store, Jobs(engine))
-        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after)
+        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after, self._show)
         self.desks = Desks([self.desk], Leases(engine, boot))
         self.service: Service = open_service(folder, self.desks, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
@@ -52,6 +52,10 @@ class Lab:
         )
         self._serving = Thread(target=self._server.run, kwargs={"sockets": [listener]}, daemon=True)
         self._serving.start()
+
+    def _show(self, content: bytes) -> None:
+        if hasattr(self, "app"):
+            self.app.state.live.show(content)
 
     def client(self, token: str | None = TOKEN) -> httpx.Client:
         """Who asks over HTTP; to be entered as a context."""

@@ -13,7 +13,7 @@ import httpx
 
 from modallab.client import Client
 
-START_S = 60.0
+START_S = 300.0
 COMMAND = Path(sys.executable).with_name("modallab")
 
 
@@ -22,7 +22,7 @@ class ServiceProcess:
 
     def __init__(self, data: Path, *options: str, bench: str = "", env: Mapping[str, str] | None = None) -> None:
         self.data = data
-        self._log = data.with_suffix(".log").open("a+")
+        self._log = (data.parent.parent / f"{data.parent.name}-{data.name}.log").open("a+")
         command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
         command += ["--bench", bench] if bench else []
         self.process = subprocess.Popen(
@@ -37,7 +37,7 @@ class ServiceProcess:
             self.stop_url = self._said(r"POST (http://\S+)")
             self._said(r"(rig):")
             self.token = (data / "token").read_text().strip()
-            self.client = Client(self.url, self.token, "tester")
+            self.client = Client(self.url, self.token, "tester", timeout_s=120.0)
             self.rig = self._ready()
         except BaseException:
             self.close()

@@ -92,6 +92,7 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
                 run_plan(
                     bench, rig, plan, recorder, link.send, control,
                     wishes=link.wishes, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
+                    live=link.send,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from modallab.acquisition.live import LiveSamples
 from modallab.acquisition.wishes import Drop, Repeat
 from modallab.backend.protocol import BenchInfo
 from modallab.errors import ModallabError
@@ -68,4 +69,4 @@ class Ended:
     error: ModallabError | None
 
 
-Report = Event | Ready | Ended
+Report = Event | Ready | Ended | LiveSamples

@@ -3,7 +3,7 @@
 import atexit
 import multiprocessing
 import weakref
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import suppress
 from pathlib import Path
 from threading import Event as Flag
@@ -14,6 +14,7 @@ from modallab.acquisition.child import serve
 from modallab.acquisition.controls import RunControls
 from modallab.acquisition.last_resort import zero_from_outside
 from modallab.acquisition.link import HEARTBEAT_S
+from modallab.acquisition.live import LiveSamples
 from modallab.acquisition.messages import (
     Abort,
     Beat,
@@ -70,6 +71,7 @@ class RigProcess(RunControls):
             self.supervisor.handed_over()
         self._sending = Lock()
         self._closed = Flag()
+        self.on_live: Callable[[LiveSamples], None] = _ignore
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
         _OPEN.add(self)
 
@@ -177,7 +179,9 @@ class RigProcess(RunControls):
                     if report.error is not None:
                         raise report.error
                     return
-                if not isinstance(report, Ready):
+                if isinstance(report, LiveSamples):
+                    self.on_live(report)
+                elif not isinstance(report, Ready):
                     self._saw(report)
                     yield report
         except BenchError:
@@ -233,6 +237,10 @@ class RigProcess(RunControls):
                     self._connection.send(Beat())
             except OSError:
                 return
+
+
+def _ignore(_live: LiveSamples) -> None:
+    """Nobody looks."""
 
 
 @atexit.register

@@ -10,6 +10,7 @@ from modallab.acquisition.checks import require_possible
 from modallab.acquisition.context import Context
 from modallab.acquisition.hardware_trigger import require_trigger
 from modallab.acquisition.impact import run_impact
+from modallab.acquisition.live import LiveSamples, LiveTap
 from modallab.acquisition.sine import run_sine
 from modallab.acquisition.states import Emit, Lifecycle
 from modallab.acquisition.stream import Stream
@@ -27,6 +28,7 @@ Order = Literal["stop", "abort", "emergency", "lost"]
 """How a running test may be told to end; `lost`: whoever asked for the run is gone."""
 
 Control = Callable[[], Order | None]
+Live = Callable[[LiveSamples], None]
 
 REAL_TIME_CHUNK_S = 0.05
 FREE_CHUNK_S = 0.5
@@ -57,6 +59,7 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
+    live: Live | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -72,6 +75,7 @@ def run_plan(
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; told before anything is driven.
         excitation: is told whether a burst may be on.
+        live: takes a look at the samples as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -81,7 +85,7 @@ def run_plan(
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = Setup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        wishes or Wishes(), latch, supervision, excitation or Excitation(),
+        wishes or Wishes(), latch, supervision, excitation or Excitation(), live,
     )  # fmt: skip
     try:
         try:
@@ -129,6 +133,13 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
+    live: Live | None = None
+
+    def tap(self, delivery: Delivery) -> LiveTap | None:
+        """Shows what comes, if somebody wants to see it."""
+        if self.live is None:
+            return None
+        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.
@@ -194,7 +205,8 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-    stream = Stream(bench, delivery, chain, keep=MEMORY_BLOCKS * block, chunk=chunk, poll=setup.poll)
+    keep = MEMORY_BLOCKS * block
+    stream = Stream(bench, delivery, chain, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut,

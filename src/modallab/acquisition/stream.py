@@ -23,9 +23,20 @@ class Stream:
     """
 
     def __init__(
-        self, bench: Bench, delivery: Delivery, chain: Chain, *, keep: int, chunk: int, poll: Callable[[], None]
+        self,
+        bench: Bench,
+        delivery: Delivery,
+        chain: Chain,
+        *,
+        keep: int,
+        chunk: int,
+        poll: Callable[[], None],
+        tap: Watch | None = None,
     ) -> None:
-        """Follow `bench`; remember `keep` samples, read at most `chunk` at once, call `poll` before every read."""
+        """Follow `bench`; remember `keep` samples, read at most `chunk` at once, call `poll` before every read.
+
+        `tap` sees every chunk after it, to show it to others.
+        """
         self.rate_hz = delivery.rate_hz
         self.counts = delivery.dtype.kind in "iu"
         self.next = 0
@@ -34,6 +45,7 @@ class Stream:
         self._chain = chain
         self._keep = keep
         self._poll = poll
+        self._tap = tap
         self._buffer = np.zeros((len(delivery.units), 2 * (keep + chunk)), dtype=delivery.dtype)
         self._filled = 0
         self._overloads: deque[tuple[int, int, NDArray[np.bool_]]] = deque()
@@ -76,6 +88,8 @@ class Stream:
                 remedy="start a new run; the blocks before the gap are kept",
             )
         self._remember(chunk)
+        if self._tap is not None:
+            self._tap(chunk)
         return chunk
 
     def advance_to(self, sample: int, watch: Watch | None = None) -> None:

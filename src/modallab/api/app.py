@@ -19,6 +19,7 @@ from modallab.api import (
     health,
     jobs,
     leases,
+    live,
     pages,
     reports,
     rigs,
@@ -27,17 +28,19 @@ from modallab.api import (
 )
 from modallab.api.feed import Feed
 from modallab.api.guard import COOKIE, Guard
+from modallab.api.live import LiveHub
 from modallab.api.problems import install
 from modallab.campaign.service import Service
 from modallab.schema.service.pages import Problem
 from modallab.settings import LOOPBACK, Settings
 
-RESOURCES = (session, rigs, leases, devices, campaigns, runs, blocks, frfs, jobs, reports, events, health, pages)
+RESOURCES = (session, rigs, leases, devices, campaigns, runs, blocks, frfs, jobs, reports, events, live, health, pages)
 
 
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     """The application for an open service; every request must carry `token`."""
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
+    app.state.live = LiveHub()
     app.state.service, app.state.settings, app.state.token = service, settings, token
     install(app)
     for resource in RESOURCES:
@@ -53,6 +56,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
     app.state.feed = Feed(app.state.service.log)
     app.state.feed.open()
+    app.state.live.open()
     Thread(target=import_module, args=("modallab.campaign.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()

@@ -17,6 +17,7 @@ from modallab.campaign.active_run import ActiveRun, Diary
 from modallab.campaign.commands import tell
 from modallab.campaign.control import DeskState, StartRun
 from modallab.campaign.errors import ConflictError, NotFoundError, RigUnavailableError
+from modallab.campaign.live_frame import frame
 from modallab.errors import ModallabError
 from modallab.schema.rig import Rig
 from modallab.schema.service.rigs import RigState
@@ -51,8 +52,18 @@ class _Wanted:
 class Desk:
     """One rig. Its thread opens the bench, keeps it open, and runs one plan after the other."""
 
-    def __init__(self, bench: Bench, diary: Diary, ended: Callable[[str], None]) -> None:
-        """Begin to open the bench; `ended` is called with the name of every run that has ended."""
+    def __init__(
+        self, bench: Bench, diary: Diary, ended: Callable[[str], None], live: Callable[[bytes], None] | None = None
+    ) -> None:
+        """Begin to open the bench.
+
+        Args:
+            bench: the rig.
+            diary: where it writes.
+            ended: called with the name of every run that has ended.
+            live: called with a frame of samples now and then, while a run is on.
+        """
+        self._live = live
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
         self._diary = diary
@@ -178,6 +189,9 @@ class Desk:
 
     def _open_and_serve(self) -> None:
         process = self._process = RigProcess(self.bench.url, self.bench.rig, self.bench.folder)
+        if self._live is not None:
+            show = self._live
+            process.on_live = lambda live: show(frame(self.bench.id, live))
         try:
             self._info = process.info
             self._is("idle")

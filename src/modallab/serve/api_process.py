@@ -29,6 +29,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
     control = RemoteControl(connection, gone)
     service = open_service(settings.data, control, boot)
     app = create_app(service, settings, token)
+    control.on_frame = app.state.live.show
     server = uvicorn.Server(
         uvicorn.Config(
             app,

@@ -67,6 +67,7 @@ class Supervisor:
             raise ServiceError(
                 "another service uses this data folder", where=str(settings.data), remedy="stop it, or name another"
             )
+        self._counter: Counter | None = None
         boot = secrets.token_hex(8)
         log = EventLog(self.store.catalogue.engine)
         diary = Diary(self.store, log)
@@ -80,7 +81,10 @@ class Supervisor:
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.desks = Desks(
-            [Desk(Bench(i, rig, url, settings.data), diary, after) for i, (rig, url) in zip(ids, rigs, strict=True)],
+            [
+                Desk(Bench(i, rig, url, settings.data), diary, after, self._show)
+                for i, (rig, url) in zip(ids, rigs, strict=True)
+            ],
             leases,
         )
         try:
@@ -89,7 +93,6 @@ class Supervisor:
             self.desks.close()
             raise _taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
-        self._counter: Counter | None = None
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,))
         self.desks.others = self._processes
@@ -128,6 +131,11 @@ class Supervisor:
     def _processes(self) -> dict[str, int]:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
         return {name: pid for name, pid in known.items() if pid is not None}
+
+    def _show(self, content: bytes) -> None:
+        counter = self._counter
+        if counter is not None:
+            counter.show(content)
 
     def _keep(self) -> None:
         """Housekeeping, which may wait for a disk."""

@@ -44,6 +44,13 @@ class Sign:
     """The REST process lives."""
 
 
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Live samples, as they go on to whoever looks."""
+
+    content: bytes
+
+
 class RemoteControl:
     """The REST process's end: a `Control` whose work is done in the supervisor."""
 
@@ -55,6 +62,7 @@ class RemoteControl:
         self._waiting: dict[int, Future[Any]] = {}
         self._number = 0
         self._lost = Flag()
+        self.on_frame: Callable[[bytes], None] = _ignore
         Thread(target=self._hear, name="answers", daemon=True).start()
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
 
@@ -102,9 +110,12 @@ class RemoteControl:
     def _hear(self) -> None:
         try:
             while True:
-                answer: Answer | None = self._connection.recv()
+                answer: Answer | Frame | None = self._connection.recv()
                 if answer is None:
                     break
+                if isinstance(answer, Frame):
+                    self.on_frame(answer.content)
+                    continue
                 future = self._waiting.get(answer.number)
                 if future is None:
                     continue
@@ -153,6 +164,17 @@ class Counter:
             self._gone_s = time.monotonic()
             self._pool.shutdown(wait=False)
 
+    def show(self, content: bytes) -> None:
+        """Pass live samples on, unless something more important is on its way."""
+        if self._gone_s is not None or not self.began or not self._sending.acquire(blocking=False):
+            return
+        try:
+            self._connection.send(Frame(content))
+        except OSError:
+            return
+        finally:
+            self._sending.release()
+
     def trouble(self, gone_s: float, silent_s: float) -> str:
         """What is wrong with the REST process, if it is gone or silent for longer than that; else "".
 
@@ -180,6 +202,10 @@ class Counter:
                 self._connection.send(answer)
         except OSError:
             return
+
+
+def _ignore(_content: bytes) -> None:
+    """Nobody looks."""
 
 
 def _no_supervisor() -> RigUnavailableError:
