@@ -6,7 +6,7 @@ from collections.abc import Callable
 from modallab.jobs import Job, Jobs
 
 
-def until(said: Callable[[], bool], patience_s: float = 30.0) -> None:
+def until(said: Callable[[], bool], patience_s: float = 120.0) -> None:
     """Wait until something holds."""
     deadline = time.monotonic() + patience_s
     while not said():
@@ -14,7 +14,7 @@ def until(said: Callable[[], bool], patience_s: float = 30.0) -> None:
         time.sleep(0.02)
 
 
-def ended(jobs: Jobs, *wanted: Job, patience_s: float = 30.0) -> list[Job]:
+def ended(jobs: Jobs, *wanted: Job, patience_s: float = 120.0) -> list[Job]:
     """The jobs, once all have ended."""
     until(lambda: all(jobs.get(job.id).ended for job in wanted), patience_s)
     return [jobs.get(job.id) for job in wanted]

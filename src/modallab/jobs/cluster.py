@@ -18,7 +18,8 @@ from modallab.errors import JobError
 
 CONNECT_S = 10.0
 CLOSE_S = 10.0
-MEND_S = 5.0
+MEND_S = 30.0
+"""Longer than a busy machine needs to begin a process: a cluster that is only slow must not be started anew."""
 _CONFIG = {
     # Whole recordings go with the task: then it can run again when its worker is gone.
     "distributed.admin.large-graph-warning-threshold": "2 GiB",
