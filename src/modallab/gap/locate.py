@@ -1,6 +1,7 @@
 """Where the gap lies, from tests on the residual alone: no effect is named here."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,23 @@ from modallab.schema.effects import Stage
 from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
 OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
-POLE_SHIFT = 1.5e-3
+ALIKE = 0.15
+"""Share of the gap that may stay for channels to count as off alike."""
+SKEWS_S = (0.0, *np.geomspace(1e-6, 2e-4, 24).tolist())
+"""Delays from row to row that are tried, s."""
+ALONE = 1.4
+"""Times the floor from which a test that is fitted alone disagrees with every beam."""
+CLOCK = 1e-4
+"""Relative error of the sines' frequency that no generator has."""
+LATE = 0.45
+"""Share of the common phase that a delay must make."""
+POLE_SHIFT = 6e-4
 """Relative spread of the poles about the best beam that is more than a beam's tolerance."""
 
 
@@ -61,7 +73,7 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
         why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
     levels = _levels_differ(base)
     if by_test and shift < POLE_SHIFT:
-        bad = tuple(t for t in tests if by_test[t] > 0.1 * excess(base))
+        bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
         if not bad:
             return Location("excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same."))
         if len(bad) == 1 and not (levels and bad == ("sine",)):
@@ -70,12 +82,75 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
         return Location("structure", (), tests, (*why, "The two levels of the sine test disagree with each other."))
     if shift >= POLE_SHIFT:
         return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
-    return Location(
-        "acquisition",
-        bench.data.channels,
-        tests,
-        (*why, "The poles are those of a beam, all channels are off alike: the chain, not the beam."),
-    )
+    return _of_chain(bench, base, tests, why)
+
+
+def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> Location:
+    """The chain of all channels, if they are off alike: its clock and its delays, or what is sensed."""
+    common, flat = alike(base)
+    everywhere = bench.data.channels
+    if common > ALIKE:
+        told = f"The poles are a beam's, but on a line the channels are not off alike: {common:.0%} of the gap stays."
+        return Location("structure", (), tests, (*why, told))
+    sines = bench.data.sines
+    if sines is not None and abs(sines.ratio - 1) > CLOCK:
+        told = f"The generator's lines stand {sines.ratio - 1:+.2%} off where it was set: a clock is wrong."
+        return Location("acquisition", everywhere, tests, (*why, told))
+    if flat < ALIKE:
+        force = bench.data.rig.force_channel.index
+        told = f"One real factor on all channels and lines takes {1 - flat:.1%} of the gap away: the force's."
+        return Location("sensor", (force,), tests, (*why, told))
+    late = lateness(base)
+    if late > LATE:
+        told = f"All channels are off alike, and {late:.0%} of their phase grows with frequency: time runs late."
+        return Location("acquisition", everywhere, tests, (*why, told))
+    told = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
+    return Location("sensor", everywhere, tests, (*why, told))
+
+
+def lateness(base: Fit) -> float:
+    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1."""
+    seen, y, hz = _in_noise(base)
+    weight = np.sum(np.abs(y) ** 2, axis=0)
+    factor = np.sum(y.conj() * seen, axis=0) / np.maximum(weight, 1e-300)
+    told = (np.abs(hz) > 1) & (np.abs(factor) > 0.3) & (np.abs(factor) < 3)
+    weight = np.minimum(weight, np.quantile(weight, 0.9))[told]
+    phase, f = np.angle(factor[told]) * np.sign(hz[told]), np.abs(hz[told])
+    whole = float(np.sum(weight * phase**2))
+    return float(np.sum(weight * phase * f)) ** 2 / max(whole * float(np.sum(weight * f**2)), 1e-300)
+
+
+def _in_noise(base: Fit) -> tuple[Complex, Complex, Array]:
+    """(channels, lines) measured and predicted in noise units, and (lines,) Hz, all parts of the data side by side."""
+    data = base.problem.data
+    rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)
+    hz = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
+    if data.sines is not None:
+        hz.append((data.sines.source.lines / (data.sines.source.n * data.sines.source.dt)).ravel())
+    y = np.concatenate([a / r.sigma for a, r in zip(answers, rows, strict=True)], axis=1)
+    seen = np.concatenate([r.y / r.sigma for r in rows], axis=1)
+    return seen, y, np.concatenate(hz)
+
+
+def alike(base: Fit) -> tuple[float, float]:
+    """Share of the gap that stays once all channels of a line may be off alike, and once all lines are too.
+
+    The first allows a factor of its own on each line and a delay that grows from row to row, as a chain does; the
+    second one real factor in all, as the force's sensitivity does.
+    """
+    seen, y, hz = _in_noise(base)
+    floor = 2 * np.count_nonzero(seen)
+    turn = 2j * np.pi * hz * np.array(base.problem.data.channels)[:, None]
+    whole = max(float(np.sum(np.abs(seen - y) ** 2)) - floor, 1e-9)
+    left = min(_by_line(seen, y * np.exp(turn * skew)) for skew in SKEWS_S)
+    factor = float(np.real(np.vdot(y, seen))) / max(float(np.sum(np.abs(y) ** 2)), 1e-300)
+    one = float(np.sum(np.abs(seen - factor * y) ** 2))
+    return max(left - floor, 0.0) / whole, max(one - floor, 0.0) / whole
+
+
+def _by_line(seen: Complex, y: Complex) -> float:
+    factors = np.sum(y.conj() * seen, axis=0) / np.maximum(np.sum(np.abs(y) ** 2, axis=0), 1e-300)
+    return float(np.sum(np.abs(seen - factors * y) ** 2))
 
 
 def pole_spread(bench: Bench, base: Fit) -> float:
