@@ -1,5 +1,6 @@
 """A visit to the bench: plans in turn, events as they come, one campaign at the end."""
 
+import json
 from importlib import resources
 from pathlib import Path
 
@@ -9,10 +10,12 @@ from modallab.campaign.demo_plan import DEMO_POINTS, demo_plans
 from modallab.campaign.session import record_campaign
 from modallab.errors import PlanError
 from modallab.exchange.rig_file import read_rig
+from modallab.schema.block import Campaign
 from modallab.schema.events import Event
 from modallab.schema.plan import ImpactPlan, SinePlan
 from modallab.schema.rig import Rig
 from modallab.storage import Store
+from modallab.tasks.known_modes import with_modes_of_visit
 
 
 @pytest.fixture(scope="module")
@@ -47,3 +50,43 @@ def test_a_plan_that_fails_ends_the_visit_and_what_was_recorded_stays(link_rig: 
         done, failed = store.catalogue.runs()
         assert (done.state, failed.state) == ("done", "failed")
         assert len(store.blocks(done.id)) == 1
+
+
+def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_tell_whether_it_settled(
+    link_rig: Rig, tmp_path: Path
+) -> None:
+    # 1.6 % of damping: after 2.5 s a decay of the first mode is left that 6 s more take away.
+    sine = SinePlan(
+        frequencies_hz=(8 / 1.024,), ramp_s=0.2, settle_s=2.5, max_settle_s=12.0, rest_s=1.0, rest_timeout_s=10.0
+    )
+    impact = ImpactPlan(points=(10,), hits=3)
+    campaign = record_campaign("sim://cantilever?seed=2&zeta=0.016", link_rig, (impact, sine), tmp_path, lambda _: None)
+    runs = campaign.provenance["runs"].split()
+    truth_hz = json.loads(campaign.provenance["bench.frequency_hz"])[0]
+    with Store(tmp_path) as store:
+        plan = store.catalogue.run(runs[1]).plan
+        first, *_, last = store.catalogue.blocks(runs[1])
+    assert isinstance(plan, SinePlan)
+    assert plan.modes[0].frequency_hz == pytest.approx(truth_hz, rel=1e-3)
+    assert plan.modes[0].damping_ratio == pytest.approx(0.016, rel=0.02)
+    assert not first.note.accepted
+    assert "not settled" in first.note.reason
+    assert last.note.accepted
+    assert float(last.note.facts["settle_s"]) > 2.5
+    assert float(last.note.facts["decay_ratio"]) < 0.1 * float(first.note.facts["decay_ratio"])
+
+
+def test_without_an_impact_test_before_it_a_sine_test_that_wants_to_settle_is_refused(
+    link_rig: Rig, tmp_path: Path
+) -> None:
+    sine = SinePlan(frequencies_hz=(8 / 1.024,), max_settle_s=12.0)
+    with pytest.raises(PlanError, match="nothing says when it has settled"):
+        record_campaign("sim://cantilever?seed=2", link_rig, (sine,), tmp_path, lambda _: None)
+
+
+@pytest.mark.parametrize("plan", [SinePlan(), ImpactPlan(points=(10,))])
+def test_a_plan_that_needs_no_modes_costs_no_identification(plan: SinePlan | ImpactPlan) -> None:
+    def read() -> Campaign:
+        raise AssertionError("nothing had to be read")
+
+    assert with_modes_of_visit(plan, read) is plan
