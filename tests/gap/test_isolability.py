@@ -29,3 +29,21 @@ def test_a_plan_without_a_test_or_a_shaker_is_refused(rig: Rig) -> None:
         planned(rig, [])
     with pytest.raises(PlanError, match="shaker"):
         planned(rig.model_copy(update={"shaker_point": None}), [SinePlan()])
+
+
+def test_a_mass_at_the_tip_and_the_sensors_look_alike_and_a_turned_sensor_is_no_row_of_its_own(rig: Rig) -> None:
+    found = isolability(rig, [ImpactPlan(points=(10,)), SinePlan()])
+    assert "polarity" not in found.effects
+    assert np.array_equal(found.cosine, found.cosine.T)
+    assert found.cosine.min() >= 0
+    assert found.cosine.max() <= 1
+    pair = [found.effects.index(n) for n in ("added_mass", "sensor_mass")]
+    assert found.cosine[pair[0], pair[1]] > 0.9
+
+
+def test_a_gain_that_may_be_off_hides_a_plain_gain_error_and_a_calibrated_one_shows_it(rig: Rig) -> None:
+    told = Rig.model_validate({**rig.model_dump(exclude_unset=True), "tolerance": {"sensitivity": 0.02}})
+    plans = [ImpactPlan(points=(6, 10, 3)), SinePlan()]
+    assert "gain_error" in isolability(told, plans).hidden()
+    assert "gain_error" not in isolability(rig, plans).hidden()
+    assert "added_mass" not in isolability(told, plans).hidden()

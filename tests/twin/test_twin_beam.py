@@ -38,6 +38,13 @@ def test_a_soft_root_and_a_tip_mass_give_the_same_ratios() -> None:
     assert ratios(replace(RIGID, masses=((1.0, mass / 13),))) == pytest.approx([6.43, 18.33], abs=0.03)
 
 
+def test_the_rig_file_says_how_soft_the_root_is() -> None:
+    said = BEAM.model_copy(update={"clamp": "rotational spring of about 13 EI/L at x = 0"})
+    assert Structure.of(said, 0.006).root_rotation == pytest.approx(1 / 13)
+    for words in ("rigid at x = 0", "welded in 1975", "a spring of 100 EI/L^3 across"):
+        assert Structure.of(BEAM.model_copy(update={"clamp": words}), 0.006).root_rotation == 0
+
+
 def test_a_root_that_slides_freely_has_no_stiffness_left() -> None:
     f = solve(replace(RIGID, root_translation=1e4)).frequency_hz
     assert f[0] < 0.02 * solve(RIGID).frequency_hz[0]

@@ -9,6 +9,7 @@ from scipy.signal import cont2discrete, lfilter
 from modallab.schema.rig import Beam
 from modallab.twin.bench import Chain, Mount, Twin, transfer
 from modallab.twin.predict import predict_blow, predict_sine
+from modallab.twin.response import Rise
 from modallab.twin.structure import Structure, solve
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
@@ -48,6 +49,52 @@ def test_a_sine_block_still_rings_from_its_start_eight_seconds_before() -> None:
     amplitude = np.exp(1j * (0.4 + 2 * np.pi * f0 * 8))
     predicted = predict_sine(TWIN, complex(amplitude), f0, 800, rate, 0.4, CHANNELS, X, 0.0)
     assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("f0", [4.9, 5.0, 33.0])
+def test_a_sine_that_rises_along_a_cosine_leaves_the_decay_its_history_says(f0: float) -> None:
+    rate, fine, ramp, history = 1000, 4, 0.4, 2.5
+    t = np.arange(4 * rate * fine) / rate / fine
+    force = (1 - np.cos(np.pi * np.minimum(t / ramp, 1.0))) / 2 * np.cos(2 * np.pi * f0 * t + 0.4)
+    first = int(history * rate) * fine
+    expected = integrate(TWIN, force, 1 / rate / fine, 0.4)[:, first : first + 800 * fine : fine]
+    amplitude = complex(np.exp(1j * (0.4 + 2 * np.pi * f0 * history)))
+    yes = np.ones(1, dtype=np.bool_)
+    rise = Rise(np.array([history]), np.array([ramp]), yes, yes)
+    predicted = predict_sine(TWIN, amplitude, f0, 800, rate, 0.4, CHANNELS, X, 0.0, rise)
+    assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
+    usual = predict_sine(TWIN, amplitude, f0, 800, rate, 0.4, CHANNELS, X, 0.0)
+    assert np.abs(usual - expected).max() > 0.02 * np.abs(expected).max()
+
+
+def test_a_sine_switched_on_at_once_is_the_limit_of_both_rises() -> None:
+    a = np.array([[0.3 + 4j, 0.2 - 30j]])
+    yes, no, history = np.ones(2, dtype=np.bool_), np.zeros(2, dtype=np.bool_), np.full(2, 2.0)
+    sudden = -np.exp(-2.0 * a) / a
+    for cosine in (yes, no):
+        assert Rise(history, np.zeros(2), cosine, yes).left(a) == pytest.approx(sudden, rel=1e-4)
+
+
+def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> None:
+    for masses in ((), ((0.7, 0.3),)):
+        structure = replace(TWIN.structure, masses=masses, root_rotation=1 / 13)
+        modes, s = solve(structure), structure
+        kept = 2 * np.real((modes.at(X) * modes.at(0.6)[0]) @ (-1 / modes.poles))
+        x, a, ei = X, 0.6, s.bending_stiffness
+        low, high = np.minimum(x, a), np.maximum(x, a)
+        closed = low**2 * (3 * high - low) / 6 / ei + x * a * s.root_rotation * s.length_m / ei
+        assert kept + modes.remainder(X, 0.6) == pytest.approx(closed, rel=3e-8)
+        assert np.all(np.abs(kept - closed) > 5e-7 * closed)
+
+
+def test_the_rest_adds_to_a_blow_what_the_force_itself_presses() -> None:
+    force = np.zeros(512)
+    force[50:90] = np.hanning(40)
+    whole, few = (predict_blow(replace(TWIN, rest=r), force, 2000.0, 0.6, CHANNELS, X, 0.0) for r in (1.0, 0.0))
+    s = 2j * np.pi * np.fft.rfftfreq(512, 1 / 2000)
+    pressed = np.fft.irfft(np.fft.rfft(force) * s**2, 512)
+    expected = np.outer(solve(TWIN.structure).remainder(X, 0.6), pressed)
+    assert whole - few == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
 def test_a_clock_that_runs_fast_makes_everything_look_slower() -> None:

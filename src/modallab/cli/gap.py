@@ -84,9 +84,8 @@ def _isolability(arguments: argparse.Namespace) -> int:
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
     console.print(table if pairs else "Every two effects can be told apart (cosine below 0.95).")
-    hidden = [name for name, strength in zip(found.effects, found.strength, strict=True) if strength < 0.02]
-    if hidden:
-        console.print(f"Hidden by the tolerances of the rig: {', '.join(hidden)}", markup=False)
+    if found.hidden():
+        console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
     for line in advice(found, plans):
         console.print(line, markup=False)
     return 0

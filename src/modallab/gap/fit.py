@@ -20,6 +20,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 FAITH = 300.0
 """Further weight of the priors of the beam per unit of the relative error that is forgiven."""
+GENERATOR = 2e-5
+"""Relative deviation of a generator's own frequency: quartz, some tens of parts in a million."""
 STEP = 1e-4
 """Step of the numerical derivative, in deviations of the prior or in coordinates of an effect."""
 
@@ -64,7 +66,9 @@ class Problem:
 
     def twin(self, u: Array) -> Twin:
         """The twin at u."""
-        twin = self.free.build(u[: self.free.size])
+        # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
+        held = [c.place[0][1] for c in self.candidates if c.effect == "gain_error"]
+        twin = self.free.build(self.free.without_gains(u[: self.free.size], held))
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
         return replace(twin, course=self.course) if self.course else twin
@@ -129,7 +133,7 @@ def _clock(data: Reduced, twin: Twin) -> Array:
     if data.sines is None:
         return np.zeros(0)
     # Far beyond any doubt either way; a bound keeps it from outweighing all other evidence.
-    z = (data.sines.ratio - 1 / (1 + twin.clock)) / max(data.sines.ratio_sigma, 1e-6)
+    z = (data.sines.ratio - 1 / (1 + twin.clock)) / max(data.sines.ratio_sigma, GENERATOR)
     return np.array([np.clip(z, -1e4, 1e4)])
 
 

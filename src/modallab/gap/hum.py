@@ -13,6 +13,12 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 MAINS_HZ = (50.0, 60.0)
+CLEAR = 6.0
+"""Deviations of the noise from which an amplitude counts."""
+STEADY = 0.1
+"""Median deviation from record to record, over the amplitude, that hum stays below."""
+SCATTER = 1.3
+"""The same that noise may add, in deviations of its part: half of all lie within 0.67 of them."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -30,8 +36,17 @@ class Hum:
     z: float
 
 
-def find_hum(blocks: Sequence[Block], noise_v: Array) -> Hum | None:
-    """Hum that stands in most records, clear of noise; None if there is none."""
+def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | None:
+    """Hum that stands in most records on most rows, clear of noise; None if there is none.
+
+    It comes with the wiring and is on the row of the force too, where a floor that shakes at the mains' frequency, as
+    below a transformer, is not; and its amplitude is the same in every record.
+
+    Args:
+        blocks: the records.
+        noise_v: (rows,) V rms of each row.
+        force: number of the row of the force.
+    """
     best: Hum | None = None
     for hz in MAINS_HZ:
         heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
@@ -42,12 +57,14 @@ def find_hum(blocks: Sequence[Block], noise_v: Array) -> Hum | None:
         size = np.abs(np.array([_amplitudes(b, hz) for b in heard]))
         volts = np.median(size, axis=0)
         n = int(np.median([_heard_samples(b) for b in heard]))
-        z = volts / (noise_v * np.sqrt(2 / n))
+        sigma = noise_v * np.sqrt(2 / n)
+        z = volts / sigma
         # Steady: a response to the drive would change from record to record; hum does not.
-        steady = np.median(np.abs(size - volts), axis=0) < 0.2 * volts + 3 * noise_v * np.sqrt(2 / n)
-        clear = np.count_nonzero((z > 6) & steady)
-        if clear >= max(3, 0.6 * len(volts)) and (best is None or float(np.median(z)) > best.z):
-            best = Hum(hz, volts, float(np.median(z)))
+        steady = np.median(np.abs(size - volts), axis=0) < STEADY * volts + SCATTER * sigma
+        stands = (z > CLEAR) & steady
+        clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
+        if clear and (best is None or float(z[force]) > best.z):
+            best = Hum(hz, volts, float(z[force]))
     return best
 
 

@@ -18,8 +18,10 @@ Array = NDArray[np.float64]
 
 ALIKE = 0.95
 """Cosine from which two effects count as not to be told apart."""
-PLACES = (0.37, 0.63, 0.92)
+PLACES = (0.37, 0.63, 0.92, 1.0)
 """Where on the beam an effect with a place is tried."""
+SEEN = 5.0
+"""Noise units that an effect of a plain size must leave to be seen at all."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -29,12 +31,18 @@ class Isolability:
     Attributes:
         effects: names; those with a place stand for the place where they are most alike.
         cosine: (effects, effects) largest |cosine| over the places tried.
-        strength: (effects,) noise units a small such effect leaves after the nuisances, over before: 0 is invisible.
+        strength: (effects,) noise units a small such effect leaves after the nuisances, over before.
+        left: (effects,) noise units that one of a plain size leaves, in the mean over the places tried.
     """
 
     effects: tuple[str, ...]
     cosine: Array
     strength: Array
+    left: Array
+
+    def hidden(self) -> list[str]:
+        """Effects of a plain size that pass for a beam and a chain within their tolerances."""
+        return [name for name, left in zip(self.effects, self.left, strict=True) if left < SEEN]
 
     def alike(self) -> list[tuple[str, str, float]]:
         """Pairs that cannot be told apart, worst first."""
@@ -65,6 +73,7 @@ def of_data(data: Reduced) -> Isolability:
     q, _ = np.linalg.qr(np.vstack([J, np.eye(free.size)]))
     found: dict[str, list[Array]] = {}
     strength: dict[str, list[float]] = {}
+    left: dict[str, list[float]] = {}
     for candidate, values in _signatures(rig, data):
         u = np.concatenate([zero, values])
         r = Problem(data, free, (candidate,)).residual(u) - r0
@@ -74,12 +83,14 @@ def of_data(data: Reduced) -> Isolability:
         if whole > 0:
             found.setdefault(candidate.effect, []).append(rest / max(float(np.linalg.norm(rest)), 1e-300))
             strength.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) / whole)
+            left.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) * _plainly(candidate))
     names = tuple(found)
     cosine = np.eye(len(names))
     for i, a in enumerate(names):
         for j, b in enumerate(names[:i]):
-            cosine[i, j] = cosine[j, i] = float(np.max(np.abs(np.array(found[a]) @ np.array(found[b]).T)))
-    return Isolability(names, cosine, np.array([max(strength[name]) for name in names]))
+            cosine[i, j] = cosine[j, i] = min(1.0, float(np.max(np.abs(np.array(found[a]) @ np.array(found[b]).T))))
+    strengths, lefts = (np.array([f(of[name]) for name in names]) for f, of in ((max, strength), (np.mean, left)))
+    return Isolability(names, cosine, strengths, lefts)
 
 
 def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
@@ -88,6 +99,9 @@ def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
     candidates = structural(rig) + chained(rig) + of_channel(rig, middle)
     found: list[tuple[Candidate, Array]] = []
     for c in candidates:
+        # A turned sensor is a gain of -1: the same signature, told apart by nothing but its size.
+        if c.effect == "polarity":
+            continue
         if (c.effect in {"shaker_mass", "stinger_moment", "clock_error"} and data.sines is None) or (
             c.effect == "hit_position" and not data.impacts
         ):
@@ -108,6 +122,23 @@ def _small(candidate: Candidate, name: str) -> float:
     if name == "gain":
         return 1.003
     return min((v for v in starts if v > 0), key=abs) / (30 if name != "zeta" else 1)
+
+
+def _plainly(candidate: Candidate) -> float:
+    """How many times larger than the small effect's a plain one's signature is: one in the middle of those looked for.
+
+    Signatures grow with a mass, with the compliance of a spring that something stands on, and so on.
+    """
+    slot = next(s for s in candidate.slots if s.name != "x")
+    positive = [v for v in slot.starts if v > 0]
+    plain, small = positive[len(positive) // 2], _small(candidate, slot.name)
+    if candidate.effect in {"clamp_rotation", "clamp_translation"}:
+        return small / plain
+    if slot.name == "hz":
+        return (small / plain) ** 2
+    if slot.name == "gain":
+        return abs(float(np.log(min(v for v in positive if v > 1)) / np.log(small)))
+    return plain / small
 
 
 def advice(found: Isolability, plans: Sequence[ImpactPlan | SinePlan]) -> list[str]:

@@ -1,5 +1,6 @@
 """What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,6 +50,16 @@ class Nuisances:
         """How many."""
         return 4 + self.modes + len(self.gains) + self.root
 
+    def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
+        """The same numbers with the sensitivities of some channels at what the rig file says."""
+        if not any(c in channels for c in self.gains):
+            return u
+        u = u.copy()
+        for i, channel in enumerate(self.gains):
+            if channel in channels:
+                u[3 + self.modes + i] = 0.0
+        return u
+
     def build(self, u: Array) -> Twin:
         """The twin without effects."""
         beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
@@ -71,7 +82,7 @@ class Nuisances:
         if not self.gains:
             return twin
         first = 3 + self.modes
-        factors = np.exp(u[first : first + len(self.gains)] * self.tolerance)
+        factors = np.exp(_held(u[first : first + len(self.gains)]) * self.tolerance)
         gain = dict(zip(self.gains, factors.tolist(), strict=True))
         return replace(twin, chain=replace(twin.chain, gain=gain))
 

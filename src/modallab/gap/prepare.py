@@ -78,7 +78,7 @@ def prepare(campaign: Campaign) -> Prepared:
     masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured)
     repeated = _repeating(blocks, noise)
-    hum = find_hum(blocks, noise)
+    hum = find_hum(blocks, noise, campaign.rig.force_channel.index)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
     floor = find_floor(cleaned, campaign.rig, noise, poles, _ratio(campaign, cleaned, noise))

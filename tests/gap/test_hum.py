@@ -1,0 +1,72 @@
+"""Mains hum beside what only looks like it."""
+
+import numpy as np
+import pytest
+
+from modallab.gap.hum import find_hum, without_hum
+from modallab.schema.block import Block
+
+ROWS, N, RATE, NOISE = 5, 1024, 1000.0, 3e-4
+STEP = 10 / 32768
+
+
+def record(k: int, volts: np.ndarray, hz: float, rng: np.random.Generator) -> Block:
+    t = np.arange(N) / RATE
+    drive = (k + 3) / 1.024
+    wave = 0.2 * np.cos(2 * np.pi * drive * t) + volts[:, None] * np.cos(2 * np.pi * hz * t + rng.uniform(0, 2 * np.pi))
+    counts = np.round((wave + NOISE * rng.standard_normal(wave.shape)) / STEP).astype(np.int16)
+    names = tuple(f"row {i}" for i in range(ROWS))
+    return Block(f"s{k}", "sine", k, RATE, counts, np.full(ROWS, STEP), ("V",) * ROWS, names, 4, "low", drive)
+
+
+def records(size, hz: float, seed: int = 1) -> list[Block]:
+    rng = np.random.default_rng(seed)
+    return [record(k, size(k, rng), hz, rng) for k in range(16)]
+
+
+@pytest.mark.parametrize("hz", [50.0, 60.0])
+@pytest.mark.parametrize("volts", [2e-4, 2e-3, 0.05])
+def test_hum_is_found_with_its_amplitude_on_every_row(volts: float, hz: float) -> None:
+    each = volts * (0.5 + 0.1 * np.arange(ROWS))
+    found = find_hum(records(lambda _k, _rng: each, hz), np.full(ROWS, NOISE))
+    assert found is not None
+    assert found.hz == hz
+    assert found.volts == pytest.approx(each, abs=1.5e-5)
+
+
+def test_a_floor_that_shakes_at_the_mains_frequency_is_no_hum() -> None:
+    # A base under a transformer: steady, on every accelerometer, nothing on the force.
+    still = np.array([0.0, 0.02, 0.02, 0.03, 0.03])
+    assert find_hum(records(lambda _k, _rng: still, 60.0), np.full(ROWS, NOISE)) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_on_every_row_but_changes_from_record_to_record_is_no_hum(seed: int) -> None:
+    def random(_k: int, rng: np.random.Generator) -> np.ndarray:
+        return np.full(ROWS, 0.02 * np.hypot(*rng.standard_normal(2)))
+
+    assert find_hum(records(random, 50.0, seed), np.full(ROWS, NOISE)) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_alone_is_no_hum(seed: int) -> None:
+    assert find_hum(records(lambda _k, _rng: np.zeros(ROWS), 50.0, seed), np.full(ROWS, NOISE)) is None
+
+
+def test_the_force_may_stand_in_another_row() -> None:
+    each = np.array([0.02, 0.02, 0.02, 0.02, 0.0])
+    blocks = records(lambda _k, _rng: each, 50.0)
+    assert find_hum(blocks, np.full(ROWS, NOISE), force=4) is None
+    assert find_hum(blocks, np.full(ROWS, NOISE), force=0) is not None
+
+
+def test_what_is_left_without_the_hum_is_noise() -> None:
+    each = 0.03 * (0.5 + 0.1 * np.arange(ROWS))
+    blocks = records(lambda _k, _rng: each, 50.0)
+    found = find_hum(blocks, np.full(ROWS, NOISE))
+    assert found is not None
+    again = [without_hum(b, found) for b in blocks]
+    assert find_hum(again, np.full(ROWS, NOISE)) is None
+    left = again[0].samples * STEP
+    spectrum = np.abs(np.fft.rfft(left * np.hanning(N), axis=1))[:, 51]
+    assert spectrum.max() < 6 * NOISE * np.sqrt(0.375 * N)
