@@ -134,14 +134,16 @@ def kill_drives(victim: str, kills: int, seed: int) -> int:
 
 def kill_jobs(victim: str, kills: int, seed: int) -> int:
     moment = random.Random(seed)
-    with tempfile.TemporaryDirectory() as folder:
-        with ServiceProcess(Path(folder) / "data", "--workers", "1") as service:
-            lab = service.client
-            campaign = lab.create_campaign("jobs", service.rig).id
-            with lab.lease(service.rig, "killer") as lease:
-                run = lab.start_run(campaign, BLOWS, lease).id
-                list(lab.follow(run))
-            took = [kill_work(service, campaign, victim, moment) for _ in range(kills)]
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        ServiceProcess(Path(folder) / "data", "--workers", "1") as service,
+    ):
+        lab = service.client
+        campaign = lab.create_campaign("jobs", service.rig).id
+        with lab.lease(service.rig, "killer") as lease:
+            run = lab.start_run(campaign, BLOWS, lease).id
+            list(lab.follow(run))
+        took = [kill_work(service, campaign, victim, moment) for _ in range(kills)]
     print(
         f"{victim}: all of {len(took)} jobs done after kill -9; median {np.median(took):.1f} s, longest {max(took):.1f}"
     )

@@ -27,6 +27,7 @@ from modallab.schema.service.pages import EventView
 from modallab.schema.service.rigs import Lease
 from modallab.settings import Settings
 from modallab.storage import Store
+from modallab.storage.records import ENDED
 
 TOKEN = "a token for tests only"
 RIG = "link"
@@ -84,6 +85,13 @@ class Lab:
     def wait_for_state(self, run: str, state: RunState, after: int = 0) -> EventView:
         """The event that says that a run is in a state."""
         return self.wait_for(lambda e: e.run == run and e.kind == "state" and e.content["state"] == state, after=after)
+
+    def wait_for_ended(self, run: str, within_s: float = 60.0) -> None:
+        """Until a run has ended, by its row."""
+        end = time.monotonic() + within_s
+        while self.store.catalogue.run(run).state not in ENDED:
+            assert time.monotonic() < end, self.store.catalogue.run(run)
+            time.sleep(0.02)
 
     def wait_until_idle(self, within_s: float = 60.0) -> None:
         """Until the bench is open and no run is on."""

@@ -1,5 +1,7 @@
 """How a run begins: looked at as far as can be without the bench, then handed to the rig's desk."""
 
+from pathlib import Path
+
 from modallab.acquisition.checks import require_possible
 from modallab.campaign.control import DeskState, StartRun
 from modallab.campaign.errors import ConflictError, NotFoundError
@@ -9,7 +11,12 @@ from modallab.campaign.service import Service
 from modallab.campaign.transitions import refusal
 from modallab.schema.plan import Plan
 from modallab.schema.service.runs import RunNew
+from modallab.storage.durable import require_space
 from modallab.storage.records import ENDED
+from modallab.storage.room import require_room
+from modallab.storage.samples import RESERVE_BYTES
+
+LEAST_BYTES = 2
 
 
 def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> str:
@@ -18,6 +25,7 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> st
     Raises:
         NotFoundError: no such campaign, or no such run to continue.
         PlanError: the plan is not possible on this rig.
+        DiskFullError: there is no room for what it would record.
         ModallabError: as `Control.start`.
     """
     entry = service.book.campaign(campaign)
@@ -28,6 +36,7 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> st
     plan = _plan(service, campaign, new)
     require_reasonable(plan, desk.rig)
     _require_possible(plan, desk)
+    _require_room(service.folder, plan, len(desk.rig.channels))
     return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues))
 
 
@@ -49,6 +58,12 @@ def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
             "an aborted run is marked as invalid and not continued", where="continues", remedy="begin a new run"
         )
     return new.plan or remaining_plan(record.plan, service.store.catalogue.blocks(new.continues))
+
+
+def _require_room(folder: Path, plan: Plan, channels: int) -> None:
+    # The recorder looks again with what the device really delivers; counts are of two bytes at least.
+    require_space(folder, 2 * RESERVE_BYTES)
+    require_room(folder, plan, LEAST_BYTES * channels * round(plan.block_s * plan.rate_hz))
 
 
 def _require_possible(plan: Plan, desk: DeskState) -> None:

@@ -57,6 +57,8 @@ def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
     cursor.execute("PRAGMA journal_mode=WAL")
     cursor.execute("PRAGMA synchronous=FULL")
     cursor.execute("PRAGMA foreign_keys=ON")
+    # The log beside the database is taken over before it is as large as what a small disk has to spare.
+    cursor.execute("PRAGMA wal_autocheckpoint=128")
     cursor.close()
 
 
