@@ -3,6 +3,7 @@
 import argparse
 from importlib.resources import files
 from pathlib import Path
+from urllib.parse import quote
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -31,7 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     rig = demo_rig()
     console = Console()
-    url = f"sim://cantilever?seed={arguments.seed}"
+    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect)
+    url = f"sim://cantilever?seed={arguments.seed}{effects}"
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     campaign = _record(console, url, rig, folder)
     console.print("identifying ...")

@@ -35,6 +35,13 @@ def _add_demo(commands: _Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
     demo.add_argument("--seed", type=int, default=1, help="seed of the simulated bench")
+    demo.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME,NUMBER=VALUE,...",
+        help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
+    )
     demo.set_defaults(module="demo")
 
 

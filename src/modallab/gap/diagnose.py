@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 TOP_HZ = 450.0
 """Modes up to here have a damping ratio of their own."""
+PULLED = 2.5
+"""Deviations from which a sensitivity is worth a word, though within what the rig file allows."""
 SEED = 20240501
 
 
@@ -68,7 +70,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         shrink=_shrink(campaign, prepared, choice, [b.name for b in held or fitted], bool(held)),
         next_experiment=next_experiment(verdict, ranked, campaign),
         twin=_calibrated(choice.fit),
-        notes=list(prepared.notes),
+        notes=[*prepared.notes, *_gains_off(choice.fit, campaign)],
     )
 
 
@@ -188,6 +190,18 @@ def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
     return {}
 
 
+def _gains_off(fit: Fit, campaign: Campaign) -> list[str]:
+    """Sensitivities that had to move far within their tolerance."""
+    free = fit.problem.free
+    moved = fit.u[3 + free.modes : 3 + free.modes + len(free.gains)]
+    return [
+        f"{campaign.rig.channels[channel].name} reads {np.expm1(u * free.tolerance):+.1%} against its sensitivity, "
+        f"{abs(u):.1f} deviations of the rig file's tolerance: calibrate it."
+        for channel, u in zip(free.gains, moved, strict=True)
+        if abs(u) > PULLED
+    ]
+
+
 def _calibrated(fit: Fit) -> Calibrated:
     twin: Twin = fit.problem.free.build(fit.u[: fit.problem.free.size])
     s = twin.structure
@@ -197,4 +211,6 @@ def _calibrated(fit: Fit) -> Calibrated:
         density_kg_m3=s.density_kg_m3,
         zeta=s.zeta.tolist(),
         gains=dict(twin.chain.gain),
+        rest=twin.rest,
+        root_rotation=s.root_rotation,
     )

@@ -38,8 +38,9 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig) -> Twin:
         thickness_m=numbers.thickness_m,
         density_kg_m3=numbers.density_kg_m3,
         zeta=np.array(numbers.zeta),
+        root_rotation=numbers.root_rotation,
     )
-    twin = Twin(structure)
+    twin = Twin(structure, rest=numbers.rest)
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     for found in diagnosis.effects:
         twin = apply(twin, found.as_effect(), rig)

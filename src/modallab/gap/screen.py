@@ -20,6 +20,8 @@ LARGE = 0.05
 """Relative misfit from which an effect is no small change of the fit so far."""
 SMALL = 0.01
 """Relative misfit up to which nothing is forgiven: the effect itself may be no larger."""
+VALLEYS = 3
+"""Places along the beam from which a fit begins."""
 CUT = 5.0
 """Times the rms at which a residual stops counting."""
 
@@ -98,8 +100,11 @@ class Screen:
         problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
         if self.large:
             return self._far(problem, candidate)
-        tried = (Begin(problem, u, self.left(problem, u)) for u in self._near(problem, candidate))
-        return (min(tried, key=lambda b: b.cost),)
+        tried = [Begin(problem, u, self.left(problem, u)) for u in self._near(problem, candidate)]
+        if len(candidate.slots) == 2 and candidate.effect != "local_damper":
+            # Along the beam one valley may be as deep as the next: each is worth a look.
+            tried = _valleys(tried)
+        return tuple(sorted(tried, key=lambda b: b.cost)[: VALLEYS if len(candidate.slots) == 2 else 1])
 
     def left(self, problem: Problem, u: Array) -> float:
         """Squares that stay at u of a problem with one candidate more, large ones cut."""
@@ -154,6 +159,13 @@ class Screen:
         if candidate.effect == "thermal_drift" and len(self.poles):
             return [u, start(problem.candidates, u[self.priors :], problem.free, self.poles).u]
         return [u]
+
+
+def _valleys(tried: list[Begin]) -> list[Begin]:
+    """Those of a row that leave no more than their neighbours."""
+    costs = np.array([np.inf, *(b.cost for b in tried), np.inf])
+    low = (costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:])
+    return [b for b, is_low in zip(tried, low, strict=True) if is_low]
 
 
 def _plain(problem: Problem, u: Array) -> float:

@@ -190,7 +190,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     screen = Screen(problem, base.u, bench.poles)
 
     def look(begins: tuple[Begin, ...]) -> Fit:
-        fits = (_short(bench, b.problem.candidates, b.u, screen.floor) for b in begins[:BEGINS])
+        fits = (_short(bench, b.problem.candidates, b.u, screen.floor) for b in begins[: BEGINS + 1])
         return min(fits, key=lambda f: f.cost)
 
     def longer(f: Fit) -> Fit:

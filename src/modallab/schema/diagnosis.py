@@ -131,6 +131,8 @@ class Calibrated(Frozen):
         density_kg_m3: rho.
         zeta: damping ratio of each mode.
         gains: channel number -> factor, where sensitivities were free.
+        rest: share of the static compliance of the modes beyond the twin's own.
+        root_rotation: compliance of the root in L / EI, where the rig file tells of one; 0 is rigid.
     """
 
     youngs_modulus_pa: float
@@ -138,6 +140,8 @@ class Calibrated(Frozen):
     density_kg_m3: float
     zeta: list[float]
     gains: dict[int, float] = Field(default_factory=dict[int, float])
+    rest: float = 0.0
+    root_rotation: float = 0.0
 
 
 class Diagnosis(Frozen):
