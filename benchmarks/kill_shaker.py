@@ -56,7 +56,7 @@ def kill_once(server: NiServer, rig: Rig, plan: SinePlan, folder: Path) -> float
         runner.start()
         wait_until(lambda: server.say("levels 0.1")[OUTPUT] > 0.4, 30.0)
         process.process.kill()
-        took = time_to_zero(server, 5.0)
+        took = time_to_zero(server)
         runner.join(10)
     return took
 
@@ -74,7 +74,7 @@ def kill_all(server: NiServer, rig: Rig, plan: SinePlan, folder: Path) -> float:
         wait_until(lambda: server.say("levels 0.1")[OUTPUT] > 0.4, 30.0)
         for pid in (pids["supervisor"], owner.pid, pids["rig"]):
             os.kill(pid, signal.SIGKILL)
-        took = time_to_zero(server, plan.settle_s + 30.0)
+        took = time_to_zero(server)
     finally:
         owner.kill()
         owner.communicate()
@@ -96,9 +96,11 @@ def own(url: str, folder: Path) -> None:
         drain(process, plan)
 
 
-def time_to_zero(server: NiServer, patience_s: float) -> float:
+def time_to_zero(server: NiServer) -> float:
+    # However long it takes: one that is late is counted as late.
     began = time.monotonic()
-    wait_until(lambda: server.say("levels 0.01")[OUTPUT] == 0.0, patience_s)
+    while server.say("levels 0.01")[OUTPUT] != 0.0:
+        time.sleep(0.002)
     return time.monotonic() - began - 0.01
 
 
@@ -140,9 +142,16 @@ def main() -> int:
         server.say("preamplifiers sine")
         once = kill_all if arguments.also_supervisor else kill_once
         took: list[float] = []
-        for n in range(arguments.kills):
-            took.append(once(server, rig, plan, Path(folder) / str(n)))
-            print(f"{n + 1}: {took[-1]:.3f} s", flush=True)
+        for n in range(2 * arguments.kills):
+            if len(took) == arguments.kills:
+                break
+            try:
+                took.append(once(server, rig, plan, Path(folder) / str(n)))
+            except TimeoutError as error:
+                # A machine so busy that a guard ended the burst before anybody was killed says nothing on kills.
+                print(f"not counted, no burst to be killed in: {error}", flush=True)
+            else:
+                print(f"{len(took)}: {took[-1]:.3f} s", flush=True)
     limit = arguments.burst_s if arguments.no_watchdog else LIMIT_S
     if arguments.also_supervisor and not arguments.no_watchdog:
         limit = arguments.watchdog_s + WATCHDOG_MARGIN_S
