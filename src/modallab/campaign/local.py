@@ -25,7 +25,7 @@ from modallab.storage.lease import Lease
 
 LOCK = "service.lock"
 LOOK_S = 0.05
-OPEN_S = 60.0
+OPEN_S = 300.0
 LEASE_S = 3600.0
 
 
