@@ -3,12 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.identification.criteria import mac
 from modallab.identification.fit import Fit, modal_constants
 
 MIN_SIGNIFICANCE = 5.0
 MAX_ZETA = 0.2
 MAX_FREQUENCY_SIGMA = 2e-3
 MAX_DAMPING_SIGMA = 0.5
+ALIKE = 0.5
+"""MAC of two poles' modal constants, over responses and forces, from which they may be one mode."""
 
 
 def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
@@ -28,13 +31,18 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
 
 
 def _doubles(fit: Fit) -> NDArray[np.bool_]:
-    """Poles that stand on a better known one: nearer than both half-widths together, with shapes that cancel."""
+    """Poles that stand on a better known one: nearer than both half-widths together, with shapes that cancel.
+
+    One force sees one shape at a frequency. From several, two modes there have modal constants that differ.
+    """
     at, sigma = fit.point.parameters, fit.pole_sigma
+    likeness = mac(*(modal_constants(fit)[0].reshape(at.omega.size, -1),) * 2)
+    alike = (likeness > ALIKE) | (len(fit.input_points) == 1)
     double = np.zeros(at.omega.size, bool)
     order = np.argsort(sigma[:, 0] / at.omega)
     for place, i in enumerate(order):
         for j in order[:place]:
             near = abs(at.omega[i] - at.omega[j]) < 0.5 * abs(at.zeta[i] * at.omega[i])
-            if near and sigma[i, 0] > 3 * sigma[j, 0]:
+            if near and sigma[i, 0] > 3 * sigma[j, 0] and alike[i, j]:
                 double[i] = True
     return double

@@ -1,0 +1,53 @@
+"""Modes at one frequency: a single force sees one shape there, two forces see both."""
+
+import numpy as np
+
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.options import Options
+from modallab.schema.frf import Frf
+from modallab.schema.rig import Channel, Point, Rig
+
+POINTS = 6
+LINES = np.arange(1, 481) * 0.25
+DRIVEN = (0, 3)
+
+
+def _rig():
+    force = Channel(index=0, name="force", quantity="force", unit="N")
+    channels = [Channel(index=i, name=f"v{i}", quantity="velocity", unit="m/s", point=i) for i in range(1, POINTS + 1)]
+    points = tuple(Point(id=i, x_m=0.1 * i) for i in range(1, POINTS + 1))
+    return Rig(name="plate", model="unknown", points=points, channels=(force, *channels))
+
+
+def _frf(frequency, zeta, lines=LINES, noise=0.005):
+    rng = np.random.default_rng(3)
+    phi = rng.standard_normal((len(frequency), POINTS))
+    s, w = 2j * np.pi * lines, 2 * np.pi * np.array(frequency)[:, None]
+    receptance = 1 / (s**2 + 2 * np.array(zeta)[:, None] * w * s + w**2)
+    values = np.einsum("mo,mi,mk->oik", phi, phi[:, DRIVEN], receptance) * s
+    size = noise * np.sqrt(np.mean(np.abs(values) ** 2, axis=-1, keepdims=True))
+    values = values + size * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
+    names = tuple(f"v{i}" for i in range(1, POINTS + 1))
+    return Frf(lines, values, "mobility", names, tuple(range(1, POINTS + 1)), tuple(d + 1 for d in DRIVEN))
+
+
+def test_two_modes_at_one_frequency_are_both_found_from_two_forces():
+    truth_hz, zeta = [30.0, 60.0, 60.0, 95.0], [0.006, 0.004, 0.009, 0.004]
+    model, _ = identify_frf(_frf(truth_hz, zeta), _rig(), Options())
+    assert model.n_modes == 4
+    assert np.all(np.abs(model.frequency_hz - truth_hz) < 5 * model.frequency_sigma_hz)
+    np.testing.assert_allclose(np.sort(model.damping_ratio), sorted(zeta), rtol=0.02)
+
+
+def test_a_band_split_in_two_gives_what_the_whole_gives():
+    truth_hz = [12.0, 25.0, 41.0, 70.0, 88.0, 104.0]
+    frf = _frf(truth_hz, [0.005] * 6)
+    whole, _ = identify_frf(frf, _rig(), Options())
+    low, _ = identify_frf(frf, _rig(), Options(band_hz=(5.0, 55.0)))
+    high, _ = identify_frf(frf, _rig(), Options(band_hz=(55.0, 120.0)))
+    frequency = np.concatenate([low.frequency_hz, high.frequency_hz])
+    damping = np.concatenate([low.damping_ratio, high.damping_ratio])
+    sigma = np.concatenate([low.damping_sigma, high.damping_sigma])
+    np.testing.assert_allclose(frequency, whole.frequency_hz, rtol=1e-4)
+    assert np.all(np.abs(damping - 0.005) < 4 * sigma)
+    assert np.all(np.abs(damping - whole.damping_ratio) < 4 * np.hypot(sigma, whole.damping_sigma))
