@@ -4,12 +4,13 @@ Five impact blocks at one point, and the sine test with 24 frequencies, on anoth
 as `modallab identify` would. Prints the worst errors, the scatter in units of the stated sigma, and the half-power
 reading.
 
-    python benchmarks/demo_seeds.py --seeds 100 [--first 1]
+    python benchmarks/demo_seeds.py --seeds 100 [--first 1] [--only impact]
 """
 
 import argparse
 import json
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +25,13 @@ from modallab.tasks.report import truth_of
 MODES = 3
 
 
-def one_seed(seed: int) -> list[dict]:
+PLANS = {"impact": ImpactPlan(points=(10,), hits=5), "sine": SinePlan()}
+
+
+def one_seed(seed: int, tests: Sequence[str]) -> list[dict]:
     rig = demo_rig()
     with tempfile.TemporaryDirectory() as folder:
-        plans = (ImpactPlan(points=(10,), hits=5), SinePlan())
+        plans = tuple(PLANS[test] for test in tests)
         campaign = record_campaign(f"sim://cantilever?seed={seed}", rig, plans, Path(folder), lambda event: None)
     truth = truth_of(campaign)
     rows = []
@@ -61,9 +65,11 @@ def one_seed(seed: int) -> list[dict]:
 
 def table(rows: list[dict]) -> None:
     print("test    mode   worst f %   worst zeta %   scatter/sigma f   zeta   worst sigmas f  zeta   half-power %")
-    for test in ("impact", "sine"):
+    for test in PLANS:
         for mode in range(1, MODES + 1):
             part = [r for r in rows if r["test"] == test and r["mode"] == mode]
+            if not part:
+                continue
             get = lambda key: np.array([r[key] for r in part])  # noqa: B023, E731
             half = 100 * get("half_power")
             print(
@@ -81,6 +87,8 @@ def table(rows: list[dict]) -> None:
                 a, b = pair["impact"], pair["sine"]
                 agree.append((a["f_hz"] - b["f_hz"]) / np.hypot(a["f_sigma_hz"], b["f_sigma_hz"]))
                 agree.append((a["zeta"] - b["zeta"]) / np.hypot(a["zeta_sigma"], b["zeta_sigma"]))
+    if not agree:
+        return
     rms, worst = np.sqrt(np.mean(np.square(agree))), np.max(np.abs(agree))
     print(f"sine against impact, in joint sigmas: rms {rms:.2f}, worst {worst:.1f}")
 
@@ -89,9 +97,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=100)
     parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--only", choices=[*PLANS], help="one test alone")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
-    rows = [row for seed in range(arguments.first, arguments.first + arguments.seeds) for row in one_seed(seed)]
+    tests = [arguments.only] if arguments.only else [*PLANS]
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    rows = [row for seed in seeds for row in one_seed(seed, tests)]
     table(rows)
     if arguments.json:
         arguments.json.write_text(json.dumps(rows))
