@@ -6,7 +6,7 @@ import numpy as np
 from rich.console import Console
 
 from modallab.figures.content import Truth
-from modallab.figures.table import modal_table
+from modallab.figures.table import confidences, modal_table
 
 
 def printed(*arguments, encoding: str = "utf-8") -> str:
@@ -57,3 +57,7 @@ def test_seven_sharp_modes_fit_into_80_columns():
     text = printed([sharp], Truth(sharp.frequency_hz, sharp.damping_ratio))
     assert "612.768053(3)" in text
     assert "…" not in text
+
+
+def test_confidence_is_not_rounded_up_to_certainty():
+    assert confidences(np.array([0.999, 0.5, nan, 0.0])) == "0.99, 0.50, not known, 0.00"

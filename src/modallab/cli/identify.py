@@ -7,7 +7,7 @@ from rich.console import Console
 from modallab.exchange.campaign_hdf5 import read_campaign
 from modallab.exchange.rig_file import read_rig
 from modallab.figures.report import write_report
-from modallab.figures.table import modal_table
+from modallab.figures.table import confidences, modal_table
 from modallab.identification.options import Options
 from modallab.tasks.identify import Result, identify_campaign
 from modallab.tasks.model_file import write_models
@@ -48,6 +48,9 @@ def print_remarks(console: Console, result: Result) -> None:
                 f"{item.source}: FRAC of the regenerated mobility {low:.4f} to {high:.4f}, {band}", markup=False
             )
         if item.assessment is not None:
+            console.print(
+                f"{item.source}: confidence of the modes " + confidences(item.assessment.confidence), markup=False
+            )
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"
                 console.print(f"{item.source}: {verdict.assumption} {holds}: {verdict.words}", markup=False)

@@ -1,8 +1,10 @@
 """The table of modes for the terminal."""
 
 from collections.abc import Sequence
-from math import isfinite
+from math import floor, isfinite
 
+import numpy as np
+from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
@@ -39,6 +41,11 @@ def modal_table(models: Sequence[ModalModel], truth: Truth | None = None) -> Tab
         for reading in mode.readings:
             table.add_row(*_cells(mode, reading, truth is not None), end_section=reading is mode.readings[-1])
     return table
+
+
+def confidences(values: NDArray[np.float64]) -> str:
+    """The confidence of every mode by rising frequency, 0 to 1, never rounded up to a certainty that is not there."""
+    return ", ".join(f"{floor(100 * value) / 100:.2f}" if isfinite(value) else "not known" for value in values)
 
 
 def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
