@@ -13,6 +13,9 @@ from modallab.twin.elements import ELEMENTS
 Array = NDArray[np.float64]
 Transform = Literal["log", "plain", "share"]
 
+SOFT = 0.01
+"""Stiffness of a root, in those of the beam, below which nothing stands any more."""
+
 
 @dataclass(frozen=True, slots=True)
 class Slot:
@@ -108,18 +111,12 @@ def structural(rig: Rig) -> list[Candidate]:
     critical = np.sqrt(ei * mass / length**3)
     here = (("x", 0.0),)
     shaker = (("x", rig.x_of(rig.shaker_point) / length),) if rig.shaker_point is not None else ()
-    along = _along()
+    along, stiff = _along(), ei / length**3
+    turning = Slot("k_rot", "log", _spread(4 * ei / length, 4e3 * ei / length, 7), low=SOFT * ei / length, inverse=True)
+    shifting = Slot("k_trans", "log", _spread(50 * stiff, 5e4 * stiff, 7), low=SOFT * stiff, inverse=True)
     found = [
-        Candidate(
-            "clamp_rotation",
-            (Slot("k_rot", "log", _spread(4 * ei / length, 4e3 * ei / length, 7), inverse=True),),
-            here,
-        ),
-        Candidate(
-            "clamp_translation",
-            (Slot("k_trans", "log", _spread(50 * ei / length**3, 5e4 * ei / length**3, 7), inverse=True),),
-            here,
-        ),
+        Candidate("clamp_rotation", (turning,), here),
+        Candidate("clamp_translation", (shifting,), here),
         Candidate("sensor_mass", (Slot("mass_each", "log", _spread(3e-5 * mass, 0.03 * mass, 7)),), (("x", "all"),)),
         Candidate("added_mass", (Slot("mass", "log", _spread(1e-3 * mass, 0.4 * mass, 5)), along)),
         Candidate("stiffness_loss", (Slot("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along)),

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.choose import Choice, choose, intervals, probabilities
+from modallab.gap.contradictions import contradictions
 from modallab.gap.fit import Fit
 from modallab.gap.inspected import inspected
 from modallab.gap.locate import locate
@@ -28,8 +29,6 @@ Array = NDArray[np.float64]
 
 TOP_HZ = 450.0
 """Modes up to here have a damping ratio of their own."""
-PULLED = 2.5
-"""Deviations from which a sensitivity is worth a word, though within what the rig file allows."""
 SEED = 20240501
 
 
@@ -70,7 +69,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         shrink=_shrink(campaign, prepared, choice, [b.name for b in held or fitted], bool(held)),
         next_experiment=next_experiment(verdict, ranked, campaign),
         twin=_calibrated(choice.fit),
-        notes=[*prepared.notes, *_gains_off(choice.fit, campaign)],
+        notes=[*prepared.notes, *contradictions(choice, prepared)],
     )
 
 
@@ -188,18 +187,6 @@ def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
             after = squares(fit.problem.twin(fit.u), clean).gap
             return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
     return {}
-
-
-def _gains_off(fit: Fit, campaign: Campaign) -> list[str]:
-    """Sensitivities that had to move far within their tolerance."""
-    free = fit.problem.free
-    moved = fit.u[3 + free.modes : 3 + free.modes + len(free.gains)]
-    return [
-        f"{campaign.rig.channels[channel].name} reads {np.expm1(u * free.tolerance):+.1%} against its sensitivity, "
-        f"{abs(u):.1f} deviations of the rig file's tolerance: calibrate it."
-        for channel, u in zip(free.gains, moved, strict=True)
-        if abs(u) > PULLED
-    ]
 
 
 def _calibrated(fit: Fit) -> Calibrated:

@@ -34,6 +34,12 @@ def measured_noise(blocks: Sequence[Block]) -> Array:
     return np.quantile(np.array(spreads), 0.25, axis=0)
 
 
+def told_by(blocks: Sequence[Block]) -> int:
+    """Lines of spectra that the measured noise rests on."""
+    share = (QUIET[1] - QUIET[0]) / 2
+    return sum(int(share * (b.n_samples if b.test == "sine" else PRE_TRIGGER)) for b in blocks)
+
+
 def _of_block(block: Block) -> Array | None:
     volts = block.samples * block.scale[:, None]
     if block.test == "impact":

@@ -11,7 +11,7 @@ from modallab.errors import DataError
 from modallab.gap.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.clipped import Clipped, find_clipped
 from modallab.gap.hum import Hum, find_hum, without_hum
-from modallab.gap.noise import believed_noise, measured_noise, noise_in_use
+from modallab.gap.noise import believed_noise, measured_noise, noise_in_use, told_by
 from modallab.gap.poles import ring_down_poles
 from modallab.gap.reduce import Weights, sine_ratio
 from modallab.schema.block import Block, Campaign
@@ -23,6 +23,8 @@ REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
 """A row this far above the others is noisy."""
+CHANCE = 4.0
+"""The same over what one line scatters, where few lines tell: beyond chance in eleven rows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,7 +78,7 @@ def prepare(campaign: Campaign) -> Prepared:
     rail = _rail_volts(blocks)
     clipped = tuple(find_clipped(blocks, noise, rail))
     masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
-    noisy = _standing_out(measured)
+    noisy = _standing_out(measured, told_by(blocks))
     repeated = _repeating(blocks, noise)
     hum = find_hum(blocks, noise, campaign.rig.force_channel.index)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
@@ -157,9 +159,11 @@ def _top(block: Block) -> int | None:
     return None if bits is None else 2**bits - 1
 
 
-def _standing_out(measured: Array) -> tuple[int, ...]:
+def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
+    """Rows whose noise stands above the others by more than chance, where it is told by so many lines."""
     middle = float(np.nanmedian(measured)) if np.any(np.isfinite(measured)) else np.inf
-    raised = np.flatnonzero(np.nan_to_num(measured) > NOISY * middle)
+    limit = max(NOISY, 1 + CHANCE / np.sqrt(max(lines, 1)))
+    raised = np.flatnonzero(np.nan_to_num(measured) > limit * middle)
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
 
 

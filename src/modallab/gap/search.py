@@ -111,7 +111,7 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     candidates = fit.problem.candidates
     for level in (floor, floor / 6):
         fit = minimise(Problem(bench.data, bench.free, candidates, level), fit.u, 3, 3e-2)
-    return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 12, 2e-3))
+    return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 15, 2e-4))
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
