@@ -16,7 +16,6 @@ from threading import Lock
 from typing import Literal
 
 from modallab.acquisition.trip import TripLatch
-from modallab.acquisition.urgency import come_first
 from modallab.backend.loader import has_output, open_output
 from modallab.backend.protocol import OutputHandle
 from modallab.errors import BenchError, ModallabError
@@ -157,8 +156,6 @@ def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor 
 def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_folder: Path) -> None:
     """What runs in the supervisor's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Before the handle is opened, so that the threads it begins come first too.
-    come_first()
     try:
         handle = open_output(url, rig)
     except ModallabError as error:
