@@ -9,26 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
-from modallab.errors import (
-    BenchError,
-    ConfigurationError,
-    DeviceBusyError,
-    DeviceGoneError,
-    SamplesLostError,
-    UnsupportedError,
-)
+from modallab.errors import ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.schema.rig import Rig
-from modallab_drivers.function_generator.generator import open_generator
 from modallab_drivers.ni_daqmx.address import parse
-from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
-from modallab_drivers.ni_daqmx.guards import Guards
 from modallab_drivers.ni_daqmx.inputs import Inputs
-from modallab_drivers.ni_daqmx.plugs import Plug, output_of, plugs_of
+from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
+from modallab_drivers.ni_daqmx.shaker import Shaker
 from modallab_drivers.ni_daqmx.teds import teds_sensitivities
 from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
-from modallab_drivers.order import require, require_burst, require_count
-from modallab_drivers.output import Output
+from modallab_drivers.order import require, require_count
 
 State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]
 
@@ -48,32 +38,19 @@ class NiBench:
         self._route = Route(self._address)
         self._inputs: Inputs | None = None
         self._state: State = "open"
-        self._position = self._burst_end = 0
+        self._position = 0
         self._request: Request | None = None
         self._record: TriggeredRecord | None = None
         devices = self._route.devices()
         self._plugs: tuple[Plug, ...] = plugs_of(rig, devices, url)
-        chosen = output_of(rig, devices, url)
-        self._output: Output | None = None
-        if chosen is not None:
-            self._output = AnalogOutput(self._route, *chosen)
-        elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
-            self._output = open_generator(rig)
-        self._guarded = chosen[0] if chosen is not None else None
-        try:
-            # Made once to see that the rig's fields are right; they watch from start to stop.
-            self._guards = Guards(self._route, rig.excitation, self._guarded)
-            self._guards.close()
-        except BenchError:
-            self._let_go_of_output()
-            raise
+        self._shaker = Shaker(self._route, rig, devices, url)
         self._info = BenchInfo(
             url,
             tuple((f"{device.product} {device.name}", device.serial) for device in devices),
-            can_drive=self._output is not None,
+            can_drive=self._shaker.can_drive,
             real_time=not self._address.virtual_time,
             facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
-            | ({"output": chosen[0]} if chosen else {}),
+            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {}),
         )
 
     @property
@@ -122,8 +99,8 @@ class NiBench:
         except DeviceGoneError:
             self._gone()
             raise
-        self._guards = Guards(self._route, self._rig.excitation, self._guarded)
-        self._position = self._burst_end = 0
+        self._shaker.watch(self._route)
+        self._position = 0
         self._state = "running"
 
     def read(self, count: int, timeout_s: float) -> Chunk:
@@ -135,9 +112,10 @@ class NiBench:
         pieces: list[NDArray[np.float64]] = []
         with self._losses():
             while (left := first + count - self._position) > 0:
-                pieces.append(self._inputs.read(self._up_to_event(left), timeout_s))
+                piece = self._shaker.up_to_event(self._position, left)
+                pieces.append(self._inputs.read(piece, timeout_s))
                 self._position += pieces[-1].shape[1]
-                self._look_after()
+                self._shaker.look_after(self._position)
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
             return Chunk(first, samples, self._beyond(samples) | self._inputs.overloaded())
@@ -175,16 +153,7 @@ class NiBench:
         """Start a burst; the place of its rise counts the converter's own delay."""
         self._require("running", to="play")
         assert self._inputs is not None
-        if self._output is None:
-            raise UnsupportedError(
-                "there is no excitation output", where=self._url, remedy="give the rig a shaker_point and an excitation"
-            )
-        require_burst(burst, self._inputs.rate_hz, self._output.range_v, self._rig.limits, self._url)
-        if self._output.busy:
-            raise ConfigurationError("a burst is still on", where=self._url, remedy="wait for its end, or zero()")
-        self._guards.ready()
-        self._output.play(burst, self._position, self._inputs.rate_hz)
-        self._burst_end = self._position + round(burst.duration_s * self._inputs.rate_hz)
+        self._shaker.play(burst, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
@@ -199,9 +168,7 @@ class NiBench:
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""
-        self._burst_end = 0
-        if self._output is not None and self._state not in ("closed", "gone"):
-            self._output.zero()
+        self._shaker.zero(reachable=self._state not in ("closed", "gone"))
 
     def stop(self) -> None:
         """Stop streaming, with the output at 0 V."""
@@ -211,7 +178,7 @@ class NiBench:
             self._state = "stopped"
         elif self._state in ("running", "lost"):
             self.zero()
-            self._guards.close()
+            self._shaker.unwatch()
             if self._state == "running" and self._inputs is not None:
                 self._inputs.stop()
             self._state = "stopped" if self._state == "running" else "lost"
@@ -222,9 +189,9 @@ class NiBench:
             return
         try:
             if self._state != "gone":
-                self._let_go_of_output()
+                self._shaker.let_go()
         finally:
-            self._guards.close()
+            self._shaker.unwatch()
             self._drop_inputs()
             self._route.close()
             self._state = "closed"
@@ -254,15 +221,6 @@ class NiBench:
             raise
         return self._inputs
 
-    def _up_to_event(self, count: int) -> int:
-        event = self._output.next_event() if self._output is not None else None
-        return count if event is None else max(1, min(count, event - self._position))
-
-    def _look_after(self) -> None:
-        self._guards.beat(driving=self._position < self._burst_end)
-        if self._output is not None:
-            self._output.tick(self._position)
-
     def _beyond(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
@@ -270,20 +228,15 @@ class NiBench:
         return peak >= np.array([plug.range_v for plug in self._plugs]) * RAIL
 
     def _gone(self) -> None:
-        # Whatever is on the output ends by itself, or by the supervisor's handle.
         self._state = "gone"
-        if isinstance(self._output, AnalogOutput):
-            self._output.abandon()
+        self._shaker.gone()
 
     def _reconnect(self) -> None:
         if self._state != "gone":
             return
         self._route.close()
         self._route = Route(self._address)
-        devices = self._route.devices()
-        chosen = output_of(self._rig, devices, self._url)
-        if chosen is not None:
-            self._output = AnalogOutput(self._route, *chosen)
+        self._shaker.come_back(self._route, self._route.devices())
         self._inputs = None
         self._state = "stopped"
 
@@ -291,11 +244,3 @@ class NiBench:
         if self._inputs is not None:
             self._inputs.close()
             self._inputs = None
-
-    def _let_go_of_output(self) -> None:
-        if self._output is not None:
-            try:
-                self._output.close()
-            except DeviceBusyError:
-                # Nothing of ours is on it any more: whoever took it answers for it.
-                return

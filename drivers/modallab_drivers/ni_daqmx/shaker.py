@@ -1,0 +1,117 @@
+"""What drives the shaker of an NI bench, an output of the device or a generator, and the guards that watch it."""
+
+from collections.abc import Sequence
+
+from modallab.backend.protocol import Burst
+from modallab.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
+from modallab.schema.rig import Rig
+from modallab_drivers.function_generator.generator import open_generator
+from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
+from modallab_drivers.ni_daqmx.guards import Guards
+from modallab_drivers.ni_daqmx.plugs import output_of
+from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
+from modallab_drivers.order import require_burst
+from modallab_drivers.output import Output
+
+
+class Shaker:
+    """The excitation of one bench; a rig may have none, and then nothing can be played.
+
+    Attributes:
+        physical: the analog output; None where a generator drives, or nothing.
+    """
+
+    def __init__(self, route: Route, rig: Rig, devices: Sequence[DeviceInfo], where: str) -> None:
+        """Take the output, bring it to 0 V, and see that the guards the rig asks for can be had.
+
+        Raises:
+            BenchError: another program holds the output, or a guard can't be had.
+        """
+        self._rig, self._where = rig, where
+        self._burst_end = 0
+        self._output: Output | None = None
+        chosen = output_of(rig, devices, where)
+        self.physical = chosen[0] if chosen is not None else None
+        if chosen is not None:
+            self._output = AnalogOutput(route, *chosen)
+        elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
+            self._output = open_generator(rig)
+        try:
+            # Made once to see that the rig's fields are right; they watch from start to stop.
+            self._guards = Guards(route, rig.excitation, self.physical)
+            self._guards.close()
+        except BenchError:
+            self.let_go()
+            raise
+
+    @property
+    def can_drive(self) -> bool:
+        """Whether there is an output."""
+        return self._output is not None
+
+    def watch(self, route: Route) -> None:
+        """Streaming begins: no burst is on, and the guards watch."""
+        self._guards = Guards(route, self._rig.excitation, self.physical)
+        self._burst_end = 0
+
+    def unwatch(self) -> None:
+        """Streaming ends: the guards too."""
+        self._guards.close()
+
+    def play(self, burst: Burst, now: int, rate_hz: float) -> None:
+        """Start a burst at sample `now`.
+
+        Raises:
+            UnsupportedError: there is no output.
+            ConfigurationError: a burst is still on.
+            BenchError: beyond the rig's limits or the output's range.
+        """
+        if self._output is None:
+            raise UnsupportedError(
+                "there is no excitation output",
+                where=self._where,
+                remedy="give the rig a shaker_point and an excitation",
+            )
+        require_burst(burst, rate_hz, self._output.range_v, self._rig.limits, self._where)
+        if self._output.busy:
+            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
+        self._guards.ready()
+        self._output.play(burst, now, rate_hz)
+        self._burst_end = now + round(burst.duration_s * rate_hz)
+
+    def up_to_event(self, now: int, count: int) -> int:
+        """So many of the next `count` samples may be read before it must be looked after."""
+        event = self._output.next_event() if self._output is not None else None
+        return count if event is None else max(1, min(count, event - now))
+
+    def look_after(self, now: int) -> None:
+        """Between pieces of what is read."""
+        self._guards.beat(driving=now < self._burst_end)
+        if self._output is not None:
+            self._output.tick(now)
+
+    def zero(self, *, reachable: bool = True) -> None:
+        """Bring the output to 0 V now; of a device that is gone, forget the burst."""
+        self._burst_end = 0
+        if self._output is not None and reachable:
+            self._output.zero()
+
+    def gone(self) -> None:
+        """The device is gone: whatever is on its output ends by itself, or by the supervisor's handle."""
+        if isinstance(self._output, AnalogOutput):
+            self._output.abandon()
+
+    def come_back(self, route: Route, devices: Sequence[DeviceInfo]) -> None:
+        """The device is back: take its output anew."""
+        chosen = output_of(self._rig, devices, self._where)
+        if chosen is not None:
+            self._output = AnalogOutput(route, *chosen)
+
+    def let_go(self) -> None:
+        """Bring the output to 0 V and let go of it."""
+        if self._output is not None:
+            try:
+                self._output.close()
+            except DeviceBusyError:
+                # Nothing of ours is on it any more: whoever took it answers for it.
+                return
