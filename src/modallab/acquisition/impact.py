@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass, field, replace
 from modallab.acquisition.context import Context, measure_floor
 from modallab.acquisition.hardware_trigger import wait_for_record
 from modallab.acquisition.hits import Blow, blow_of, refusals
-from modallab.acquisition.rest import Floor, Rest, residual_ratio
+from modallab.acquisition.rest import Floor, Rest
+from modallab.acquisition.ringing import Ringing, ringing_before
 from modallab.acquisition.target import Target
 from modallab.acquisition.trigger import Trigger
 from modallab.acquisition.wishes import Drop
@@ -17,19 +18,6 @@ from modallab.storage import BlockNote
 
 TELL_BLOCKS = 5
 """While the beam rings down, say so once in so many blocks."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ringing:
-    """The motion before a blow.
-
-    Attributes:
-        residual_ratio: its amplitude as part of the blow's own, where that is largest; 0 if it does not show.
-        residual_hz: where that is.
-    """
-
-    residual_ratio: float
-    residual_hz: float
 
 
 @dataclass(slots=True)
@@ -167,9 +155,9 @@ class ImpactTest:
         overload = context.stream.overload(first, context.block)
         blow, ringing = self._measure(first)
         reasons = [
-            *_overloaded(overload),
+            *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
             *refusals(blow, self.plan.acceptance),
-            *_ringing(ringing, self.plan.acceptance.max_residual_ratio),
+            *ringing.refusals(self.plan.acceptance.max_residual_ratio),
         ]
         note = BlockNote(
             name="".join(name) if reasons else name[0],
@@ -190,9 +178,7 @@ class ImpactTest:
         context = self.context
         force_n = context.chain.force_n(context.stream.cut(first, context.block))
         blow = blow_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
-        before = context.motion(first - context.window, context.window)
-        ratio, line = residual_ratio(before, context.motion(first, context.block), self.floor)
-        return blow, Ringing(ratio, line * context.line_hz)
+        return blow, ringing_before(context, first, self.floor)
 
     def _refuse(self, point: int, reason: str) -> None:
         self.refused += 1
@@ -206,19 +192,6 @@ class ImpactTest:
 
     def _tell_refused(self, point: int, reason: str) -> None:
         self.context.emit(HitRefused(run=self.context.recorder.run, point=point, reason=reason))
-
-
-def _overloaded(channels: tuple[str, ...]) -> list[str]:
-    return [f"overload: {', '.join(channels)} beyond the range"] if channels else []
-
-
-def _ringing(ringing: Ringing, allowed: float) -> list[str]:
-    if ringing.residual_ratio <= allowed:
-        return []
-    return [
-        f"not at rest before: {100 * ringing.residual_ratio:.3g} % of this blow at {ringing.residual_hz:.4g} Hz,"
-        f" at most {100 * allowed:g} %"
-    ]
 
 
 def run_impact(context: Context, plan: ImpactPlan) -> None:

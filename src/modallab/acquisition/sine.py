@@ -1,7 +1,6 @@
 """The stepped sine test: every burst from rest, one block from its settled part, 0 V at its end."""
 
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil
 
@@ -10,7 +9,7 @@ from modallab.acquisition.context import Context, measure_floor
 from modallab.acquisition.drive import Drive
 from modallab.acquisition.limits import LimitWatch, watch_of
 from modallab.acquisition.rest import Floor, Rest
-from modallab.acquisition.target import Step, steps_of
+from modallab.acquisition.target import Step, again, steps_of
 from modallab.acquisition.wishes import Repeat
 from modallab.errors import PlanError, SafetyError, SamplesLostError
 from modallab.schema.plan import SinePlan
@@ -189,15 +188,6 @@ class SineTest:
             overload=self.context.stream.overload(first, self.context.block),
         )
         self.context.record(first, tripped)
-
-
-def again(request: Repeat, kept: Mapping[str, Step]) -> list[Step]:
-    """The steps a request asks for, out of those that were kept."""
-    return [
-        replace(step, again=step.again + 1, replaces=name)
-        for name, step in kept.items()
-        if round(step.frequency_hz, 3) == round(request.frequency_hz, 3) and request.level in ("", step.level)
-    ]
 
 
 def run_sine(context: Context, plan: SinePlan) -> None:

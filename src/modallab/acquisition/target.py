@@ -1,7 +1,9 @@
 """What a test still has to record, and under which name."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
+from modallab.acquisition.wishes import Repeat
 from modallab.schema.plan import SinePlan
 
 
@@ -60,6 +62,15 @@ def steps_of(plan: SinePlan) -> list[Step]:
         if plan.sweep == "up-down":
             steps += [Step(level, f, downwards=True) for f in up[::-1]]
     return steps
+
+
+def again(request: Repeat, kept: Mapping[str, Step]) -> list[Step]:
+    """The steps a request asks for, out of those that were kept."""
+    return [
+        replace(step, again=step.again + 1, replaces=name)
+        for name, step in kept.items()
+        if round(step.frequency_hz, 3) == round(request.frequency_hz, 3) and request.level in ("", step.level)
+    ]
 
 
 def block_name(level: str, frequency_hz: float) -> str:
