@@ -97,3 +97,11 @@ def test_descending_frequencies_are_refused():
 def test_too_few_lines_for_the_order_are_refused():
     with pytest.raises(IdentificationError, match="lines cannot carry order 60"):
         plscf(frf(FREQUENCY, ZETA, PHI, [0], LINES[:40]), 60)
+
+
+def test_a_narrow_band_far_from_zero_keeps_its_modes():
+    one = np.random.default_rng(0).standard_normal((2, 3))
+    narrow = frf([4050.0, 4150.0], [0.002, 0.003], one, [0], np.linspace(3950, 4250, 301), seed=1)
+    found = [abs(p.pole) / (2 * np.pi) for p in stable_poles(plscf(narrow, 120))]
+    for true in (4050.0, 4150.0):
+        assert min(abs(f - true) for f in found) < 1.0

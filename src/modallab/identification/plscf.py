@@ -67,10 +67,22 @@ def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.floa
     # (outputs, inputs, j, l) -> columns ordered by power, then input.
     s_matrix = s.transpose(0, 2, 3, 1).reshape(s.shape[0], order + 1, (order + 1) * n_in)
     t_matrix = t.transpose(2, 0, 3, 1).reshape((order + 1) * n_in, (order + 1) * n_in)
-    factor = np.linalg.cholesky(r + 1e-14 * r[0, 0] * np.eye(order + 1))
+    factor = _factor(r)
     whitened = linalg.solve_triangular(factor, s_matrix.transpose(1, 0, 2).reshape(order + 1, -1), lower=True)
     whitened = whitened.reshape(-1, (order + 1) * n_in)
     return t_matrix - whitened.T @ whitened
+
+
+def _factor(r: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cholesky factor of the numerators' matrix. Lines on a short arc of the circle leave it singular to rounding."""
+    for share in (1e-14, 1e-13, 1e-12, 1e-11):
+        try:
+            return np.linalg.cholesky(r + share * r[0, 0] * np.eye(len(r)))
+        except np.linalg.LinAlgError:
+            continue
+    raise IdentificationError(
+        f"the lines cannot carry a polynomial of order {len(r) - 1}", remedy="widen the band, or lower the order"
+    )
 
 
 def _places(frequency_hz: NDArray[np.float64]) -> NDArray[np.int64] | None:
