@@ -26,7 +26,7 @@ def fitted(rig: Rig, seed: int, *effects: Effect):
     prepared = prepare(campaign)
     weights = Weights(prepared.noise_v, prepared.masked, prepared.floor.spectrum if prepared.floor else None)
     data = reduce(campaign, prepared.blocks, weights)
-    free = nuisances(rig, 450.0)
+    free = nuisances(campaign.rig, 450.0)
     bench = Bench(data, thinned(data, prepared.poles), free, prepared.poles, lambda _: True)
     return prepared, baseline(bench)
 

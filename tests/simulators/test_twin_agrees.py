@@ -20,9 +20,9 @@ from modallab.twin.bench import Twin
 from modallab.twin.effects import UNPREDICTED, apply
 from modallab.twin.structure import MODES, Structure
 from modallab_simulators.cantilever.draw import draw_damping
-from modallab_simulators.cantilever.trial import LAST_ORDER, Operator
+from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
 
-RIG = quiet_rig()
+RIG = rigidly_clamped(quiet_rig())
 SEED = 5
 ORDER = 40
 LINES = (6, 33)

@@ -55,7 +55,7 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
     """Measure a campaign on the simulated bench of a rig, rigidly clamped, with some effects.
 
     Args:
-        rig: what the operator believes, with points 3, 6 and 10 and a shaker point.
+        rig: what the operator believes, with points 3, 6 and 10 and a shaker point; of the clamp that it is rigid.
         seed: draws the true beam, its damping, the blows and all noise. Two trials of one seed differ by their effects
             only: forces and noise are the same.
         effects: of the catalogue, or of this bench's own.
@@ -66,6 +66,7 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
     Raises:
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
+    rig = rigidly_clamped(rig)
     operator = Operator(rig, seed, effects)
     campaign = Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}")
     return campaign, _truth(operator.truth, effects)
@@ -78,8 +79,15 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
     """
     clocks = [e.parameters["relative"] for e in effects if e.effect == "clock_error"]
     forces = [e for e in effects if e.effect == "amplifier_harmonics"]
+    rig = rigidly_clamped(rig)
     operator = Operator(rig, seed, forces, 1 + sum(clocks))
     return Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
+
+
+def rigidly_clamped(rig: Rig) -> Rig:
+    """The rig as believed in a trial: with a clamp that neither turns nor shifts."""
+    beam = rig.beam
+    return rig if beam is None else rig.model_copy(update={"beam": beam.model_copy(update={"clamp": "rigid at x = 0"})})
 
 
 def _timed(effect: Effect) -> Effect:
