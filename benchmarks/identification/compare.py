@@ -25,7 +25,7 @@ from modallab.schema.model import ModalModel
 
 HERE = Path(__file__).parent
 ORDER = {"A": 60, "B": 80, "close": 40}
-PEERS = ("sdypy", "sdynpy", "pyyeti")
+PEERS = ("sdypy", "sdynpy", "pyyeti", "pyoma")
 
 
 def ours(case: Case, order: int | None) -> dict:

@@ -67,7 +67,23 @@ def pyyeti(frequency_hz, mobility, wanted_hz, order):
     return np.asarray(found.freqs_hz), np.asarray(found.zeta)
 
 
-PEERS = {"sdypy": sdypy, "sdynpy": sdynpy, "pyyeti": pyyeti}
+def pyoma(frequency_hz, mobility, wanted_hz, order):
+    from pyoma2.algorithms import SSI
+    from pyoma2.setup import SingleSetup
+
+    n_lines = frequency_hz.size
+    # It takes records of the responses alone. Impulse responses of the first input are free decays: their
+    # covariances hold the same poles.
+    response = np.fft.irfft(mobility[:, 0], axis=-1)[:, : n_lines // 2]
+    setup = SingleSetup(response.T, fs=2 * frequency_hz[-1])
+    setup.add_algorithms(SSI(name="SSI", method="cov", br=max(10, order // 2), ordmax=order))
+    setup.run_by_name("SSI")
+    setup.mpe("SSI", sel_freq=list(wanted_hz), order_in=order - order % 2)
+    found = setup["SSI"].result
+    return np.asarray(found.Fn), np.asarray(found.Xi)
+
+
+PEERS = {"sdypy": sdypy, "sdynpy": sdynpy, "pyyeti": pyyeti, "pyoma": pyoma}
 
 
 def peak_mib() -> float:
