@@ -71,7 +71,7 @@ class Lab:
         """A new campaign's id."""
         return self.service.book.create(CampaignNew(name=name, rig=RIG), "Ada").id
 
-    def wait_for(self, happened: Callable[[EventView], bool], after: int = 0, within_s: float = 60.0) -> EventView:
+    def wait_for(self, happened: Callable[[EventView], bool], after: int = 0, within_s: float = 240.0) -> EventView:
         """The first event for which `happened`."""
         end = time.monotonic() + within_s
         while time.monotonic() < end:
@@ -86,14 +86,14 @@ class Lab:
         """The event that says that a run is in a state."""
         return self.wait_for(lambda e: e.run == run and e.kind == "state" and e.content["state"] == state, after=after)
 
-    def wait_for_ended(self, run: str, within_s: float = 60.0) -> None:
+    def wait_for_ended(self, run: str, within_s: float = 240.0) -> None:
         """Until a run has ended, by its row."""
         end = time.monotonic() + within_s
         while self.store.catalogue.run(run).state not in ENDED:
             assert time.monotonic() < end, self.store.catalogue.run(run)
             time.sleep(0.02)
 
-    def wait_until_idle(self, within_s: float = 60.0) -> None:
+    def wait_until_idle(self, within_s: float = 240.0) -> None:
         """Until the bench is open and no run is on."""
         end = time.monotonic() + within_s
         while self.desk.state().state != "idle":

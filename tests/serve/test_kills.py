@@ -20,7 +20,7 @@ LONG = ImpactPlan(points=(10, 6, 3), hits=200)
 QUICK_BEAM = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 
 
-def wait_until(happened: Callable[[], object], within_s: float = 60.0) -> None:
+def wait_until(happened: Callable[[], object], within_s: float = 240.0) -> None:
     end = time.monotonic() + within_s
     while not happened():
         assert time.monotonic() < end, "not in time"

@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     rig = demo_rig()
     console = Console()
-    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect)
+    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
     url = f"sim://cantilever?seed={arguments.seed}{effects}"
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     campaign = _record(console, url, rig, folder)

@@ -38,7 +38,6 @@ def _add_demo(commands: _Commands) -> None:
     demo.add_argument(
         "--effect",
         action="append",
-        default=[],
         metavar="NAME,NUMBER=VALUE,...",
         help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
     )
