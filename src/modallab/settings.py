@@ -24,8 +24,8 @@ class Settings(BaseSettings):
         scheduler: address of a Dask scheduler; none: workers of this machine.
         jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
         workers: processes that compute jobs on this machine; none: one less than there are processors.
-        heartbeat_s: when the REST process is gone for so long, what is driven is stopped.
-        silence_s: when it is there and gives no sign of life for so long, too.
+        silence_s: when the REST process is there and gives no sign of life for so long, what is driven is stopped; when
+            it ends, at once.
         log_level: of the log on standard error.
     """
 
@@ -42,7 +42,6 @@ class Settings(BaseSettings):
     scheduler: str | None = None
     jobs: bool = True
     workers: Annotated[int, Field(ge=1)] | None = None
-    heartbeat_s: Annotated[float, Field(ge=0.1, le=5)] = 1.0
     silence_s: Annotated[float, Field(ge=1, le=60)] = 5.0
     log_level: str = "INFO"
 

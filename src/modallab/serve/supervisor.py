@@ -157,7 +157,8 @@ class Supervisor:
         while not self._closing.wait(BEAT_LOOK_S):
             counter = self._counter
             settings = self._settings
-            trouble = "" if counter is None else counter.trouble(settings.heartbeat_s, settings.silence_s)
+            # Started anew it may be back within the second that silence is given: its end alone is reason enough.
+            trouble = "" if counter is None else counter.trouble(settings.silence_s)
             if trouble and not tripped:
                 self._trip(trouble)
             tripped = bool(trouble)

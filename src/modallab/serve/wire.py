@@ -175,13 +175,13 @@ class Counter:
         finally:
             self._sending.release()
 
-    def trouble(self, gone_s: float, silent_s: float) -> str:
-        """What is wrong with the REST process, if it is gone or silent for longer than that; else "".
+    def trouble(self, silent_s: float) -> str:
+        """What is wrong with the REST process, if it is gone, or silent for longer than that; else "".
 
         A machine under load was seen to keep a living process silent for two seconds: silence alone needs more time.
         """
         now = time.monotonic()
-        if self._gone_s is not None and now - self._gone_s > gone_s:
+        if self._gone_s is not None:
             return f"the REST process has been gone for {now - self._gone_s:.1f} s"
         if self.began and self._gone_s is None and now - self.heard_s > silent_s:
             return f"no sign of life of the REST process for {now - self.heard_s:.1f} s"
