@@ -166,7 +166,7 @@ def _local(workers: int) -> LocalCluster:
         processes=True,
         host="127.0.0.1",
         scheduler_port=0,
-        dashboard_address=cast("str", None),
+        dashboard_address="127.0.0.1:0",
         worker_dashboard_address=None,
         silence_logs=logging.CRITICAL,
         env=one_thread,
