@@ -121,6 +121,14 @@ def all_rows(data: Reduced) -> list[Rows]:
     return [*(d.rows for d in data.impacts), *([data.sines.rows] if data.sines is not None else [])]
 
 
+def all_hz(data: Reduced) -> list[Array]:
+    """(rows,) frequency of each row in Hz, in the order of `all_rows`; negative where a line is a conjugate's."""
+    found = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
+    if data.sines is not None:
+        found.append((data.sines.source.lines / (data.sines.source.n * data.sines.source.dt)).ravel())
+    return found
+
+
 def softened(rows: Rows, floor: float) -> Rows:
     """Rows whose noise is at least a share of the response itself."""
     if not floor:

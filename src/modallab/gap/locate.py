@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.fit import Fit, Problem, all_rows, minimise
+from modallab.gap.fit import Fit, Problem, all_hz, all_rows, minimise
 from modallab.gap.forward import forward
 from modallab.gap.prepare import Prepared
 from modallab.gap.reduce import Reduced, Rows
@@ -124,12 +124,9 @@ def _in_noise(base: Fit) -> tuple[Complex, Complex, Array]:
     """(channels, lines) measured and predicted in noise units, and (lines,) Hz, all parts of the data side by side."""
     data = base.problem.data
     rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)
-    hz = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
-    if data.sines is not None:
-        hz.append((data.sines.source.lines / (data.sines.source.n * data.sines.source.dt)).ravel())
     y = np.concatenate([a / r.sigma for a, r in zip(answers, rows, strict=True)], axis=1)
     seen = np.concatenate([r.y / r.sigma for r in rows], axis=1)
-    return seen, y, np.concatenate(hz)
+    return seen, y, np.concatenate(all_hz(data))
 
 
 def alike(base: Fit) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.fit import all_rows
+from modallab.gap.fit import all_hz, all_rows
 from modallab.gap.forward import forward
 from modallab.gap.reduce import Reduced
 from modallab.twin.bench import Twin
@@ -112,21 +112,16 @@ def share_within(
 
 def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
-    found = [("impact", d.source.lines / (d.source.n * d.source.dt), np.isfinite(d.rows.sigma)) for d in data.impacts]
-    if data.sines is not None:
-        s = data.sines.source
-        found.append(("sine", np.abs(s.lines / (s.n * s.dt)).ravel(), np.isfinite(data.sines.rows.sigma)))
-    return found
+    tests = ["impact"] * len(data.impacts) + ["sine"] * (data.sines is not None)
+    used = (np.isfinite(rows.sigma) for rows in all_rows(data))
+    return list(zip(tests, (np.abs(hz) for hz in all_hz(data)), used, strict=True))
 
 
 def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
     """Share of the squares in each group of frequencies."""
     sums: dict[str, float] = {}
     parts = residuals(twin, data)
-    hz = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
-    if data.sines is not None:
-        hz.append((data.sines.source.lines / (data.sines.source.n * data.sines.source.dt)).ravel())
-    for f, r in zip(hz, parts, strict=True):
+    for f, r in zip(all_hz(data), parts, strict=True):
         power = np.sum(np.abs(r) ** 2, axis=0)
         for frequency, value in zip(np.abs(f), power, strict=True):
             sums[label(float(frequency))] = sums.get(label(float(frequency)), 0.0) + float(value)

@@ -1,7 +1,7 @@
 """From a campaign to what the fits see: noise, overloads, hum, ringing, floor, poles."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -209,8 +209,3 @@ def _notes(campaign: Campaign, blocks: Sequence[Block], overloaded: set[tuple[st
     if "sine" in tests and len(levels) < 2:
         notes.append("Only one level: whether the bench answers in proportion cannot be told.")
     return tuple(notes)
-
-
-def replace_blocks(prepared: Prepared, blocks: tuple[Block, ...]) -> Prepared:
-    """The same campaign with other records."""
-    return replace(prepared, blocks=blocks)
