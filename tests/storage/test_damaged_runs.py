@@ -3,6 +3,7 @@
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 import h5py
 import pytest
@@ -10,6 +11,7 @@ from recording import INFO, PLAN, begin, noise, small_rig
 
 from modallab.errors import DiskFullError, FormatError, StorageError
 from modallab.storage import BlockNote, Store
+from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
 from modallab.storage.lease import Lease
 from modallab.storage.seal import lookup3, seal
@@ -103,6 +105,24 @@ def test_the_reserve_is_there_while_recording_and_gone_after(store: Store) -> No
         assert reserve.stat().st_size >= 1 << 20
     assert not reserve.exists()
     assert [p.suffix for p in (store.folder / "runs").iterdir()] == [".h5"]
+
+
+def test_the_end_of_a_run_is_written_in_the_room_that_was_kept_for_it(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with begin(store) as recorder:
+        reserve = store.folder / "runs" / f"{recorder.run}.reserve"
+        write = Catalogue.update_run
+
+        def full_but_for_the_reserve(catalogue: Catalogue, run: str, **values: Any) -> None:
+            if reserve.exists():
+                raise DiskFullError("the disk is full", remedy="free space")
+            write(catalogue, run, **values)
+
+        monkeypatch.setattr(Catalogue, "update_run", full_but_for_the_reserve)
+        recorder.enter("failed", "the disk is full")
+    ended = store.catalogue.run(recorder.run)
+    assert (ended.state, ended.reason) == ("failed", "the disk is full")
 
 
 def test_too_little_room_is_refused_with_both_numbers(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Runs whose recorder died with the service before: marked, told, and never resumed by themselves."""
+"""Runs whose recorder is gone and could not say how they ended: marked, told, and never resumed by themselves."""
 
 import time
 from contextlib import suppress
@@ -10,16 +10,13 @@ from modallab.schema.events import StateChanged
 
 CODE = "interrupted"
 LOOK_S = 2.0
-LONG_ENOUGH_S = 60.0
-"""A rig's process that outlived its service ends its run within seconds; after this none is left."""
 
 
 class Recovery:
-    """Looks now and then for a while after the start: what a dying process leaves may appear late."""
+    """Looks now and then: a rig's process that outlived its service may die late, and a full disk may take no row."""
 
     def __init__(self, diary: Diary) -> None:
         self._diary = diary
-        self._began_s = time.monotonic()
         self._looked_s = float("-inf")
 
     def look(self) -> None:
@@ -29,7 +26,7 @@ class Recovery:
             StorageError: it could not be kept; the next look tries again.
         """
         now = time.monotonic()
-        if now - self._looked_s < LOOK_S or self._looked_s - self._began_s > LONG_ENOUGH_S:
+        if now - self._looked_s < LOOK_S:
             return
         self._looked_s = now
         for run in self._diary.store.recover():

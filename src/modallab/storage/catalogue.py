@@ -16,7 +16,7 @@ from modallab.schema.rig import Rig
 from modallab.storage.durable import failure
 from modallab.storage.engine import open_engine
 from modallab.storage.migrate import migrate
-from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
+from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
 from modallab.storage.tables import BLOCKS, DROPPED, REMOVED, RUNS
 
@@ -82,6 +82,12 @@ class Catalogue:
         """All runs, in the order of time."""
         with self._reading() as connection:
             return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.id)).mappings())
+
+    def unended(self) -> tuple[str, ...]:
+        """Names of the runs that are going on, or were when their recorder died, in the order of time."""
+        query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.id)
+        with self._reading() as connection:
+            return tuple(connection.scalars(query))
 
     def run(self, run: str) -> RunRecord:
         """One run.

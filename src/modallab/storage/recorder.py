@@ -66,9 +66,20 @@ class Recorder:
         )
 
     def enter(self, state: RunState, reason: str = "", *, valid: bool = True) -> None:
-        """Commit the run's state."""
+        """Commit the run's state; on a full disk in the room that was kept for it.
+
+        Raises:
+            DiskFullError, StorageError: it was not committed.
+        """
         ended = {"ended_utc": utc_now()} if state in ENDED else {}
-        self._catalogue.update_run(self.run, state=state, reason=reason, valid=valid, **ended)
+        row = {"state": state, "reason": reason, "valid": valid, **ended}
+        try:
+            self._catalogue.update_run(self.run, **row)
+        except DiskFullError:
+            if self._writer is None:
+                raise
+            self._writer.free_reserve()
+            self._catalogue.update_run(self.run, **row)
 
     def record(self, samples: Samples, note: BlockNote) -> BlockAcknowledged:
         """Keep (channels, n) samples for good; when this returns, no crash can lose them.

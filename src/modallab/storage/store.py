@@ -84,7 +84,7 @@ class Store:
 
         Its committed blocks stay readable. A run another live process records is left alone.
         """
-        return tuple(run.id for run in self.catalogue.runs() if run.state not in ENDED and self._bury(run.id))
+        return tuple(run for run in self.catalogue.unended() if self._bury(run))
 
     def _bury(self, run: str) -> bool:
         with self._lease(run) as lease:
