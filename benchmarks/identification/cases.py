@@ -93,3 +93,5 @@ def pure_noise(seed: int) -> Case:
 
 
 CASES = {"A": case_a, "B": case_b, "close": close_modes, "noise": pure_noise}
+NO_TRUTH = ("paper", "noise")
+"""Cases without a bound: the truth changes with the seed, or there is none."""

@@ -1,90 +1,78 @@
 """Many seeds of one case: what is found, how wrong, what is spurious, and how often 95 % intervals hold the truth.
 
-    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/coverage.py --case A --seeds 200 [--first 0] [--json a.json]
+    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/coverage.py --case A --seeds 200 [--first 0] [--out a.jsonl]
 
-Cases: A, close, noise (see cases.py) and paper (time records through the paper's protocol, see protocol.py).
+Cases: A, close, noise (see cases.py) and paper (time records through the paper's protocol, see protocol.py). With --out
+each seed is a line of that file as soon as it is done, and seeds that stand there already are not run again: a long run
+may be ended and taken up, or be put together from pieces. The table is of all seeds asked for.
 """
 
 import argparse
 import json
 import time
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from cases import CASES
+from cases import CASES, NO_TRUTH
+from coverage_table import table
+from matching import matched
 from numpy.typing import NDArray
 from ours import cramer_rao, identified
 from protocol import paper
 
 from modallab.schema.model import ModalModel
 
-BAND_OF_TRUTH = 0.01
-"""A model's mode within 1 % of a true frequency is that mode; one that is nobody's is spurious."""
-
 
 def one(name: str, seed: int) -> dict:
     begin = time.process_time()
     if name == "paper":
-        truth_hz, zeta, model = paper(seed)
+        truth_hz, zeta, phi, model = paper(seed)
     else:
         case = CASES[name](seed)
         begin = time.process_time()
         model = identified(case)
-        truth_hz, zeta = case.truth.frequency_hz, case.truth.zeta
+        truth_hz, zeta, phi = case.truth.frequency_hz, case.truth.zeta, case.truth.phi
     took = time.process_time() - begin
-    return {
-        "seed": seed,
-        "s": took,
-        **compared(truth_hz, zeta, model),
-    }
+    return {"case": name, "seed": seed, "s": took, **compared(truth_hz, zeta, phi, model)}
 
 
-def compared(truth_hz: NDArray[np.float64], zeta: NDArray[np.float64], model: ModalModel | None) -> dict:
+def compared(
+    truth_hz: NDArray[np.float64], zeta: NDArray[np.float64], phi: NDArray[np.float64], model: ModalModel | None
+) -> dict:
+    """Each mode's relative errors of f and zeta, both in sigmas, and the modal constants' share inside 95 %."""
+    pairs = matched(truth_hz, np.zeros(0) if model is None else model.frequency_hz)
     rows: list[list[float] | None] = []
-    taken: set[int] = set()
-    for f, z in zip(truth_hz, zeta, strict=True):
-        free = [] if model is None else [i for i in range(model.n_modes) if i not in taken]
-        near = min(free, key=lambda i: abs(model.frequency_hz[i] / f - 1), default=None)
-        if near is None or abs(model.frequency_hz[near] / f - 1) > BAND_OF_TRUTH:
+    for f, z, shape, near in zip(truth_hz, zeta, phi, pairs, strict=True):
+        if model is None or near is None:
             rows.append(None)
             continue
-        taken.add(near)
-        rows.append(
-            [
-                model.frequency_hz[near] / f - 1,
-                model.damping_ratio[near] / z - 1,
-                (model.frequency_hz[near] - f) / model.frequency_sigma_hz[near],
-                (model.damping_ratio[near] - z) / model.damping_sigma[near],
-            ]
-        )
-    return {"modes": rows, "spurious": 0 if model is None else model.n_modes - len(taken)}
+        df, dz = model.frequency_hz[near] - f, model.damping_ratio[near] - z
+        in_sigmas = [df / model.frequency_sigma_hz[near], dz / model.damping_sigma[near]]
+        rows.append([df / f, dz / z, *in_sigmas, constants_inside(shape, near, model)])
+    return {"modes": rows, "spurious": 0 if model is None else model.n_modes - sum(p is not None for p in pairs)}
 
 
-def table(results: Sequence[dict], bound: NDArray[np.float64] | None, truth_hz: NDArray[np.float64] | None) -> None:
-    n_modes = len(results[0]["modes"])
-    whole = sum(all(m is not None for m in r["modes"]) for r in results)
-    print(
-        f"{len(results)} seeds: all {n_modes} modes found in {whole}; spurious modes in "
-        f"{sum(r['spurious'] > 0 for r in results)} ({sum(r['spurious'] for r in results)} in all); "
-        f"{np.median([r['s'] for r in results]):.2f} s of processor each"
-    )
-    print(
-        "mode  worst f %   (bound)   worst zeta %  (bound)   in 95 %: f   zeta   scatter/sigma: f  zeta"
-        "   bias/sigma: f  zeta"
-    )
-    for mode in range(n_modes):
-        rows = np.array([r["modes"][mode] for r in results if r["modes"][mode] is not None])
-        if not rows.size:
-            print(f"{mode + 1:4d}  never found")
+CIRCLE = np.sqrt(-np.log(0.05))
+"""A circular complex number of E|d|^2 = sigma^2 lies within this many sigmas in 95 % of all cases."""
+
+
+def constants_inside(shape: NDArray[np.float64], near: int, model: ModalModel) -> float:
+    """Share of a mode's modal constants, driven at the last output, whose 95 % circle holds the truth."""
+    away = np.abs(model.modal_constants[near][:, 0] - shape * shape[-1])
+    return float(np.mean(away < CIRCLE * model.modal_constant_sigma[near][:, 0]))
+
+
+def stored(out: Path | None, name: str) -> dict[int, dict]:
+    """Results of the case that stand in the file, by seed; a line cut off by a kill is left out."""
+    results: dict[int, dict] = {}
+    for text in out.read_text().splitlines() if out is not None and out.exists() else []:
+        try:
+            row = json.loads(text)
+        except json.JSONDecodeError:
             continue
-        inside = 100 * np.mean(np.abs(rows[:, 2:]) < 1.96, axis=0)
-        least = ["", ""] if bound is None or truth_hz is None else [f"{100 * b:.5f}" for b in bound[mode]]
-        worst = 100 * np.abs(rows[:, :2]).max(axis=0)
-        print(
-            f"{mode + 1:4d} {worst[0]:10.5f} {least[0]:>9s} {worst[1]:13.4f} {least[1]:>9s} "
-            f"{inside[0]:12.1f} {inside[1]:6.1f} {rows[:, 2].std():14.2f} {rows[:, 3].std():6.2f}"
-        )
+        if row["case"] == name:
+            results[row["seed"]] = row
+    return results
 
 
 def main() -> None:
@@ -92,17 +80,22 @@ def main() -> None:
     parser.add_argument("--case", choices=[*CASES, "paper"], default="A")
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--json", type=Path)
+    parser.add_argument("--out", type=Path, help="file of results, one line a seed, appended to")
     arguments = parser.parse_args()
-    results = [one(arguments.case, seed) for seed in range(arguments.first, arguments.first + arguments.seeds)]
-    bound = truth_hz = None
-    if arguments.case not in ("paper", "noise"):
+    done = stored(arguments.out, arguments.case)
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    for seed in seeds:
+        if seed in done:
+            continue
+        done[seed] = one(arguments.case, seed)
+        if arguments.out is not None:
+            with arguments.out.open("a") as target:
+                target.write(json.dumps(done[seed]) + "\n")
+    bound = None
+    if arguments.case not in NO_TRUTH:
         case = CASES[arguments.case](0)
-        truth_hz = case.truth.frequency_hz
-        bound = cramer_rao(case) / np.stack([truth_hz, case.truth.zeta], axis=1)
-    table(results, bound, truth_hz)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(results))
+        bound = cramer_rao(case) / np.stack([case.truth.frequency_hz, case.truth.zeta], axis=1)
+    table([done[seed] for seed in seeds], bound)
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def cramer_rao(case: Case) -> NDArray[np.float64]:
     """(modes, 2) least sigma of f (Hz) and zeta that any unbiased estimator can have, residues unknown."""
     truth = case.truth
     f = case.frequency_hz[case.frequency_hz > 0]
-    clean = mobility(truth, f).reshape(-1, f.size)
+    clean = mobility(truth, f)[: len(case.mobility)].reshape(-1, f.size)
     problem = Problem(
         blocks=[LineBlock(UnitExcitation(Grid(2 * np.pi * f, 0, 0.0, 1)), clean, 0)],
         powers=(),

@@ -27,8 +27,10 @@ TOP_HZ = 1000.0
 FIRST_HZ = 4.8
 
 
-def paper(seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64], ModalModel | None]:
-    """True frequencies and damping inside the default band, and the model found."""
+def paper(
+    seed: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], ModalModel | None]:
+    """True frequencies, damping and shapes inside the default band, and the model found."""
     rng = np.random.default_rng(seed)
     frequency = FIRST_HZ * (BETA / BETA[0]) ** 2 * rng.uniform(0.99, 1.01)
     frequency = frequency[frequency < TOP_HZ]
@@ -38,9 +40,9 @@ def paper(seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64], ModalMod
     try:
         model, _ = identify_impact(to_signals_of(blocks, _rig()), _rig(), Options())
     except IdentificationError:
-        return frequency[:7], zeta[:7], None
+        return frequency[:7], zeta[:7], phi[:7], None
     inside = (frequency > model.band_hz[0]) & (frequency < model.band_hz[1])
-    return frequency[inside], zeta[inside], model
+    return frequency[inside], zeta[inside], phi[inside], model
 
 
 def _rig() -> Rig:

@@ -1,6 +1,8 @@
 """One peer on one case, in the peers' own environment: reads FRFs from a file, prints poles, time and memory as JSON.
 
-    <peers>/bin/python run_peer.py PEER CASE.npz ORDER
+    <peers>/bin/python run_peer.py PEER CASE.npz ORDER SECONDS
+
+After so many seconds of processor it is ended.
 
 Each peer is used as its documentation shows. Where it asks its user to pick poles, the true frequencies are given to it
 (`wanted_hz`), which no user has: what is compared is its estimates, not the picking.
@@ -10,6 +12,7 @@ import contextlib
 import io
 import json
 import resource
+import signal
 import sys
 import time
 from pathlib import Path
@@ -62,7 +65,16 @@ def pyyeti(frequency_hz, mobility, wanted_hz, order):
     response = np.fft.irfft(mobility, axis=-1)[..., : n_lines // 2]
     rate = 2 * frequency_hz[-1]
     found = era.ERA(
-        response.transpose(0, 2, 1), sr=rate, svd_tol=2 * wanted_hz.size, auto=True, show_plot=False, verbose=False
+        response.transpose(0, 2, 1),
+        sr=rate,
+        svd_tol=2 * wanted_hz.size,
+        auto=True,
+        # Left to itself it takes half the record as block rows, and all singular vectors of a matrix of 20480 rows.
+        alpha=BLOCK_ROWS,
+        # Left to itself it drops what is damped by 0.1 % or less.
+        damp_range=(1e-5, 0.5),
+        show_plot=False,
+        verbose=False,
     )
     return np.asarray(found.freqs_hz), np.asarray(found.zeta)
 
@@ -83,6 +95,7 @@ def pyoma(frequency_hz, mobility, wanted_hz, order):
     return np.asarray(found.Fn), np.asarray(found.Xi)
 
 
+BLOCK_ROWS = 256
 PEERS = {"sdypy": sdypy, "sdynpy": sdynpy, "pyyeti": pyyeti, "pyoma": pyoma}
 
 
@@ -94,9 +107,21 @@ def peak_mib() -> float:
     return next(float(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmHWM")) / 1024
 
 
+def end_after(seconds: int) -> None:
+    """Raises TimeoutError in the peer's code; where that never returns to Python, the process is killed later."""
+
+    def over(number, frame):
+        raise TimeoutError(f"ended after {seconds} s of processor")
+
+    if hasattr(signal, "SIGXCPU"):
+        signal.signal(signal.SIGXCPU, over)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, 2 * seconds))
+
+
 def main() -> None:
-    name, path, order = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    name, path, order, limit_s = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     data = np.load(path)
+    end_after(limit_s)
     begin, wall = time.process_time(), time.monotonic()
     try:
         with contextlib.redirect_stdout(io.StringIO()):
