@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 NEAR = 0.01
-"""An estimate within 1 % of a true frequency may be that mode; one that is nobody's is spurious."""
+"""An estimate within 1 % of a true frequency, and nearer to it than to another, may be that mode."""
 
 
 def matched(truth_hz: NDArray[np.float64], found_hz: NDArray[np.float64]) -> list[int | None]:
@@ -15,7 +15,10 @@ def matched(truth_hz: NDArray[np.float64], found_hz: NDArray[np.float64]) -> lis
         found_hz: (estimates,), NaN where there is none.
     """
     away = np.abs(found_hz[None, :] / truth_hz[:, None] - 1) if found_hz.size else np.empty((truth_hz.size, 0))
-    away = np.where(away < NEAR, away, np.inf)
+    apart = np.abs(truth_hz[None, :] / truth_hz[:, None] - 1)
+    np.fill_diagonal(apart, np.inf)
+    limit = np.minimum(NEAR, apart.min(axis=1, initial=np.inf) / 2)
+    away = np.where(away < limit[:, None], away, np.inf)
     pairs: list[int | None] = [None] * truth_hz.size
     while away.size and np.isfinite(away.min()):
         mode, estimate = np.unravel_index(np.argmin(away), away.shape)
