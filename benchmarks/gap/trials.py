@@ -3,10 +3,11 @@
     python benchmarks/gap/trials.py TRIALS --share report --each 2 --none 10 --out trials.jsonl
     python benchmarks/gap/practice.py TRIALS --score trials.jsonl
 
-Effects are drawn with gaps log-uniform from 1.5 to 300 noise units. Each trial has a folder in TRIALS with what the
-operator believes (rig.yaml) and the truth (truth.yaml), so that it is scored as a practice campaign is. A trial follows
-from its name: the two shares have no seed in common, and more trials of an effect leave those there are as they were.
-What is in the file already is skipped.
+Effects are drawn with gaps log-uniform from 1.5 to 300 noise units: the gap that is left once the beam is fitted within
+the rig file's tolerances, as a diagnosis states it, where 1 is the floor. What those tolerances take over opens none.
+Each trial has a folder in TRIALS with what the operator believes (rig.yaml) and the truth (truth.yaml), so that it is
+scored as a practice campaign is. A trial follows from its name: the two shares have no seed in common, and more trials
+of an effect leave those there are as they were. What is in the file already is skipped.
 """
 
 import argparse
@@ -14,21 +15,28 @@ import json
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import exp, log, sqrt
 from pathlib import Path
 
 import yaml
 from rigs import drawn_rig
 
 from modallab.exchange.rig_file import dump_rig
+from modallab.gap.before import gap_before
 from modallab.gap.diagnose import diagnose
 from modallab.schema.block import Campaign
 from modallab.schema.effects import CATALOGUE
-from modallab_simulators.cantilever.draw_effect import draw_effect
+from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
 from modallab_simulators.cantilever.effects.kinds import KINDS
 from modallab_simulators.cantilever.trial import make_trial
 
 SHARES = {"calibrate": 1, "report": 2}
 NONE = "none"
+TRIES = 3
+CLOSE = 0.2
+"""Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
+FURTHER = 2.5
+"""The same by which a size changes at most from one try to the next."""
 _MOST = 10_000
 
 
@@ -63,9 +71,20 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
     rig = drawn_rig(draw.seed)
     if draw.effect == NONE:
         return make_trial(rig, draw.seed)
-    drawn = draw_effect(rig, draw.seed, draw.effect)
-    campaign, truth = make_trial(rig, draw.seed, (drawn.effect,))
-    return campaign, truth | {"gap_wanted": float(drawn.wanted), "gap": float(drawn.gap)}
+    wanted = aim = draw_gap(draw.seed)
+    met: list[tuple[float, float, Campaign, dict[str, object]]] = []
+    for _ in range(TRIES):
+        drawn = draw_effect(rig, draw.seed, draw.effect, aim)
+        campaign, truth = make_trial(rig, draw.seed, (drawn.effect,))
+        gap = gap_before(campaign)
+        short = log(sqrt((wanted**2 - 1) / max(gap**2 - 1, 0.01)))
+        met.append((abs(short), gap, campaign, truth))
+        # Some effects have no size, or none that is large or small enough.
+        if abs(short) < CLOSE or abs(log(drawn.gap / aim)) > CLOSE:
+            break
+        aim *= exp(min(max(short, -FURTHER), FURTHER))
+    _, gap, campaign, truth = min(met, key=lambda m: m[0])
+    return campaign, truth | {"gap_wanted": wanted, "gap": gap}
 
 
 def left(listed: list[Draw], out: Path) -> Iterator[Draw]:

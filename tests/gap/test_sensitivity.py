@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from modallab.gap.candidates import Candidate, chained, of_channel, structural
-from modallab.gap.fit import Problem, jacobian
+from modallab.gap.fit import Problem
+from modallab.gap.minimise import jacobian
 from modallab.gap.nuisances import nuisances
 from modallab.gap.prepare import prepare
 from modallab.gap.reduce import Reduced, Weights, reduce

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.fit import Fit, minimise
+from modallab.gap.fit import Fit
+from modallab.gap.minimise import minimise
 from modallab.gap.search import HOLDS, Bench, Level, excess
 from modallab.schema.effects import kind_of
 
@@ -17,6 +18,11 @@ CLOSED_RESAMPLED = 0.98
 """The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
+
+PLAIN = 1000.0
+"""Squares of noise units that a small effect must take away: on sound benches some model takes up to 250."""
+PLAIN_LEAVES = 0.1
+"""Share of a small gap that it may leave."""
 
 MODEL_SHARE = 0.7
 """Relative error of a parameter per relative residual its effect leaves."""
@@ -48,7 +54,7 @@ class Choice:
 def choose(bench: Bench, levels: list[Level]) -> Choice:
     """Keep the effects without which the gap comes back, and say whether they explain it."""
     base = levels[0].base
-    if base.gap <= bench.flat:
+    if base.gap <= bench.flat and not _small_but_plain(levels):
         return Choice(base, base, (), True, True)
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
     while len(chain) > 1 and excess(chain[-1]) > HOLDS * excess(chain[-2]):
@@ -62,6 +68,14 @@ def choose(bench: Bench, levels: list[Level]) -> Choice:
         fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - needed) * excess(base)
     )
     return Choice(base, fit, others, explained, False)
+
+
+def _small_but_plain(levels: list[Level]) -> bool:
+    """Whether one effect takes nearly all of a small gap away, by far more than what no model has right can feign."""
+    if not levels[0].fits:
+        return False
+    base, best = levels[0].base, levels[0].fits[0]
+    return base.cost - best.cost > PLAIN and excess(best) < PLAIN_LEAVES * excess(base)
 
 
 def prune(bench: Bench, fit: Fit) -> Fit:

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.fit import Fit, Problem, all_rows, minimise
+from modallab.gap.fit import Fit, Problem, all_rows
 from modallab.gap.forward import forward
+from modallab.gap.minimise import minimise
 from modallab.gap.reduce import Piece
 
 Array = NDArray[np.float64]

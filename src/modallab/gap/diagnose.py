@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.gap.before import as_came, bench_of, weights_of
 from modallab.gap.choose import Choice, choose, intervals, probabilities
 from modallab.gap.contradictions import contradictions
 from modallab.gap.fit import Fit
@@ -13,10 +14,9 @@ from modallab.gap.inspected import inspected
 from modallab.gap.locate import locate
 from modallab.gap.measure import band_of, by_frequency, squares
 from modallab.gap.next_step import next_experiment
-from modallab.gap.nuisances import nuisances
 from modallab.gap.prepare import Prepared, prepare
-from modallab.gap.reduce import Reduced, Weights, reduce, thinned
-from modallab.gap.search import Bench, explain
+from modallab.gap.reduce import Reduced, Weights, reduce
+from modallab.gap.search import explain
 from modallab.gap.shrink import closed, shrink
 from modallab.gap.split import split
 from modallab.gap.where import where
@@ -27,8 +27,6 @@ from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
 
-TOP_HZ = 450.0
-"""Modes up to here have a damping ratio of their own."""
 SEED = 20240501
 
 
@@ -45,12 +43,10 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
-    free = nuisances(campaign.rig, TOP_HZ)
     prepared = prepare(campaign)
     fitted, held = split(prepared.blocks, hold_out)
-    weights = _weights(prepared)
-    data = reduce(campaign, fitted, weights)
-    bench = Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, _flat(prepared))
+    weights = weights_of(prepared)
+    bench = bench_of(prepared, fitted, allowed)
     choice = choose(bench, explain(bench))
     seen = [f for f in inspected(prepared, choice.fit.problem.twin(choice.fit.u)) if allowed(f.effect)]
     withheld = _withheld(prepared, allowed)
@@ -71,18 +67,6 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         twin=_calibrated(choice.fit),
         notes=[*prepared.notes, *contradictions(choice, prepared)],
     )
-
-
-def _weights(prepared: Prepared) -> Weights:
-    floor = prepared.floor.spectrum if prepared.floor is not None else None
-    return Weights(prepared.noise_v, prepared.masked, floor)
-
-
-def _flat(prepared: Prepared) -> float:
-    # The spectrum of a shaking floor is known to some 10 %, and what rang before a blow is taken off no better.
-    if prepared.floor is not None:
-        return 1.5
-    return 1.3 if prepared.ringing is not None else 1.1
 
 
 def _withheld(prepared: Prepared, allowed: Callable[[str], bool]) -> list[str]:
@@ -141,10 +125,7 @@ def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choi
 
 def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
     twin = choice.base.problem.twin(choice.base.u)
-    # Before anything is explained the records stand as they came, weighed by the noise the rig file promises.
-    raw_blocks = [b for b in campaign.blocks if b.name in {p.name for p in prepared.blocks}]
-    rails = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    raw = squares(twin, reduce(campaign, raw_blocks, Weights(prepared.believed_v, rails)))
+    raw = as_came(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
     hz = [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
 
@@ -173,7 +154,7 @@ def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[
     chosen = set(names)
     rails = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
     raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, rails))
-    clean = reduce(campaign, [b for b in prepared.blocks if b.name in chosen], _weights(prepared))
+    clean = reduce(campaign, [b for b in prepared.blocks if b.name in chosen], weights_of(prepared))
     before = squares(choice.base.problem.twin(choice.base.u), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
     after = squares(choice.fit.problem.twin(choice.fit.u), clean)

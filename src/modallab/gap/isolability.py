@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.candidates import Candidate, chained, of_channel, structural
-from modallab.gap.fit import Problem, jacobian
+from modallab.gap.fit import Problem
+from modallab.gap.minimise import jacobian
 from modallab.gap.nuisances import nuisances
 from modallab.gap.planned import planned
 from modallab.gap.reduce import Reduced

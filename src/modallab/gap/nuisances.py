@@ -50,6 +50,14 @@ class Nuisances:
         """How many."""
         return 4 + self.modes + len(self.gains) + self.root
 
+    @property
+    def axes(self) -> Array:
+        """(3, 3) columns: what moves E, thickness and density so that only all frequencies, only the mass, and neither
+        of them changes, in units of the priors' deviations."""
+        t = self.rig.tolerance
+        deviations = np.maximum([t.youngs_modulus, t.thickness, t.density], 1e-6)
+        return np.array([[1.0, 1.0, -3.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]]) / deviations[:, None]
+
     def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
         """The same numbers with the sensitivities of some channels at what the rig file says."""
         if not any(c in channels for c in self.gains):

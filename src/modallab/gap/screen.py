@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.candidates import Candidate, Slot
-from modallab.gap.fit import Problem, jacobian
+from modallab.gap.fit import Problem
+from modallab.gap.minimise import jacobian
 from modallab.gap.prefit import start, starts
 from modallab.twin.structure import solve
 

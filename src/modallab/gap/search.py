@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from modallab.gap.candidates import Candidate, chained, of_channel, structural, swaps
 from modallab.gap.course import with_course
-from modallab.gap.fit import Fit, Problem, all_rows, minimise, softened
+from modallab.gap.fit import Fit, Problem, all_rows, softened
 from modallab.gap.forward import forward
+from modallab.gap.minimise import minimise
 from modallab.gap.nuisances import Nuisances
 from modallab.gap.prefit import start, starts
 from modallab.gap.reduce import Reduced
@@ -22,8 +23,10 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 COARSE = 0.3
 """Largest relative model error that is forgiven while a fit finds its way."""
-FLAT = 1.12
+FLAT = 1.1
 """Rms residual below which nothing is left to explain."""
+WATCHED = 1.02
+"""Rms residual above which an effect that takes nearly all of it away still counts."""
 WORTH = 0.9
 """A further effect must leave less than this share of what was left, or the search ends."""
 HOLDS = 0.15
@@ -76,7 +79,8 @@ class Bench:
         free: the nuisances.
         poles: of the ring-down.
         allowed: whether an effect of this name may be used.
-        flat: rms residual below which nothing is left to explain.
+        flat: rms residual below which nothing has to be explained.
+        watched: rms residual below which nothing is looked for.
     """
 
     data: Reduced
@@ -85,6 +89,7 @@ class Bench:
     poles: Complex
     allowed: Callable[[str], bool]
     flat: float = FLAT
+    watched: float = WATCHED
 
 
 def baseline(bench: Bench) -> Fit:
@@ -228,7 +233,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     """At most so many rounds from a fit."""
     levels: list[Level] = []
     first = base.gap
-    while base.gap > bench.flat + LAST_DIGIT * first and len(levels) < most:
+    while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
         level = round_of(bench, base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
