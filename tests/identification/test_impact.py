@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from modallab.errors import DataError, IdentificationError
-from modallab.identification.impact import identify_impact, model_error
+from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
+from modallab.identification.silence import model_error
 from modallab.spectra.scale import to_signals_of
 
 TWO_POINTS = (5, 3)

@@ -24,6 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
         band_hz=band,
         pick_hz=tuple(arguments.pick or ()),
         drop_hz=tuple(arguments.drop or ()),
+        refine=arguments.refine,
     )
     result = identify_campaign(campaign, options, arguments.test)
     console = Console()

@@ -63,8 +63,11 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
             keep[
                 _nearest(frequency, inside, wanted, "the fit has no pole there", "leave it out, or widen the band")
             ] = True
-    else:
+    elif options.refined:
         keep = is_mode(fit, band_hz)
+    else:
+        # What an estimator says is taken as it says it: there is no covariance to judge it by.
+        keep = (frequency > band_hz[0]) & (frequency < band_hz[1])
     for unwanted in options.drop_hz if first else ():
         keep[_nearest(frequency, np.flatnonzero(keep), unwanted, "no mode stands there", "give a frequency found")] = (
             False

@@ -3,26 +3,26 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
 from modallab.identification.basis import LineBlock
 from modallab.identification.choice import chosen, start_poles
+from modallab.identification.estimators import estimate_poles
 from modallab.identification.excitation import Grid, UnitExcitation
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
-from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem, solve_at
 from modallab.identification.search import search
-from modallab.identification.stabilisation import stable_poles
+from modallab.identification.unrefined import CALLED, without_sigma
 from modallab.schema.check import check_frf
 from modallab.schema.frf import DERIVATIVES, Frf
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.spectra.frf import convert
 
-COLUMNS = 120
 MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""
 
@@ -46,19 +46,16 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
             f"the band holds {used.frequency_hz.size} lines of the FRF", remedy="widen the band to at least 8 lines"
         )
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
-    n_inputs = used.values.shape[1]
-    order = options.max_order or max(2, min(COLUMNS // n_inputs, used.frequency_hz.size // 2 - 1))
-    orders = plscf(used, order)
-    stable = np.array([p.pole for p in stable_poles(orders)], dtype=np.complex128)
-    poles = start_poles(stable, orders, options)
+    estimate = estimate_poles(used, options.method, options.max_order)
+    poles = start_poles(estimate.poles, estimate.orders, options)
     if poles.size == 0:
         raise IdentificationError(
-            f"no stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {order}",
+            f"no pole of {CALLED[options.method]} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
             remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
         )
-    fit = _refined(used, poles)
+    fit = _refined(used, poles, refine=options.refined)
     keep = chosen(fit, band, options, first=True)
-    if np.any(keep) and not np.all(keep):
+    if options.refined and np.any(keep) and not np.all(keep):
         at = fit.point.parameters
         fit = _refined(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
         keep = chosen(fit, band, options, first=False)
@@ -70,10 +67,12 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = np.array([reading_near(used.frequency_hz, amplitude, f) for f in found])
     notes = ("Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",)
-    return model_of_fit(fit, keep, rig, None, band, (read, np.full(found.size, np.nan)), notes), fit
+    floor = np.full(found.size, np.nan)
+    model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method)
+    return model if options.refined else without_sigma(model), fit
 
 
-def _refined(frf: Frf, poles: "np.ndarray[tuple[int], np.dtype[np.complex128]]") -> Fit:
+def _refined(frf: Frf, poles: NDArray[np.complex128], *, refine: bool = True) -> Fit:
     grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
     # Every FRF is a channel of its own: all share the columns, whatever the input.
     channels = frf.values.reshape(-1, frf.frequency_hz.size)
@@ -92,7 +91,7 @@ def _refined(frf: Frf, poles: "np.ndarray[tuple[int], np.dtype[np.complex128]]")
         np.zeros((1, omega.size), complex),
         np.zeros(1, complex),
     )
-    refined = search(problem, _nearer(problem, start))
+    refined = search(problem, _nearer(problem, start)) if refine else search(problem, start, 0)
     return Fit(problem, refined, frf.input_points, frf.values.shape[:2])
 
 

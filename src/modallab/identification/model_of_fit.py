@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from modallab.identification.basis import poles_of
 from modallab.identification.fit import Fit, modal_constants, residuals
 from modallab.identification.modal_mass import unit_mass_shapes
-from modallab.schema.model import ModalModel
+from modallab.schema.model import Method, ModalModel
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 
@@ -19,6 +19,7 @@ def model_of_fit(
     band_hz: tuple[float, float],
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
+    method: Method = "plscf",
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -30,6 +31,7 @@ def model_of_fit(
         band_hz: band of the lines used.
         readings: half-power readings and their floor, each (kept modes,).
         notes: what was found on the way.
+        method: the estimator that gave the start.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     constants, constant_sigma = modal_constants(fit)
@@ -39,7 +41,7 @@ def model_of_fit(
     powers, terms = _residual_terms(fit, keep, constants)
     rank = np.argsort(np.argsort(at.omega[keep]))
     return ModalModel(
-        method="plscf",
+        method=method,
         test=test,
         band_hz=band_hz,
         frequency_hz=at.omega[order] / (2 * np.pi),

@@ -10,11 +10,13 @@ class Options:
     """Parameters of an identification.
 
     Attributes:
-        method: "plscf" (with maximum-likelihood refinement) or "peak" (the paper's).
+        method: the estimator that finds the poles: "plscf", "era", "circle" (circle fit), or "peak" (half-power).
         band_hz: band, or None for the whole band in which the data have content.
-        max_order: highest polynomial order, or None for one that suits the number of inputs.
+        max_order: highest polynomial order (pLSCF) or number of states (ERA), or None for one that suits the data.
         pick_hz: if given, these modes and no others, whatever the automatic selection says.
         drop_hz: modes to leave out, though the automatic selection has them.
+        refine: whether the poles only begin a maximum-likelihood search; None for what is usual with the method: pLSCF
+            and ERA are refined, the readings of peaks and circles are not.
     """
 
     method: Method = "plscf"
@@ -22,3 +24,14 @@ class Options:
     max_order: int | None = None
     pick_hz: tuple[float, ...] = ()
     drop_hz: tuple[float, ...] = ()
+    refine: bool | None = None
+
+    @property
+    def refined(self) -> bool:
+        """Whether the result is that of maximum likelihood."""
+        return self.method in ("plscf", "era") if self.refine is None else self.refine
+
+    @property
+    def as_in_the_paper(self) -> bool:
+        """Whether the peaks of the mobility alone make the model, its shapes included."""
+        return self.method == "peak" and not self.refined

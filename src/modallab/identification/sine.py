@@ -15,16 +15,17 @@ from modallab.errors import DataError, IdentificationError
 from modallab.identification.basis import LineBlock, poles_of
 from modallab.identification.beyond import with_stand_ins
 from modallab.identification.choice import chosen, start_poles
+from modallab.identification.estimators import estimate_poles
 from modallab.identification.excitation import Grid, tone
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
-from modallab.identification.plscf import plscf
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
-from modallab.identification.stabilisation import Tolerance, stable_poles
+from modallab.identification.stabilisation import Tolerance
+from modallab.identification.unrefined import without_sigma
 from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES, Frf
 from modallab.schema.model import ModalModel
@@ -42,7 +43,10 @@ STAND_INS = (2.0,)
 SETTLED_FROM = 1.2
 """Modes above this multiple of the upper edge have died out before a block begins."""
 STATES_FIRST = 4
+START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
+"""Damping ratios that a search may begin at, and those that an estimator may have found."""
 BAND_MARGIN = 1.05
+NOT_SETTLED = "The search for the poles had not settled when it ended; the uncertainties may be too small."
 START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
@@ -61,7 +65,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     Args:
         signals: blocks of the test, equal in rate and length, all driven at one point.
         rig: channels and points.
-        options: method "plscf"; band and order.
+        options: the estimator and whether its poles are refined; band and order.
 
     Raises:
         DataError: a block without a sine in the force, or more than one drive point.
@@ -78,8 +82,12 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
     frf = stepped_frf([t.signals for t in used], [t.fit for t in used], rig)
     start = _start_poles(frf, options, band)
-    fit = _refined(used, rig, start, band, FIRST_LOOK)
+    fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
+    if not options.refined:
+        readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
+        model = model_of_fit(fit, keep, rig, "sine", band, readings, _clock(used), options.method)
+        return without_sigma(model), fit
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
     if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
         at = fit.point.parameters
@@ -91,7 +99,8 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
             remedy="add frequencies near the resonances, or drive harder",
         )
     readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
-    return model_of_fit(fit, keep, rig, "sine", band, readings, _notes(fit, used)), fit
+    notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *_clock(used))
+    return model_of_fit(fit, keep, rig, "sine", band, readings, notes, options.method), fit
 
 
 def fit_tone(signals: Signals) -> Tone:
@@ -120,10 +129,11 @@ def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
 
 def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArray[np.complex128]:
     order = options.max_order or max(2, frf.frequency_hz.size // 2 - 1)
-    orders = plscf(frf, order)
-    found = [p.pole for p in stable_poles(orders, START)]
-    inside = np.array([p for p in found if band[0] < abs(p) / (2 * np.pi) < band[1]], dtype=np.complex128)
-    start = start_poles(with_missing(frf, inside, band), orders, options)
+    estimate = estimate_poles(frf, options.method, order, START)
+    found = estimate.poles
+    inside = found[(np.abs(found) > 2 * np.pi * band[0]) & (np.abs(found) < 2 * np.pi * band[1])]
+    # What a rough start has missed is looked for only where the start is to be refined.
+    start = start_poles(with_missing(frf, inside, band) if options.refined else inside, estimate.orders, options)
     if start.size == 0:
         raise IdentificationError(
             f"no stable pole among {frf.frequency_hz.size} drive frequencies from {band[0]:.4g} to {band[1]:.4g} Hz",
@@ -148,7 +158,7 @@ def _refined(
     blocks = [
         LineBlock(e, np.fft.rfft(t.signals.responses)[:, chosen], 0) for e, t in zip(excitations, tones, strict=True)
     ]
-    begin = with_stand_ins(start, band[1], STAND_INS, (1e-3, 0.05))
+    begin = with_stand_ins(start, band[1], STAND_INS, START_ZETA if max_iterations else ANY_ZETA)
     force = np.array([np.abs(t.fit.amplitude[0]) for t in tones])
     noise = np.array([t.fit.residual_rms[0] for t in tones]) * np.sqrt(2 / n)
     # As good as free: force / (2 zeta omega) is the most a mode's state can be, a few times the force in N s.
@@ -186,14 +196,11 @@ def _gap(frequency_hz: Real, wanted_hz: float) -> float:
     return float(frequency_hz[above] - frequency_hz[above - 1])
 
 
-def _notes(fit: Fit, tones: Sequence[Tone]) -> tuple[str, ...]:
-    notes: list[str] = []
-    if not fit.refined.settled:
-        notes.append("The search for the poles had not settled when it ended; the uncertainties may be too small.")
+def _clock(tones: Sequence[Tone]) -> tuple[str, ...]:
     offsets = [t.fit.frequency_hz / t.signals.block.frequency_hz - 1 for t in tones if t.signals.block.frequency_hz]
     clock = 1e6 * float(np.median(offsets))
-    if abs(clock) > 5:
-        notes.append(
-            f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used."
-        )
-    return tuple(notes)
+    if not abs(clock) > 5:
+        return ()
+    return (
+        f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used.",
+    )

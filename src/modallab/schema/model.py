@@ -8,7 +8,7 @@ from modallab.schema.frozen import ComplexArray, Frozen, RealArray
 from modallab.schema.units import Test
 from modallab.schema.versions import MODEL
 
-Method = Literal["peak", "plscf"]
+Method = Literal["peak", "circle", "plscf", "era"]
 
 
 class ModalModel(Frozen):

@@ -17,7 +17,8 @@ from modallab.identification.assumptions import (
 )
 from modallab.identification.confidence import confidence, least_strength, strength
 from modallab.identification.fit import Fit
-from modallab.identification.impact import LEAK, model_error, silence_noise
+from modallab.identification.impact import LEAK
+from modallab.identification.silence import model_error, silence_noise
 from modallab.identification.sine import fit_tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf

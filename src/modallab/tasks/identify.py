@@ -120,7 +120,7 @@ def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
 def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = _usable(campaign, blocks)
     groups = group_by_point(signals)
-    if options.method == "peak":
+    if options.as_in_the_paper:
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
         return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
     model, fit = identify_impact(signals, campaign.rig, options)
@@ -134,7 +134,7 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = _usable(campaign, blocks)
-    if options.method == "peak":
+    if options.as_in_the_paper:
         tones = [fit_tone(s) for s in signals]
         low, high = options.band_hz or (0.0, float("inf"))
         used = [t for t in tones if low <= t.fit.frequency_hz <= high]
@@ -151,7 +151,7 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     frf = campaign.frfs[index]
-    if options.method == "peak":
+    if options.as_in_the_paper:
         return Identified("frf", identify_peaks(frf, None), None)
     model, fit = identify_frf(frf, campaign.rig, options)
     return Identified("frf", model, verify_frf(model, frf), assess_frf(model, fit, frf))

@@ -21,18 +21,20 @@ class IdentifyParameters(Frozen):
     Attributes:
         method: the estimator.
         band_hz: (low, high); None for the whole band in which the data have content.
-        max_order: highest polynomial order; None for one that suits the number of inputs.
+        max_order: highest polynomial order, or number of states; None for one that suits the data.
         test: only this test.
+        refine: whether its poles begin a maximum-likelihood search; None for what is usual with the method.
     """
 
     method: Method = "plscf"
     band_hz: tuple[Hertz, Hertz] | None = None
     max_order: Annotated[int, Field(ge=1, le=400)] | None = None
     test: Test | None = None
+    refine: bool | None = None
 
     def options(self) -> Options:
         """For the identification."""
-        return Options(method=self.method, band_hz=self.band_hz, max_order=self.max_order)
+        return Options(method=self.method, band_hz=self.band_hz, max_order=self.max_order, refine=self.refine)
 
 
 class ReportParameters(IdentifyParameters):
