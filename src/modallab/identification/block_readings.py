@@ -1,0 +1,43 @@
+"""What the half-power rule reads for the modes of an impact test, and what it would read without any damping."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.excitation import BlowExcitation
+from modallab.identification.fit import Fit
+from modallab.identification.half_power import reading_near, summed_amplitude
+from modallab.schema.block import Signals
+from modallab.schema.rig import Rig
+from modallab.spectra.frf import convert, impact_frf
+
+Groups = Sequence[Sequence[Signals]]
+
+
+def half_power_readings(
+    fit: Fit, groups: Groups, rig: Rig, band: tuple[float, float], keep: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What the half-power rule reads for each kept mode, and what it would read without any damping, each (kept,)."""
+    measured = convert(impact_frf(groups, rig, band), "mobility")
+    wanted = fit.point.parameters.omega[keep] / (2 * np.pi)
+    order = np.sort(wanted)
+    amplitude = summed_amplitude(measured)
+    read = np.array([reading_near(measured.frequency_hz, amplitude, f) for f in order])
+    floor = np.array([_floor(fit, measured.frequency_hz, f) for f in order])
+    return read, floor
+
+
+def _floor(fit: Fit, frequency_hz: NDArray[np.float64], wanted_hz: float) -> float:
+    """Half-power reading of this mode alone in the first block, had it no damping at all."""
+    excitation = fit.problem.blocks[0].excitation
+    if not isinstance(excitation, BlowExcitation):
+        return float("nan")
+    grid = replace(excitation.grid, p=1)
+    pole = np.array([2j * np.pi * wanted_hz * (1 + 1e-9j)])
+    bare = replace(excitation, grid=grid)
+    residue = 1 / (2j * 2 * np.pi * wanted_hz)
+    response = residue * bare.forced(pole)[0][0] - residue * bare.forced(pole.conj())[0][0]
+    force = bare.static(-1)
+    return reading_near(frequency_hz, np.abs(response / force), wanted_hz)

@@ -1,0 +1,105 @@
+"""The blocks of an impact test at their lines, with what is unknown of each blow."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.basis import LineBlock
+from modallab.identification.excitation import BlowExcitation, Grid
+from modallab.schema.block import Signals
+from modallab.schema.frf import DERIVATIVES
+from modallab.schema.rig import Rig
+from modallab.spectra.blow import Blow, find_blow, windowed_force
+from modallab.spectra.frf import lines, output_quantity, quiet_level
+
+MOST_FORCE_SAMPLES = 1500
+"""More unknown force samples than these, over all blocks, take too long."""
+
+Groups = Sequence[Sequence[Signals]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Blows:
+    """The blocks at their lines, and what each may have to itself.
+
+    Attributes:
+        blocks: in the order of the groups.
+        grid: of them all.
+        impulse: (blocks,) N s of each blow.
+        state_sigma: (blocks,) prior of every modal state, N s; None if the beam looked at rest before every blow.
+        force_sigma: (blocks, width) prior of the force samples' errors, N; None if states at the blow stand for them.
+    """
+
+    blocks: list[LineBlock]
+    grid: Grid
+    impulse: NDArray[np.float64]
+    state_sigma: NDArray[np.float64] | None
+    force_sigma: NDArray[np.float64] | None
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the blocks' beginnings have hardly any motion, and their states are therefore known to be small."""
+        return self.state_sigma is None
+
+
+def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Blows, tuple[str, ...]]:
+    """The blocks at their lines with what is unknown of each, and notes.
+
+    The force channel's own noise within the blow is estimated sample by sample. If the beam was not at rest before a
+    blow, every mode has an unknown state at the block's start. Where the blows are too long for an unknown a sample,
+    the states enter at the blow instead and stand for its noise.
+    """
+    first = groups[0][0]
+    n, rate = first.force.size, first.rate_hz
+    chosen = lines(n, rate, band)
+    grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
+    flat = [s for group in groups for s in group]
+    of_block = [index for index, group in enumerate(groups) for _ in group]
+    ringing = [s.block.name for s in flat if _rings_before(s)]
+    found = [find_blow(s.force) for s in flat]
+    width = min(max(b.stop - b.first for b in found), n - max(b.first for b in found))
+    by_sample = width * len(flat) <= MOST_FORCE_SAMPLES
+    blocks: list[LineBlock] = []
+    for signals, blow, group in zip(flat, found, of_block, strict=True):
+        response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
+        start = 0 if ringing or by_sample else blow.peak
+        force = windowed_force(signals.force, blow)
+        blocks.append(LineBlock(BlowExcitation(grid, force, start, blow.first), response, group))
+    impulse = np.array([np.sum(np.abs(windowed_force(s.force, b))) for s, b in zip(flat, found, strict=True)]) / rate
+    force_sigma = _force_sigma(flat, found, width) if by_sample else None
+    state_sigma = impulse if ringing else None if by_sample else _blow_noise(found, impulse, rate)
+    return Blows(blocks, grid, impulse, state_sigma, force_sigma), _ringing_notes(ringing)
+
+
+def _force_sigma(signals: Sequence[Signals], blows: Sequence[Blow], width: int) -> NDArray[np.float64]:
+    noise = [max(b.noise, 1e-9 * float(np.max(np.abs(s.force)))) for s, b in zip(signals, blows, strict=True)]
+    return np.repeat(np.array(noise)[:, None], width, axis=1)
+
+
+def _blow_noise(blows: Sequence[Blow], impulse: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """(blocks,) sigma in N s of what the force channel's noise adds to each blow."""
+    noise = np.array([b.noise * np.sqrt((b.stop - b.first) / 2) for b in blows]) / rate_hz
+    return np.maximum(noise, 1e-9 * impulse)
+
+
+def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
+    if not ringing:
+        return ()
+    shown = ", ".join(ringing[:4]) + (" and others" if len(ringing) > 4 else "")
+    return (
+        f"The beam was still moving before the blow in {shown}; the motion at each block's start was estimated too.",
+    )
+
+
+def _rings_before(signals: Signals) -> bool:
+    """Whether the outputs move before the blow by more than the quietest stretch of that output in any block would."""
+    stop = find_blow(signals.force).first
+    if stop < 32:
+        return False
+    before = signals.responses[:, :stop] - signals.responses[:, :stop].mean(axis=1, keepdims=True)
+    # White noise has no memory; a mode that rings correlates neighbouring samples.
+    power = np.sum(before**2, axis=1)
+    memory = np.sum(before[:, 1:] * before[:, :-1], axis=1)
+    return bool(np.median(memory / np.maximum(power, np.finfo(float).tiny)) > 0.5)

@@ -1,0 +1,98 @@
+"""The searches of an impact test: once from the start poles, and again with the modes that were kept."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.beyond import StartPoles, with_stand_ins
+from modallab.identification.blows import Blows, Groups
+from modallab.identification.fit import Fit
+from modallab.identification.leftover import LEAST, leftover_sigma
+from modallab.identification.projection import Parameters, Problem
+from modallab.identification.search import MAX_ITERATIONS, search
+
+STAND_INS = (1.05,)
+"""A pole that begins at this multiple of the upper edge stands for the modes above."""
+RESIDUAL_POWERS = (-2, 0, 2, 4)
+"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself: modes
+far above, sampled too slowly, leave some of it, and so does cross-talk. Left out, it passes for damping of the lowest
+mode."""
+START_ZETA, ANY_ZETA = (1e-4, 0.1), (1e-6, 0.5)
+"""Damping ratios that a search may begin at, and those that an estimator may have found."""
+STATES_FIRST = 4
+"""Steps that move only what each block has to itself, where the poles are to stay as an estimator gave them."""
+
+
+def refined(
+    unknown: Blows,
+    poles: NDArray[np.complex128],
+    groups: Groups,
+    band: tuple[float, float],
+    max_iterations: int = MAX_ITERATIONS,
+) -> Fit:
+    """The fit after a search from these poles.
+
+    Args:
+        unknown: the blocks, and what each has to itself.
+        poles: (modes,) rad/s.
+        groups: the hits by point.
+        band: of the lines.
+        max_iterations: at most so many steps.
+    """
+    return _from(unknown, with_stand_ins(poles, band[1], STAND_INS, START_ZETA), groups, max_iterations)
+
+
+def as_estimated(unknown: Blows, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+    """The fit with the poles where the estimator has put them; all else by least squares."""
+    begin = with_stand_ins(poles, band[1], STAND_INS, ANY_ZETA)
+    return _from(unknown, begin, groups, 0, 0 if unknown.at_rest else STATES_FIRST)
+
+
+def _from(unknown: Blows, begin: StartPoles, groups: Groups, max_iterations: int, states_first: int = 0) -> Fit:
+    known = unknown.state_sigma
+    sigma = None if known is None else np.repeat(known[:, None], begin.omega.size, axis=1)
+    points = tuple(g[0].block.drive_point for g in groups)
+    force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
+    state = np.zeros((len(unknown.blocks), begin.omega.size), complex)
+    return _searched(unknown, begin, sigma, (state, force), points, max_iterations, states_first)
+
+
+def again(unknown: Blows, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, float]) -> Fit:
+    """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
+    at = fit.point.parameters
+    poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
+    # Where the stand-in has gone to is where it begins, unless it has become a mode of the band.
+    beyond = at.omega[-1] / (2 * np.pi * band[1])
+    stand_ins = STAND_INS if keep[-1] or beyond < 1 else (float(beyond),)
+    begin = with_stand_ins(poles, band[1], stand_ins, START_ZETA)
+    if unknown.state_sigma is None:
+        kept = leftover_sigma(fit, unknown.grid, unknown.impulse)[:, keep]
+        nothing = LEAST * np.repeat(unknown.impulse[:, None], begin.stand_ins, axis=1)
+        sigma = np.concatenate([kept, nothing], axis=1)
+    else:
+        sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
+    # The states found so far belong to the kept modes still; to begin at nothing again costs many steps.
+    state = np.concatenate([at.state[:, keep], np.zeros((len(at.state), begin.stand_ins), np.complex128)], axis=1)
+    return _searched(unknown, begin, sigma, (state, at.force), fit.input_points, MAX_ITERATIONS)
+
+
+def _searched(
+    unknown: Blows,
+    begin: StartPoles,
+    state_sigma: NDArray[np.float64] | None,
+    local: tuple[NDArray[np.complex128], NDArray[np.float64]],
+    points: tuple[int | None, ...],
+    max_iterations: int,
+    states_first: int = 0,
+) -> Fit:
+    problem = Problem(
+        blocks=unknown.blocks,
+        powers=RESIDUAL_POWERS,
+        n_inputs=len(points),
+        state_sigma=state_sigma,
+        drive_sigma=None,
+        zeta_prior=begin.zeta_prior,
+        force_sigma=unknown.force_sigma,
+    )
+    state, force = local
+    start = Parameters(begin.omega, begin.zeta, state, np.zeros(len(unknown.blocks), complex), force)
+    return Fit(problem, search(problem, start, max_iterations, states_first=states_first), points)
