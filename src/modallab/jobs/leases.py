@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydantic import JsonValue
-from sqlalchemy import Connection, Engine, and_, exists, or_, select, update
+from sqlalchemy import Connection, Engine, and_, false, or_, select, update
 
-from modallab.jobs.job import Job
+from modallab.jobs.job import OPEN, Job
 from modallab.jobs.jobs import utc_now
-from modallab.jobs.table import JOBS, job_of, now_s
+from modallab.jobs.table import JOBS, job_of
+from modallab.jobs.watch import Mark, Watch
 
 MAX_ATTEMPTS = 3
 LEASE_S = 15.0
@@ -29,25 +30,27 @@ class Taken:
 
 
 class Leases:
-    """Jobs of one owner. A lease that is not renewed for `lease_s` is open to others."""
+    """Jobs of one owner. A job whose holder gave no sign for `lease_s`, as seen from here, is open."""
 
     def __init__(self, engine: Engine, owner: str, lease_s: float = LEASE_S) -> None:
         self._engine = engine
         self._owner = owner
         self.lease_s = lease_s
+        self._watch = Watch(lease_s)
 
     def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
         """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
+        Silence is timed from call to call, so this is to be called now and then, also with no room for more.
         """
-        if limit < 1 or not self._any():
+        waiting, silent = self._look()
+        if limit < 1 or not (waiting or silent):
             return []
         with self._engine.begin() as connection:
-            now = now_s(connection)
-            query = select(JOBS).where(_free(now)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+            query = select(JOBS).where(_free(silent)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
             rows = connection.execute(query).mappings().all()
-            return [taken for row in rows if (taken := self._lease(connection, row, kinds, now)) is not None]
+            return [taken for row in rows if (taken := self._lease(connection, row, kinds)) is not None]
 
     def renew(self, held: Mapping[str, tuple[int, float]]) -> set[str]:
         """Renew leases and note progress; `held` is job -> (fence, progress). Returns those that are ours no more."""
@@ -55,9 +58,8 @@ class Leases:
             return set()
         lost: set[str] = set()
         with self._engine.begin() as connection:
-            until = now_s(connection) + self.lease_s
             for job, (fence, progress) in held.items():
-                if not self._change(connection, job, fence, lease_until=until, progress=progress):
+                if not self._change(connection, job, fence, beat=JOBS.c.beat + 1, progress=progress):
                     lost.add(job)
         return lost
 
@@ -84,14 +86,15 @@ class Leases:
             back = {"state": "queued", "owner": "", "progress": 0.0, "attempts": attempts}
             return self._change(connection, taken.job.id, taken.fence, **back)
 
-    def _any(self) -> bool:
+    def _look(self) -> tuple[bool, dict[str, Mark]]:
         # A look takes no lock that a recording would wait for.
+        query = select(JOBS.c.id, JOBS.c.state, JOBS.c.fence, JOBS.c.beat).where(JOBS.c.state.in_(sorted(OPEN)))
         with self._engine.connect().execution_options(reading=True) as connection:
-            return bool(connection.scalar(select(exists().where(_free(now_s(connection))))))
+            rows = connection.execute(query).all()
+        held = {row.id: (row.fence, row.beat) for row in rows if row.state == "running"}
+        return len(rows) > len(held), self._watch.look(held)
 
-    def _lease(
-        self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str], now: float
-    ) -> Taken | None:
+    def _lease(self, connection: Connection, row: Mapping[Any, Any], kinds: Collection[str]) -> Taken | None:
         fence, attempts = row["fence"] + 1, row["attempts"] + 1
         error = None
         if row["kind"] not in kinds:
@@ -102,7 +105,7 @@ class Leases:
             values = {"state": "failed", "error": error, "ended_utc": utc_now(), "fence": fence, "owner": ""}
         else:
             values = {"state": "running", "owner": self._owner, "fence": fence, "attempts": attempts}
-            values |= {"lease_until": now + self.lease_s, "progress": 0.0}
+            values |= {"progress": 0.0}
         connection.execute(update(JOBS).where(JOBS.c.id == row["id"]).values(values))
         return Taken(job_of(dict(row) | values), fence) if error is None else None
 
@@ -115,8 +118,12 @@ class Leases:
         return connection.execute(update(JOBS).where(mine).values(values)).rowcount == 1
 
 
-def _free(now: float) -> Any:
-    return or_(JOBS.c.state == "queued", and_(JOBS.c.state == "running", JOBS.c.lease_until < now))
+def _free(silent: Mapping[str, Mark]) -> Any:
+    # Whoever gave a sign since the look, or took the job, has changed its mark.
+    theirs = (
+        and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.beat == beat) for job, (fence, beat) in silent.items()
+    )
+    return or_(JOBS.c.state == "queued", and_(JOBS.c.state == "running", or_(false(), *theirs)))
 
 
 def _gave_up(attempts: int, why: str) -> str:

@@ -1,4 +1,4 @@
-"""The table of jobs, and the clock that all its users share."""
+"""The table of jobs."""
 
 from collections.abc import Mapping
 from typing import Any, cast
@@ -16,8 +16,7 @@ from sqlalchemy import (
     String,
     Table,
     Text,
-    literal_column,
-    select,
+    inspect,
     text,
 )
 
@@ -42,7 +41,8 @@ JOBS = Table(
     # Grows with every change of owner: what was computed under an older one is not taken.
     Column("fence", Integer, nullable=False, default=0),
     Column("owner", String(96), nullable=False, default=""),
-    Column("lease_until", Float, nullable=False, default=0.0),
+    # Counts the signs of life of the job's holder. Only that it changes says anything: it was a time of day once.
+    Column("beat", Float, nullable=False, default=0.0),
     Column("created_utc", String(32), nullable=False),
     Column("ended_utc", String(32), nullable=False, default=""),
     Column("result", JSON(none_as_null=True)),
@@ -56,6 +56,7 @@ Index("jobs_by_state", JOBS.c.state, JOBS.c.n)
 
 _LOCK = 0x6D6F64616C
 """PostgreSQL's advisory lock while tables are made; any number all processes agree on."""
+_BEAT_BEFORE = "lease_until"
 
 
 def make_table(engine: Engine) -> None:
@@ -63,18 +64,14 @@ def make_table(engine: Engine) -> None:
     with engine.begin() as connection:
         if connection.dialect.name == "postgresql":
             connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _LOCK})
+        _rename_beat(connection)
         METADATA.create_all(connection)
 
 
-def now_s(connection: Connection) -> float:
-    """Seconds since 1970 by the clock of the database: leases of many machines are measured by one clock."""
-    return float(connection.execute(select(literal_column(_CLOCK[connection.dialect.name]))).scalar_one())
-
-
-_CLOCK = {
-    "sqlite": "(julianday('now') - 2440587.5) * 86400.0",
-    "postgresql": "extract(epoch from clock_timestamp())",
-}
+def _rename_beat(connection: Connection) -> None:
+    found = inspect(connection)
+    if found.has_table(JOBS.name) and any(column["name"] == _BEAT_BEFORE for column in found.get_columns(JOBS.name)):
+        connection.execute(text(f"ALTER TABLE {JOBS.name} RENAME COLUMN {_BEAT_BEFORE} TO beat"))
 
 
 def job_of(row: Mapping[Any, Any]) -> Job:

@@ -23,7 +23,10 @@ def copy_tables(source: Connection, target: Connection, tables: Sequence[MetaDat
 
 
 def _copy(source: Connection, target: Connection, table: Table) -> None:
-    rows = source.execution_options(yield_per=BATCH).execute(select(table)).mappings()
+    # What an older program wrote may lack a column; then the new row has its default.
+    known = {column["name"] for column in inspect(source).get_columns(table.name)}
+    columns = [column for column in table.columns if column.name in known]
+    rows = source.execution_options(yield_per=BATCH).execute(select(*columns)).mappings()
     for part in rows.partitions(BATCH):
         target.execute(insert(table), [dict(row) for row in part])
     _go_on_counting(target, table)
