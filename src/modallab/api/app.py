@@ -4,10 +4,8 @@ from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 from importlib import import_module
 from threading import Thread
-from typing import Any
 
 from fastapi import FastAPI
-from fastapi.openapi.utils import get_openapi
 
 from modallab import __version__
 from modallab.api import (
@@ -26,12 +24,12 @@ from modallab.api import (
     runs,
     session,
 )
+from modallab.api.document import document_of
 from modallab.api.feed import Feed
-from modallab.api.guard import COOKIE, Guard
+from modallab.api.guard import Guard
 from modallab.api.live import LiveHub
 from modallab.api.problems import install
 from modallab.campaign.service import Service
-from modallab.schema.service.pages import Problem
 from modallab.settings import LOOPBACK, Settings
 
 RESOURCES = (session, rigs, leases, devices, campaigns, runs, blocks, frfs, jobs, reports, events, live, health, pages)
@@ -48,7 +46,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     pages.mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Guard, token=token, hosts=hosts, body_bytes=settings.body_bytes)
-    app.openapi = lambda: _document(app)
+    app.openapi = lambda: document_of(app)
     return app
 
 
@@ -60,20 +58,3 @@ async def _life(app: FastAPI) -> AsyncGenerator[None]:
     Thread(target=import_module, args=("modallab.campaign.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()
-
-
-def _document(app: FastAPI) -> dict[str, Any]:
-    if app.openapi_schema:
-        return app.openapi_schema
-    document = get_openapi(title=app.title, version="1", routes=app.routes, summary="Modal tests on a bench.")
-    parts: dict[str, Any] = document["components"]
-    parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
-    for unused in ("HTTPValidationError", "ValidationError"):
-        parts["schemas"].pop(unused, None)
-    parts["securitySchemes"] = {
-        "token": {"type": "http", "scheme": "bearer"},
-        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
-    }
-    document["security"] = [{"token": []}, {"session": []}]
-    app.openapi_schema = document
-    return document

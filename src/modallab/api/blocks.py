@@ -2,6 +2,7 @@
 
 from fastapi import Response
 
+from modallab.api.bodies import Judgement
 from modallab.api.context import LeaseId, ServiceOf
 from modallab.api.cursor import Cursor, Limit, number_of, page
 from modallab.api.problems import documented
@@ -10,7 +11,7 @@ from modallab.campaign.runs import block_record, block_records, block_view
 from modallab.campaign.samples import read_samples
 from modallab.campaign.verdicts import judge
 from modallab.schema.service.pages import Page
-from modallab.schema.service.runs import BlockView, Verdict
+from modallab.schema.service.runs import BlockView
 
 router = make_router("blocks")
 SAMPLES = "application/octet-stream"
@@ -49,7 +50,7 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
 
 
 @router.put("/runs/{run}/blocks/{n}/verdict", responses=documented(404, 409, 507))
-def put_verdict(run: str, n: int, verdict: Verdict, service: ServiceOf, lease: LeaseId = None) -> BlockView:
+def put_verdict(run: str, n: int, verdict: Judgement, service: ServiceOf, lease: LeaseId = None) -> BlockView:
     """Accept or refuse a block. FRFs and models made afterwards follow. Needs the lease of the run's rig."""
     judge(service, run, n, verdict, lease)
     return block_view(block_record(service, run, n))

@@ -2,13 +2,14 @@
 
 from fastapi import Response
 
+from modallab.api.bodies import ChangedCampaign, NewCampaign
 from modallab.api.context import Operator, ServiceOf
 from modallab.api.cursor import Cursor, Limit, page, place_of
 from modallab.api.etag import IfMatch, IfNoneMatch, mark, revision_of, unchanged
 from modallab.api.problems import documented
 from modallab.api.rigs import state_of
 from modallab.api.router import ONCE, PREFIX, make_router
-from modallab.schema.service.campaigns import CampaignChange, CampaignNew, CampaignView
+from modallab.schema.service.campaigns import CampaignView
 from modallab.schema.service.pages import Page
 
 router = make_router("campaigns")
@@ -21,7 +22,7 @@ def list_campaigns(service: ServiceOf, limit: Limit = 50, cursor: Cursor = None)
 
 
 @router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
-def create_campaign(new: CampaignNew, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
+def create_campaign(new: NewCampaign, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
     """Make a campaign on a rig."""
     state_of(service, new.rig)
     campaign = service.book.create(new, operator)
@@ -49,7 +50,7 @@ def get_campaign(
 @router.patch("/campaigns/{campaign}", responses=documented(404, 412, 428, 507))
 def change_campaign(
     campaign: str,
-    change: CampaignChange,
+    change: ChangedCampaign,
     service: ServiceOf,
     operator: Operator,
     response: Response,

@@ -7,6 +7,7 @@ from fastapi import Depends, Header, Request
 from modallab.campaign.service import Service
 from modallab.settings import Settings
 
+OPERATOR = "Modallab-Operator"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 
 
@@ -21,7 +22,7 @@ def _settings(request: Request) -> Settings:
 def _operator(
     operator: Annotated[
         str | None,
-        Header(alias="Modallab-Operator", max_length=80, pattern=_NO_CONTROL, description="Who asks, for the record."),
+        Header(alias=OPERATOR, max_length=80, pattern=_NO_CONTROL, description="Who asks, for the record."),
     ] = None,
 ) -> str:
     return operator or "unknown"

@@ -1,12 +1,14 @@
 """What is there: devices, with the address to open each by, and the service's own processes."""
 
+from importlib.metadata import entry_points
 from typing import Annotated
 
 from fastapi import Query
 
 from modallab.api.context import ServiceOf
 from modallab.api.router import make_router
-from modallab.backend.loader import find_devices
+from modallab.backend.loader import DEVICES, find_devices
+from modallab.errors import DataError
 from modallab.schema.service.pages import Page
 from modallab.schema.service.rigs import DeviceView
 
@@ -24,5 +26,8 @@ def list_devices(
     scheme: Annotated[str, Query(max_length=32, pattern=r"^[a-z0-9+]*$", description="Only this driver.")] = "",
 ) -> Page[DeviceView]:
     """What the installed drivers find on the service's machine."""
+    known = sorted(entry.name for entry in entry_points(group=DEVICES))
+    if scheme and scheme not in known:
+        raise DataError(f"no driver {scheme!r} looks for devices", where="scheme", remedy=f"known: {', '.join(known)}")
     found = find_devices(f"{scheme}://" if scheme else "")
     return Page(items=tuple(DeviceView(address=device.address, what=device.what) for device in found))

@@ -25,7 +25,7 @@ STREAM = "text/event-stream"
 @router.get(
     "/events/stream",
     response_class=StreamingResponse,
-    responses={200: {"content": {STREAM: {"schema": {"type": "string"}}}}},
+    responses={200: {"content": {STREAM: {}}}},
 )
 async def follow_events(
     request: Request,

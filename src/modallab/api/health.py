@@ -7,6 +7,7 @@ from fastapi.responses import PlainTextResponse
 
 from modallab import __version__
 from modallab.api.context import ServiceOf
+from modallab.api.document import OPEN
 from modallab.api.feed import Feed
 from modallab.api.problems import documented
 from modallab.campaign.counters import counters
@@ -15,7 +16,7 @@ from modallab.schema.service.pages import Health
 router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500, 503))
 
 
-@router.get("/health")
+@router.get("/health", openapi_extra=OPEN)
 def get_health(service: ServiceOf, response: Response) -> Health:
     """Whether every rig can be used. Needs no token."""
     states = {state.id: state.state for state in service.control.states()}

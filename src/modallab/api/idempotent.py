@@ -7,6 +7,7 @@ from fastapi import Header, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.routing import APIRoute
 
+from modallab.api.context import OPERATOR
 from modallab.api.problems import of_error
 from modallab.campaign.idempotency import Answer, Keys
 from modallab.errors import ModallabError
@@ -50,7 +51,9 @@ class IdempotentRoute(APIRoute):
 
 async def _once(request: Request, key: str, handler: Handler) -> Response:
     keys: Keys = request.app.state.service.keys
-    asked = b"\0".join([request.method.encode(), request.url.path.encode(), await request.body()])
+    # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
+    operator = repr(request.headers.get(OPERATOR)).encode()
+    asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, await request.body()])
     before = await run_in_threadpool(keys.claim, key, asked)
     if before is not None:
         return Response(before.body, before.status, headers=before.headers | {"Idempotency-Replayed": "true"})

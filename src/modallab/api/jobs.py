@@ -2,6 +2,7 @@
 
 from fastapi import Response
 
+from modallab.api.bodies import NewJob
 from modallab.api.context import Operator, ServiceOf
 from modallab.api.cursor import Cursor, Limit
 from modallab.api.problems import documented
@@ -42,25 +43,19 @@ def cancel_job(job: str, service: ServiceOf, operator: Operator) -> JobView:
 
 
 @router.post("/campaigns/{campaign}/models", status_code=202, dependencies=ONCE, responses=_ORDER)
-def identify(
-    campaign: str, service: ServiceOf, operator: Operator, response: Response, new: JobNew | None = None
-) -> JobView:
+def identify(campaign: str, service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
     """Order the modal model of a campaign's runs. After a run this is done by itself."""
     return _ordered(service, campaign, "identify", new, operator, response)
 
 
 @router.post("/campaigns/{campaign}/diagnoses", status_code=202, dependencies=ONCE, responses=_ORDER)
-def diagnose(
-    campaign: str, service: ServiceOf, operator: Operator, response: Response, new: JobNew | None = None
-) -> JobView:
+def diagnose(campaign: str, service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
     """Order the diagnosis of where simulation and bench differ, and why."""
     return _ordered(service, campaign, "diagnose", new, operator, response)
 
 
 @router.post("/campaigns/{campaign}/reports", status_code=202, dependencies=ONCE, responses=_ORDER)
-def report(
-    campaign: str, service: ServiceOf, operator: Operator, response: Response, new: JobNew | None = None
-) -> JobView:
+def report(campaign: str, service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
     """Order the report of a campaign."""
     return _ordered(service, campaign, "report", new, operator, response)
 

@@ -2,18 +2,19 @@
 
 from fastapi import Response
 
+from modallab.api.bodies import NewLease
 from modallab.api.context import LeaseId, ServiceOf
 from modallab.api.problems import documented
 from modallab.api.rigs import state_of
 from modallab.api.router import ONCE, make_router
 from modallab.campaign.errors import NotFoundError
-from modallab.schema.service.rigs import Lease, LeaseHolder, LeaseNew
+from modallab.schema.service.rigs import Lease, LeaseHolder
 
 router = make_router("lease")
 
 
 @router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
-def take_lease(rig: str, new: LeaseNew, service: ServiceOf) -> Lease:
+def take_lease(rig: str, new: NewLease, service: ServiceOf) -> Lease:
     """Take the lease of a rig, if nobody holds it."""
     return service.leases.take(state_of(service, rig).id, new.operator, new.ttl_s)
 

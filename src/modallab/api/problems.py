@@ -8,6 +8,7 @@ from typing import Any
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match, Route
 
 from modallab.acquisition.states import IllegalTransitionError
 from modallab.api.kinds import KINDS, Kind, kind_of
@@ -70,10 +71,21 @@ async def _not_valid(_request: Request, error: Exception) -> Response:
     return problem(KINDS["not-valid"], f"{len(found)} of its fields cannot be taken", errors=found)
 
 
-async def _http(_request: Request, error: Exception) -> Response:
+async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     code = {404: "no-page", 405: "not-allowed", 413: "too-large"}.get(error.status_code, "not-valid")
-    return problem(KINDS[code], str(error.detail), error.headers)
+    headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
+    return problem(KINDS[code], str(error.detail), headers)
+
+
+def _allowed(request: Request) -> str:
+    # The router names the methods of the first route of this path; each of ours has one.
+    app: FastAPI = request.app
+    found: set[str] = set()
+    for route in app.routes:
+        if isinstance(route, Route) and route.matches(request.scope)[0] is not Match.NONE:
+            found |= route.methods or set()
+    return ", ".join(sorted(found))
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:

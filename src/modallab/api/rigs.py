@@ -1,6 +1,7 @@
 """Rigs: how they stand, emergency stop, reset."""
 
 from modallab.acquisition.trip import TripLatch
+from modallab.api.bodies import Reason
 from modallab.api.context import LeaseId, Operator, ServiceOf
 from modallab.api.problems import documented
 from modallab.api.router import ONCE, make_router
@@ -9,7 +10,7 @@ from modallab.campaign.errors import NotFoundError
 from modallab.campaign.service import Service
 from modallab.schema.rig import Rig
 from modallab.schema.service.pages import Page
-from modallab.schema.service.rigs import RigView, StopReason, Trip
+from modallab.schema.service.rigs import RigView, Trip
 from modallab.storage import rig_hash
 
 router = make_router("rigs")
@@ -34,7 +35,7 @@ def get_description(rig: str, service: ServiceOf) -> Rig:
 
 
 @router.post("/rigs/{rig}/emergency-stop", dependencies=ONCE, responses=documented(404, 409))
-def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: StopReason | None = None) -> RigView:
+def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = None) -> RigView:
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
     reason = "" if stop is None else stop.reason
     service.control.emergency_stop(state_of(service, rig).id, reason or "asked for by the operator", operator)
@@ -42,7 +43,7 @@ def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: StopReason 
 
 
 @router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented(404, 409))
-def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: StopReason | None = None) -> RigView:
+def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: Reason = None) -> RigView:
     """Let a tripped rig be driven again, after someone has looked at it."""
     service.control.reset(state_of(service, rig).id, "" if why is None else why.reason, lease)
     return _view(service, state_of(service, rig))

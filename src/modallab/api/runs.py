@@ -2,6 +2,7 @@
 
 from fastapi import Response
 
+from modallab.api.bodies import NewRun, RunCommand
 from modallab.api.context import LeaseId, ServiceOf
 from modallab.api.cursor import Cursor, Limit, page, place_of
 from modallab.api.etag import IfNoneMatch, mark, unchanged
@@ -11,7 +12,7 @@ from modallab.campaign.begin import begin
 from modallab.campaign.errors import ConflictError
 from modallab.campaign.runs import run_view
 from modallab.schema.service.pages import Page
-from modallab.schema.service.runs import Command, RunNew, RunView
+from modallab.schema.service.runs import RunView
 
 router = make_router("runs")
 
@@ -25,7 +26,7 @@ def list_runs(campaign: str, service: ServiceOf, limit: Limit = 50, cursor: Curs
 
 
 @router.post("/campaigns/{campaign}/runs", status_code=202, dependencies=ONCE, responses=documented(404, 409, 507))
-def start_run(campaign: str, new: RunNew, service: ServiceOf, response: Response, lease: LeaseId = None) -> RunView:
+def start_run(campaign: str, new: NewRun, service: ServiceOf, response: Response, lease: LeaseId = None) -> RunView:
     """Begin a run on the campaign's rig; needs the rig's lease. Follow it by its events or at `Location`."""
     run = begin(service, campaign, new, lease)
     response.headers["Location"] = f"{PREFIX}/runs/{run}"
@@ -44,7 +45,7 @@ def get_run(run: str, service: ServiceOf, response: Response, if_none_match: IfN
 
 
 @router.post("/runs/{run}/commands", status_code=202, dependencies=ONCE, responses=documented(404, 409, 507))
-def command_run(run: str, command: Command, service: ServiceOf, lease: LeaseId = None) -> RunView:
+def command_run(run: str, command: RunCommand, service: ServiceOf, lease: LeaseId = None) -> RunView:
     """Pause, resume, repeat a frequency, drop a hit, stop or abort; needs the rig's lease."""
     view = run_view(service, run)
     if view.rig is None:

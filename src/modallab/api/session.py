@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import Request, Response
 from pydantic import Field
 
+from modallab.api.document import OPEN
 from modallab.api.guard import COOKIE, session_of
 from modallab.api.kinds import KINDS
 from modallab.api.problems import problem
@@ -21,7 +22,7 @@ class Login(Frozen):
     token: Annotated[str, Field(max_length=200)]
 
 
-@router.post("/session", status_code=204, response_class=Response)
+@router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_in(login: Login, request: Request) -> Response:
     """Get a cookie that stands for the token; no script of a page can read it, and no other site can send it."""
     token: str = request.app.state.token
@@ -34,7 +35,7 @@ def log_in(login: Login, request: Request) -> Response:
     return response
 
 
-@router.delete("/session", status_code=204, response_class=Response)
+@router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
 def log_out() -> Response:
     """Give the cookie back."""
     response = Response(status_code=204)

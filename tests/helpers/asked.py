@@ -1,0 +1,88 @@
+"""Asks a service all that its OpenAPI document allows, and much that it does not: schemathesis, as a command."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lab import RIG, TOKEN, Lab
+
+PHASES = ("examples", "coverage", "fuzzing", "stateful")
+CHECKS = (
+    "not_a_server_error",
+    "status_code_conformance",
+    "content_type_conformance",
+    "response_headers_conformance",
+    "response_schema_conformance",
+    "negative_data_rejection",
+    "missing_required_header",
+    "unsupported_method",
+    "allow_header_conformance",
+    "use_after_free",
+    "ensure_resource_availability",
+    "ignored_auth",
+)
+"""All but two: what the document allows may still be refused, as a plan the bench cannot do, and all have one token."""
+
+CONFIG = """
+continue-on-failure = true
+max-stream-events = 1
+request-timeout = 60
+
+[checks.negative_data_rejection]
+# Besides what is common: an ETag, and a body, may be refused before anyone looks into it.
+expected-statuses = [401, 403, 404, 405, 409, 412, 413, 422, 428]
+
+[[operations]]
+include-path = "/api/v1/events/stream"
+# It has no end: the first event will do, and where none is of the kind asked for, a while of waiting.
+request-timeout = 3
+parameters = { "query.after" = 0 }
+"""
+
+
+def ask(
+    lab: Lab,
+    folder: Path,
+    *,
+    token: str | None = TOKEN,
+    phases: Sequence[str] = PHASES,
+    examples: int = 5,
+    seed: int = 1,
+    options: Sequence[str] = (),
+) -> str:
+    """What schemathesis found wrong; "" if nothing. Its files are left in `folder`.
+
+    With a token, most requests name things that are there, under the rig's lease.
+    """
+    known = "" if token is None else _known(lab)
+    (folder / "schemathesis.toml").write_text(CONFIG + known, encoding="utf-8")
+    (folder / "openapi.json").write_text(json.dumps(lab.app.openapi()), encoding="utf-8")
+    command = [str(Path(sys.executable).with_name("st")), "run", "openapi.json", "--url", lab.url]
+    command += ["--phases", ",".join(phases), "--checks", ",".join(CHECKS)]
+    command += ["--max-examples", str(examples), "--seed", str(seed), *options]
+    command += [] if token is None else ["--header", f"Authorization: Bearer {token}"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, encoding="utf-8")
+    said = done.stdout + done.stderr
+    (folder / "said.txt").write_text(said, encoding="utf-8")
+    return "" if done.returncode == 0 else said
+
+
+def _known(lab: Lab) -> str:
+    service = lab.service
+    runs = [run for campaign in service.book.campaigns(None, 50) for run in campaign.runs]
+    names = {
+        "campaign": [campaign.id for campaign in service.book.campaigns(None, 50)],
+        "run": runs,
+        "job": [job.id for job in service.jobs.list().jobs],
+        "rig": [RIG],
+        "n": [block.n for block in service.store.catalogue.blocks(runs[0])],
+        "name": ["report.html", "models.json"],
+    }
+    bound = {f"path.{name}": name for name in names} | {"header.Modallab-Lease": "lease"}
+    names["lease"] = [lab.lease().id]
+    lines = [f"[dictionaries.{name}]\nvalues = {json.dumps(values)}" for name, values in names.items()]
+    lines.append("[parameters]")
+    lines += [f'"{place}" = {{ dictionary = "{name}", probability = 0.8 }}' for place, name in bound.items()]
+    return "\n".join(lines) + "\n"

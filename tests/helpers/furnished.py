@@ -1,0 +1,48 @@
+"""A service that has something of everything: campaigns, a run with blocks, its model, a job that waits."""
+
+from pathlib import Path
+
+from lab import RIG, Lab
+
+from modallab.campaign.begin import begin
+from modallab.campaign.orders import order
+from modallab.jobs.kind import Kind
+from modallab.jobs.leases import Leases
+from modallab.schema.plan import ImpactPlan
+from modallab.schema.rig import Rig
+from modallab.schema.service.results import JobNew
+from modallab.schema.service.runs import RunNew
+from modallab.tasks.kinds import campaigns_of, kinds
+
+URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
+
+
+def furnish(folder: Path, rig: Rig) -> Lab:
+    """Open a service on `folder` and fill it: a run of three points with its model, a job that waits."""
+    lab = Lab(folder, rig, URL)
+    try:
+        lab.wait_until_idle()
+        campaign = lab.campaign("with a model")
+        lab.campaign("with nothing")
+        lease = lab.lease()
+        run = begin(lab.service, campaign, RunNew(plan=ImpactPlan(points=(10, 6, 3), hits=2)), lease.id)
+        lab.wait_for_ended(run)
+        lab.wait_until_idle()
+        lab.service.leases.release(RIG, lease.id)
+        _compute(lab)
+        order(lab.service, campaign, "report", JobNew(), "Ada")
+    except BaseException:
+        lab.close()
+        raise
+    return lab
+
+
+def _compute(lab: Lab) -> None:
+    """What waits is computed here, as a runner and its worker would."""
+    known = {kind.name: kind for kind in kinds(campaigns_of(lab.store), lab.store.folder)}
+    lab.wait_for(lambda event: event.kind == "state" and event.content["state"] == "done")
+    leases = Leases(lab.service.engine, "furnisher")
+    for taken in leases.take(known, 10):
+        kind: Kind = known[taken.job.kind]
+        computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda _: None)
+        assert leases.done(taken, kind.keep(taken.attempt, computed))
