@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 FAITH = 300.0
-"""Further weight of the priors of the beam per unit of the relative error that is forgiven."""
+"""Weight that holds the beam, in deviations of its priors, per unit of the relative error that is forgiven."""
 GENERATOR = 2e-5
 """Relative deviation of a generator's own frequency: quartz, some tens of parts in a million."""
 
@@ -33,6 +33,7 @@ class Problem:
         candidates: effects whose numbers are free.
         floor: relative error of the model that is forgiven, for the first steps of a fit.
         course: course of a drift, where it is known; see `Twin`.
+        held: Young's modulus, thickness and density, in deviations of their priors, where a fit of a wrong model stays.
     """
 
     data: Reduced
@@ -40,13 +41,23 @@ class Problem:
     candidates: tuple[Candidate, ...] = ()
     floor: float = 0.0
     course: tuple[tuple[float, float], ...] = ()
+    held: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
-    def trust(self) -> Array:
-        """(nuisances,) weight of each prior: while the model is wrong the beam must not be bent to it."""
-        weights = np.ones(self.free.size)
-        weights[:3] += FAITH * self.floor
-        return weights
+    def faith(self) -> float:
+        """Weight that keeps the beam at `held`: while the model is wrong the beam must not be bent to it."""
+        return FAITH * self.floor
+
+    def priors(self, u: Array) -> tuple[float, Array, Array]:
+        """Squares of the priors at u, half their slope and half their curvature, one entry a nuisance each."""
+        own = u[: self.free.size]
+        away = np.zeros(len(own))
+        away[:3] = self.faith * (own[:3] - np.array(self.held))
+        weight = np.ones(len(own))
+        weight[:3] += self.faith**2
+        slope = own.copy()
+        slope[:3] += self.faith * away[:3]
+        return float(own @ own + away @ away), slope, weight
 
     @property
     def size(self) -> int:

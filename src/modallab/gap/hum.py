@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from modallab.schema.block import Block
 
@@ -20,6 +21,11 @@ STEADY = 0.1
 SCATTER = 1.3
 """The same that noise may add, in deviations of its part: half of all lie within 0.67 of them."""
 
+OFF = 0.035
+"""Relative error of a converter's clock within which the mains is looked for."""
+PLAINLY = 1.02
+"""How much more power another frequency must hold."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Hum:
@@ -27,11 +33,13 @@ class Hum:
 
     Attributes:
         hz: the mains.
+        seen_hz: where it stands in the records, whose clock may be off.
         volts: (rows,) amplitude.
         z: how many deviations of its noise the force row's amplitude has.
     """
 
     hz: float
+    seen_hz: float
     volts: Array
     z: float
 
@@ -54,7 +62,8 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | N
             heard = [b for b in blocks if b.test == "impact"]
         if len(heard) < 3:
             continue
-        size = np.abs(np.array([_amplitudes(b, hz) for b in heard]))
+        seen_hz = _tuned(heard, hz)
+        size = np.abs(np.array([_amplitudes(b, seen_hz) for b in heard]))
         volts = np.median(size, axis=0)
         n = int(np.median([_heard_samples(b) for b in heard]))
         sigma = noise_v * np.sqrt(2 / n)
@@ -64,7 +73,7 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | N
         stands = (z > CLEAR) & steady
         clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
         if clear and (best is None or float(z[force]) > best.z):
-            best = Hum(hz, volts, float(z[force]))
+            best = Hum(hz, seen_hz, volts, float(z[force]))
     return best
 
 
@@ -72,13 +81,28 @@ def without_hum(block: Block, hum: Hum) -> Block:
     """The record less its hum; the phase is the record's own."""
     volts = block.samples * block.scale[:, None]
     t = np.arange(block.n_samples) / block.rate_hz
-    phases = _amplitudes(block, hum.hz)
+    phases = _amplitudes(block, hum.seen_hz)
     # One phase for all rows, weighed by how far each stands out.
     phase = np.angle(np.sum(phases * hum.volts))
     if block.test == "impact":
         phase = _phase_before(block, hum)
-    cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.hz * t + phase)
+    cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
+
+
+def _tuned(heard: Sequence[Block], hz: float) -> float:
+    """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
+
+    def power(f: float) -> float:
+        return float(np.median([np.sum(np.abs(_amplitudes(b, f)) ** 2) for b in heard]))
+
+    if heard[0].test != "sine":
+        return hz
+    grid = hz * (1 + np.linspace(-OFF, OFF, 15))
+    start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
+    step = float(grid[1] - grid[0])
+    found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
+    return float(found.x) if -float(found.fun) > PLAINLY * power(hz) else hz
 
 
 def _clear(block: Block, hz: float) -> bool:
@@ -92,12 +116,33 @@ def _amplitudes(block: Block, hz: float) -> Complex:
     t = np.arange(volts.shape[1]) / block.rate_hz
     columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
     if block.test == "sine" and block.frequency_hz:
-        drive = round(block.frequency_hz * len(t) / block.rate_hz) * block.rate_hz / len(t)
+        drive = _drive_hz(block, t) if not _clear(block, hz) else _line(block.frequency_hz, t, block.rate_hz)
         columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
     window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
     basis = np.column_stack(columns)
     a = np.linalg.lstsq(basis * window[:, None], (volts * window).T, rcond=None)[0]
     return a[0] + 1j * a[1]
+
+
+def _line(hz: float, t: Array, rate_hz: float) -> float:
+    return round(hz * len(t) / rate_hz) * rate_hz / len(t)
+
+
+def _drive_hz(block: Block, t: Array) -> float:
+    """Where the drive stands in a record, by the row of the force: beside the mains its nominal line is not enough."""
+    window = np.hanning(len(t))
+    force = block.samples[0] * block.scale[0]
+    weighed = (force - np.mean(force)) * window
+
+    def power(f: float) -> float:
+        return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
+
+    nominal = _line(block.frequency_hz or 0.0, t, block.rate_hz)
+    grid = nominal * (1 + np.linspace(-OFF, OFF, 29))
+    start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
+    step = float(grid[1] - grid[0])
+    found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
+    return float(found.x) if -float(found.fun) > PLAINLY * power(nominal) else nominal
 
 
 def _heard_samples(block: Block) -> int:
@@ -107,5 +152,5 @@ def _heard_samples(block: Block) -> int:
 
 
 def _phase_before(block: Block, hum: Hum) -> float:
-    z = _amplitudes(block, hum.hz)
+    z = _amplitudes(block, hum.seen_hz)
     return float(np.angle(np.sum(z * hum.volts)))

@@ -255,4 +255,4 @@ def _levels_differ(base: Fit) -> bool:
             ok = np.isfinite(noise)
             if np.any(ok):
                 differences.append(float(np.median(np.abs(step[ok]) / (noise[ok] + 2e-4))))
-    return len(differences) >= 3 and float(np.quantile(differences, 0.8)) > 8 + 20 * misfit(base)
+    return len(differences) >= 3 and float(np.quantile(differences, 0.8)) > 8 + 20 * misfit(base.problem, base.u)

@@ -24,15 +24,15 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
     """
     r = problem.residual(u)
     n = problem.free.size
-    trust = problem.trust**2
-    cost = float(r @ r + trust @ u[:n] ** 2)
+    cost = float(r @ r + problem.priors(u)[0])
     damping = 1e-4
     normal = np.eye(len(u))
     for _ in range(iterations):
         J = jacobian(problem, u, r)
         normal, gradient = J.T @ J, J.T @ r
-        normal[np.arange(n), np.arange(n)] += trust
-        gradient[:n] += trust * u[:n]
+        _, slope, weight = problem.priors(u)
+        normal[np.arange(n), np.arange(n)] += weight
+        gradient[:n] += slope
         u_next, r_next, cost_next, damping = _step(problem, u, (cost, normal, gradient), damping)
         fall = cost - cost_next
         if fall > 0:
@@ -73,14 +73,13 @@ def _step(
     problem: Problem, u: Array, here: tuple[float, Array, Array], damping: float
 ) -> tuple[Array, Array, float, float]:
     cost, normal, gradient = here
-    n, trust = problem.free.size, problem.trust**2
     scale = _scale(problem, normal)
     u_next, r_next, cost_next = u, np.zeros(0), cost
     while damping < 1e7:
         step = -np.linalg.solve(normal + damping * scale, gradient)
         u_next = u + np.clip(step, -4, 4)
         r_next = problem.residual(u_next)
-        cost_next = float(r_next @ r_next + trust @ u_next[:n] ** 2)
+        cost_next = float(r_next @ r_next + problem.priors(u_next)[0])
         if cost_next < cost:
             return u_next, r_next, cost_next, max(damping / 10, 1e-9)
         damping *= 10
@@ -94,7 +93,8 @@ def _scale(problem: Problem, normal: Array) -> Array:
     the rotary inertia only. Damped along E, t and rho, a fit would creep along that valley and seem to have ended.
     """
     axes = np.eye(len(normal))
-    axes[:3, :3] = problem.free.axes
+    if not problem.floor:
+        axes[:3, :3] = problem.free.axes
     across = np.linalg.inv(axes)
     curvature = np.maximum(np.einsum("ij,ik,kj->j", axes, normal, axes), 1e-9)
     return across.T @ (curvature[:, None] * across)

@@ -51,6 +51,8 @@ HOPELESS = 5.0
 """What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
 LONGER = 6
 """Candidates of a round that get a second look."""
+STRAIGHT = 3.0
+"""Deviations of its priors up to which a beam is one to begin from."""
 WORKERS = 2
 
 
@@ -114,23 +116,22 @@ def _first(bench: Bench) -> list[Array]:
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit brought to its end on all data."""
     candidates = fit.problem.candidates
+    floor = min(floor, misfit(fit.problem, fit.u))
     for level in (floor, floor / 6):
-        fit = minimise(Problem(bench.data, bench.free, candidates, level), fit.u, 3, 3e-2)
+        problem = Problem(bench.data, bench.free, candidates, level, held=_beam(fit.u))
+        fit = minimise(problem, fit.u, 3, 3e-2)
     return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 15, 2e-4))
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
     """A short fit as it is, on all data."""
-    problem = Problem(bench.data, bench.free, fit.problem.candidates)
-    r = problem.residual(fit.u)
-    n = bench.free.size
-    return Fit(problem, fit.u, float(r @ r + fit.u[:n] @ fit.u[:n]), r, fit.normal)
+    return _seen(Problem(bench.data, bench.free, fit.problem.candidates), fit)
 
 
-def misfit(fit: Fit) -> float:
-    """Relative model error at which the fit would be excused: where a look for more must begin."""
+def misfit(problem: Problem, u: Array) -> float:
+    """Relative model error at which these numbers would be excused: where a look for more must begin."""
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
-        r = replace(fit.problem, floor=floor).residual(fit.u)
+        r = replace(problem, floor=floor).residual(u)
         used = r[r != 0]
         if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
             return floor
@@ -138,7 +139,22 @@ def misfit(fit: Fit) -> float:
 
 
 def _short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
-    return minimise(Problem(bench.thin, bench.free, candidates, floor), u, 3, 5e-2)
+    # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
+    problem = Problem(bench.thin, bench.free, candidates)
+    near = min(floor, misfit(problem, u))
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    # To be compared, all must be forgiven as much and held nowhere in particular.
+    return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
+
+
+def _beam(u: Array) -> tuple[float, float, float]:
+    """Where a beam is held: where it is, unless a wrong model has bent it there."""
+    return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
+
+
+def _seen(problem: Problem, fit: Fit) -> Fit:
+    r = problem.residual(fit.u)
+    return Fit(problem, fit.u, float(r @ r + problem.priors(fit.u)[0]), r, fit.normal)
 
 
 def pool(bench: Bench, fit: Fit) -> list[Candidate]:
@@ -180,7 +196,7 @@ def _testable(candidate: Candidate, data: Reduced) -> bool:
 
 def channel_share(fit: Fit) -> Array:
     """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
-    twin, floor = fit.problem.twin(fit.u), misfit(fit)
+    twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
     total = np.zeros(len(fit.problem.data.channels))
     for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
         r = softened(rows, floor / 3).whiten(rows.y - y)
@@ -190,7 +206,7 @@ def channel_share(fit: Fit) -> Array:
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
-    floor = misfit(base)
+    floor = misfit(base.problem, base.u)
     problem = Problem(bench.thin, bench.free, base.problem.candidates, floor)
     screen = Screen(problem, base.u, bench.poles)
 
