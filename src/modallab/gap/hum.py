@@ -23,6 +23,8 @@ SCATTER = 1.3
 
 OFF = 0.035
 """Relative error of a converter's clock within which the mains is looked for."""
+BESIDE_HZ = 8.0
+"""So near the mains, a drive must be known better than by its line."""
 PLAINLY = 1.02
 """How much more power another frequency must hold."""
 
@@ -116,7 +118,8 @@ def _amplitudes(block: Block, hz: float) -> Complex:
     t = np.arange(volts.shape[1]) / block.rate_hz
     columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
     if block.test == "sine" and block.frequency_hz:
-        drive = _drive_hz(block, t) if not _clear(block, hz) else _line(block.frequency_hz, t, block.rate_hz)
+        near = abs(block.frequency_hz - hz) < BESIDE_HZ
+        drive = _drive_hz(block, t) if near else _line(block.frequency_hz, t, block.rate_hz)
         columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
     window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
     basis = np.column_stack(columns)
