@@ -4,8 +4,9 @@ import figure_data
 import numpy as np
 import pytest
 
-from modallab.figures.compare import deviation, modes, nearest, verdict
+from modallab.figures.compare import deviation, modes, verdict
 from modallab.figures.content import Truth
+from modallab.verification.pairing import nearest
 
 
 def test_modes_of_two_tests_are_matched_and_sorted():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from modallab.identification.basis import columns
-from modallab.identification.excitation import BlowExcitation, Grid, tone
+from modallab.identification.excitation import BlowExcitation, Grid
+from modallab.identification.tone import tone
 
 RATE, N = 1000.0, 1024
 POLE = np.array([-0.8 + 2j * np.pi * 17.3])

@@ -1,9 +1,12 @@
 """Modes at one frequency: a single force sees one shape there, two forces see both."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.identification.repeated import split_repeated
 from modallab.schema.frf import Frf
 from modallab.schema.rig import Channel, Point, Rig
 
@@ -37,6 +40,50 @@ def test_two_modes_at_one_frequency_are_both_found_from_two_forces():
     assert model.n_modes == 4
     assert np.all(np.abs(model.frequency_hz - truth_hz) < 5 * model.frequency_sigma_hz)
     np.testing.assert_allclose(np.sort(model.damping_ratio), sorted(zeta), rtol=0.02)
+
+
+def test_equal_frequency_and_damping_are_two_modes_whose_shapes_span_the_true_plane():
+    rng = np.random.default_rng(3)
+    truth_hz, zeta = [30.0, 60.0, 60.0, 95.0], [0.006, 0.005, 0.005, 0.004]
+    phi = rng.standard_normal((4, POINTS))
+    model, _ = identify_frf(_frf(truth_hz, zeta, noise=0.002), _rig(), Options())
+    assert model.n_modes == 4
+    np.testing.assert_allclose(model.frequency_hz, truth_hz, rtol=1e-4)
+    assert model.frequency_hz[1] == model.frequency_hz[2]
+    assert any("2 modes share the pole at 60 Hz" in note for note in model.notes)
+    plane, _ = np.linalg.qr(phi[1:3].T)
+    for shape in model.shapes[1:3]:
+        inside = plane @ (plane.T @ shape)
+        assert np.linalg.norm(inside) > 0.999 * np.linalg.norm(shape)
+    assert np.linalg.cond(model.shapes[1:3].T) < 10
+    # At unit modal mass the sum over both is the same in any basis of the plane.
+    product = model.shapes[1:3].T @ model.shapes[1:3]
+    np.testing.assert_allclose(product, phi[1:3].T @ phi[1:3], atol=0.03 * np.abs(phi).max() ** 2)
+
+
+def test_one_force_sees_one_mode_where_two_share_a_pole():
+    both = _frf([30.0, 60.0, 60.0, 95.0], [0.006, 0.005, 0.005, 0.004])
+    one = replace(both, values=both.values[:, :1], input_points=both.input_points[:1])
+    model, _ = identify_frf(one, _rig(), Options())
+    assert model.n_modes == 3
+
+
+def test_noise_is_no_second_rank():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        a = np.outer(rng.standard_normal(8), rng.standard_normal(3)) + 0j
+        noise = rng.standard_normal((8, 3)) + 1j * rng.standard_normal((8, 3))
+        a += 0.5 * noise / np.sqrt(2)
+        assert split_repeated(a[None], np.full((1, 8, 3), 0.5), range(8), range(3)).pole.tolist() == [0]
+
+
+def test_without_sensors_at_the_forces_the_parts_still_add_up():
+    rng = np.random.default_rng(0)
+    a = (rng.standard_normal((8, 2)) @ rng.standard_normal((2, 3))).astype(complex)
+    found = split_repeated(a[None], np.full((1, 8, 3), 1e-6), (None,) * 8, range(3))
+    assert found.pole.tolist() == [0, 0]
+    np.testing.assert_allclose(found.constants.sum(axis=0), a, atol=1e-12)
+    assert all(np.linalg.matrix_rank(part, tol=1e-9) == 1 for part in found.constants)
 
 
 def test_a_band_split_in_two_gives_what_the_whole_gives():

@@ -11,12 +11,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from modallab.campaign.local import LocalCampaign
 from modallab.cli.gap import read_plans
-from modallab.cli.identify import print_remarks
+from modallab.cli.identify import print_remarks, result_table
 from modallab.errors import RigError
 from modallab.exchange.campaign_hdf5 import write_campaign
 from modallab.exchange.rig_file import read_rig
 from modallab.figures.report import write_report
-from modallab.figures.table import modal_table
 from modallab.identification.options import Options
 from modallab.schema.block import Campaign
 from modallab.schema.plan import Plan
@@ -25,7 +24,7 @@ from modallab.schema.service.pages import EventView
 from modallab.storage import Store, campaign_of
 from modallab.storage.campaigns import refused_blocks
 from modallab.tasks.identify import identify_campaign
-from modallab.tasks.report import report_content, truth_of
+from modallab.tasks.report import report_content
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -56,7 +55,7 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
 
 def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:
     result = identify_campaign(campaign, Options())
-    console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
+    console.print(result_table(campaign, result))
     print_remarks(console, result)
     if report is not None:
         refused = [pair for name in runs for pair in refused_blocks(store, name)]

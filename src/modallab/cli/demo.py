@@ -10,11 +10,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from modallab.campaign.demo_plan import demo_plans
 from modallab.campaign.session import record_campaign
-from modallab.cli.identify import print_remarks
+from modallab.cli.identify import print_remarks, result_table
 from modallab.exchange.campaign_hdf5 import write_campaign
 from modallab.exchange.rig_file import parse_rig, write_rig
 from modallab.figures.report import write_report
-from modallab.figures.table import modal_table
 from modallab.identification.options import Options
 from modallab.schema import events
 from modallab.schema.block import Block, Campaign
@@ -23,7 +22,7 @@ from modallab.storage import Store
 from modallab.storage.campaigns import refused_blocks
 from modallab.tasks.identify import identify_campaign
 from modallab.tasks.model_file import write_models
-from modallab.tasks.report import report_content, truth_of
+from modallab.tasks.report import report_content
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -43,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     write_models(folder / "models.json", campaign, result)
     content = report_content(campaign, result, f"Modal test of {rig.name}", _refused(folder, campaign))
     write_report(folder / "report.html", content)
-    console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
+    console.print(result_table(campaign, result))
     print_remarks(console, result)
     console.print("\nwritten:")
     for name in ("report.html", "campaign.h5", "models.json", "rig.yaml"):

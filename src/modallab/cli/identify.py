@@ -3,12 +3,14 @@
 import argparse
 
 from rich.console import Console
+from rich.table import Table
 
 from modallab.exchange.campaign_hdf5 import read_campaign
 from modallab.exchange.rig_file import read_rig
 from modallab.figures.report import write_report
-from modallab.figures.table import confidences, modal_table
+from modallab.figures.table import modal_table
 from modallab.identification.options import Options
+from modallab.schema.block import Campaign
 from modallab.tasks.identify import Result, identify_campaign
 from modallab.tasks.model_file import write_models
 from modallab.tasks.report import report_content, truth_of
@@ -28,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     result = identify_campaign(campaign, options, arguments.test)
     console = Console()
-    console.print(modal_table([item.model for item in result.identified], truth_of(campaign)))
+    console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
         write_models(arguments.json, campaign, result)
@@ -37,6 +39,13 @@ def run(arguments: argparse.Namespace) -> int:
         write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
         console.print(f"report: {arguments.report}", markup=False)
     return 0
+
+
+def result_table(campaign: Campaign, result: Result) -> Table:
+    """The modes of every test, with the truth where the campaign knows it."""
+    items = result.identified
+    confidence = [None if item.assessment is None else item.assessment.confidence for item in items]
+    return modal_table([item.model for item in items], truth_of(campaign), confidence)
 
 
 def print_remarks(console: Console, result: Result) -> None:
@@ -49,9 +58,6 @@ def print_remarks(console: Console, result: Result) -> None:
                 f"{item.source}: FRAC of the regenerated mobility {low:.4f} to {high:.4f}, {band}", markup=False
             )
         if item.assessment is not None:
-            console.print(
-                f"{item.source}: confidence of the modes " + confidences(item.assessment.confidence), markup=False
-            )
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"
                 console.print(f"{item.source}: {verdict.assumption} {holds}: {verdict.words}", markup=False)

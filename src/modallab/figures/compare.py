@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from modallab.figures.content import Truth
 from modallab.schema.model import ModalModel
 from modallab.schema.units import Test
+from modallab.verification.pairing import nearest
 
-SAME_MODE = 0.04
-"""Two frequencies this near, relative, and nearest to one another, are taken for the same mode."""
-
+Confidence = NDArray[np.float64] | None
+"""(modes,) of one model, 0 to 1; None where it was not judged."""
 Verdict = Literal["agree", "borderline", "disagree", "unknown"]
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One mode as one test saw it. Unknown numbers are NaN; damping is a ratio, zeta."""
+    """One mode as one test saw it. Unknown numbers are NaN; damping is a ratio, zeta; confidence is 0 to 1."""
 
     test: Test | None
     frequency_hz: float
@@ -29,6 +29,7 @@ class Reading:
     damping_sigma: float
     half_power: float
     half_power_floor: float
+    confidence: float = nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +53,19 @@ class Mode:
         return min(known, key=lambda r: r.damping_sigma) if known else self.readings[0]
 
 
-def modes(models: Sequence[ModalModel], truth: Truth | None = None) -> tuple[Mode, ...]:
+def modes(
+    models: Sequence[ModalModel], truth: Truth | None = None, confidence: Sequence[Confidence] = ()
+) -> tuple[Mode, ...]:
     """The modes of all tests, matched by frequency, ascending.
 
     Args:
         models: one a test; the first decides what the modes are called, others add what it did not see.
         truth: the modes of a simulated bench.
+        confidence: one a model, in their order, or none at all.
     """
     groups: list[list[Reading]] = []
-    for model in models:
-        readings = _readings(model)
+    for i, model in enumerate(models):
+        readings = _readings(model, confidence[i] if confidence else None)
         partner = nearest([g[0].frequency_hz for g in groups], [r.frequency_hz for r in readings])
         taken = {there: here for here, there in enumerate(partner) if there is not None}
         fresh = [[r] for i, r in enumerate(readings) if i not in taken]
@@ -71,20 +75,6 @@ def modes(models: Sequence[ModalModel], truth: Truth | None = None) -> tuple[Mod
     groups.sort(key=lambda group: group[0].frequency_hz)
     true = _truths([g[0].frequency_hz for g in groups], truth)
     return tuple(Mode(i + 1, tuple(g), *true[i]) for i, g in enumerate(groups))
-
-
-def nearest(
-    here: Sequence[float] | NDArray[np.float64],
-    there: Sequence[float] | NDArray[np.float64],
-    within: float = SAME_MODE,
-) -> list[int | None]:
-    """For each frequency the place of its partner: nearest to one another and not further than `within`, relative."""
-    a, b = np.asarray(here, dtype=np.float64), np.asarray(there, dtype=np.float64)
-    if not a.size or not b.size:
-        return [None] * a.size
-    gap = np.abs(a[:, None] - b)
-    forth, back = gap.argmin(1), gap.argmin(0)
-    return [int(j) if back[j] == i and gap[i, j] <= within * a[i] else None for i, j in enumerate(forth)]
 
 
 def deviation(a: float, a_sigma: float, b: float, b_sigma: float) -> float:
@@ -100,7 +90,7 @@ def verdict(deviations: float) -> Verdict:
     return "agree" if deviations <= 2 else "borderline" if deviations <= 3 else "disagree"
 
 
-def _readings(model: ModalModel) -> list[Reading]:
+def _readings(model: ModalModel, confidence: Confidence) -> list[Reading]:
     columns = (
         model.frequency_hz,
         model.frequency_sigma_hz,
@@ -108,6 +98,7 @@ def _readings(model: ModalModel) -> list[Reading]:
         model.damping_sigma,
         model.half_power,
         model.half_power_floor,
+        np.full(model.n_modes, nan) if confidence is None else confidence,
     )
     return [Reading(model.test, *(float(c[i]) for c in columns)) for i in range(model.n_modes)]
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.identification.diagram import Diagram
 from modallab.schema.block import Campaign, Signals
 from modallab.schema.frf import Frf
 from modallab.schema.model import ModalModel
@@ -64,6 +65,7 @@ class Outcome:
         hits: every blow, the refused ones too.
         missing: why there is no model.
         assessment: the test's assumptions, and how well each mode stands.
+        diagram: what the identification began with, or why it can't be drawn.
     """
 
     test: Test | None
@@ -75,6 +77,7 @@ class Outcome:
     hits: tuple[Hit, ...] = ()
     missing: str = ""
     assessment: Assessment | None = None
+    diagram: Diagram | str | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -107,3 +110,9 @@ class ReportContent:
     def models(self) -> tuple[ModalModel, ...]:
         """The models there are, in the order of the tests."""
         return tuple(o.model for o in self.outcomes if o.model is not None)
+
+    @property
+    def confidence(self) -> tuple[NDArray[np.float64] | None, ...]:
+        """How clearly each mode stands, model by model."""
+        with_model = [o for o in self.outcomes if o.model is not None]
+        return tuple(None if o.assessment is None else o.assessment.confidence for o in with_model)

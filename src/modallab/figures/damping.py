@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from modallab.figures import style
-from modallab.figures.compare import SAME_MODE, Mode, Reading
+from modallab.figures.compare import Mode, Reading
 from modallab.figures.digits import plain
+from modallab.verification.pairing import SAME_MODE
 
 PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
 """Table 1 of the paper: frequency in Hz and what it calls modal damping, as ratios."""

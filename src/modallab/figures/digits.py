@@ -121,3 +121,8 @@ def _fixed(value: float, places: int) -> str:
 def glued(text: str) -> str:
     """The text with hard blanks between numbers and their units, so that no line breaks there."""
     return _UNIT.sub("\u00a0", text)
+
+
+def confident(value: float) -> str:
+    """A confidence, 0 to 1, never rounded up to a certainty that is not there."""
+    return f"{math.floor(100 * value) / 100:.2f}" if math.isfinite(value) else "-"

@@ -10,11 +10,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from modallab.figures import style
-from modallab.figures.compare import nearest
 from modallab.figures.digits import plain
 from modallab.figures.shape_data import Shape, line, shape
 from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
+from modallab.verification.pairing import nearest
 
 _MARKS = (("o", style.MEASURED), ("s", style.MODEL))
 

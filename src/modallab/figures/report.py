@@ -16,6 +16,7 @@ from modallab.figures.sections import (
     rig,
     shapes,
     signals,
+    start,
     summary,
     verification,
 )
@@ -36,12 +37,13 @@ def write_report(path: Path, content: ReportContent) -> None:
 
 def render(content: ReportContent) -> str:
     """The whole page as text."""
-    found = modes(content.models, content.truth)
+    found = modes(content.models, content.truth, content.confidence)
     parts = [
         table_of_modes.section(content, found),
         half_power.section(content, found),
         shapes.section(content),
         verification.section(content),
+        start.section(content),
         assumptions.section(content),
         signals.section(content),
         model.section(content),

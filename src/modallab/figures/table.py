@@ -1,51 +1,50 @@
 """The table of modes for the terminal."""
 
 from collections.abc import Sequence
-from math import floor, isfinite
+from math import isfinite
 
-import numpy as np
-from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from modallab.figures.compare import Mode, Reading, modes
+from modallab.figures.compare import Confidence, Mode, Reading, modes
 from modallab.figures.content import Truth
-from modallab.figures.digits import UNKNOWN, alike, concise, plain
+from modallab.figures.digits import UNKNOWN, alike, concise, confident, plain
 from modallab.schema.model import ModalModel
 
 # No Greek letters: a terminal that knows only its country's letters would stop at them.
 VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
 TRUTH = ("true\n[Hz]", "true\n[%]")
+CONFIDENCE = "confi-\ndence"
 
 
-def modal_table(models: Sequence[ModalModel], truth: Truth | None = None) -> Table:
-    """Frequency and damping of every mode with their sigma, the half-power reading, and the truth where it is known.
+def modal_table(
+    models: Sequence[ModalModel], truth: Truth | None = None, confidence: Sequence[Confidence] = ()
+) -> Table:
+    """Frequency and damping of every mode with their sigma, the half-power reading, truth and confidence where known.
 
     Args:
         models: one a test.
         truth: the modes of a simulated bench.
+        confidence: how clearly each mode stands, one array a model.
 
     Returns:
         a table to be printed by rich; it fits into 80 columns.
     """
-    table = Table(
-        title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False
-    )
+    table = Table(title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=0, show_edge=False)
     table.title_justify = table.caption_justify = "left"
     for heading in ("mode", "test"):
         table.add_column(heading, no_wrap=True, min_width=6 if heading == "test" else 4)
-    for heading in (*VALUES, *(TRUTH if truth else ())):
+    found = modes(models, truth, confidence)
+    known = any(isfinite(reading.confidence) for mode in found for reading in mode.readings)
+    for heading in (*VALUES, *(TRUTH if truth else ()), *((CONFIDENCE,) if known else ())):
         table.add_column(heading, justify="right", no_wrap=True, min_width=max(map(len, heading.split())))
-    found = modes(models, truth)
     for mode in found:
         for reading in mode.readings:
-            table.add_row(*_cells(mode, reading, truth is not None), end_section=reading is mode.readings[-1])
+            cells = _cells(mode, reading, truth is not None)
+            if known:
+                cells.append(confident(reading.confidence))
+            table.add_row(*cells, end_section=reading is mode.readings[-1])
     return table
-
-
-def confidences(values: NDArray[np.float64]) -> str:
-    """The confidence of every mode by rising frequency, 0 to 1, never rounded up to a certainty that is not there."""
-    return ", ".join(f"{floor(100 * value) / 100:.2f}" if isfinite(value) else "not known" for value in values)
 
 
 def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:

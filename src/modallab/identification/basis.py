@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.excitation import Excitation, Lines
+from modallab.identification.excitation import BlowExcitation, Excitation, Grid, Kernel, Lines, kernel
 
 Real = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -80,6 +81,37 @@ class _Half:
     free_slope: Lines
 
 
+class Shared:
+    """What all blocks of one grid have in common at given poles: kernels, and free decays from the same sample."""
+
+    def __init__(self, grid: Grid, poles: NDArray[np.complex128]) -> None:
+        self._pair = poles, poles.conj()
+        self._grid = grid
+        self._kernels: tuple[Kernel, ...] = ()
+        self._free: dict[int, tuple[tuple[Lines, Lines], ...]] = {}
+        self._vectors: dict[int, Vectors] = {}
+
+    def halves(self, excitation: Excitation, *, free: bool) -> tuple[_Half, _Half]:
+        """Both of every pole pair in a block that this drove."""
+        if isinstance(excitation, BlowExcitation):
+            self._kernels = self._kernels or tuple(kernel(self._grid, p) for p in self._pair)
+        forced = [excitation.forced(p, k) for p, k in zip_longest(self._pair, self._kernels)]
+        if not free:
+            nothing = np.zeros((1, 1), complex)
+            return _Half(*forced[0], nothing, nothing), _Half(*forced[1], nothing, nothing)
+        decays = self._free.get(excitation.state_at)
+        if decays is None:
+            decays = self._free[excitation.state_at] = tuple(excitation.free(p) for p in self._pair)
+        return _Half(*forced[0], *decays[0]), _Half(*forced[1], *decays[1])
+
+    def state_vectors(self, excitation: Excitation, up: _Half, down: _Half) -> Vectors:
+        """Derivatives by the unknown states."""
+        place = excitation.state_at
+        if place not in self._vectors:
+            self._vectors[place] = _state_vectors(up.free, down.free)
+        return self._vectors[place]
+
+
 def columns(
     excitation: Excitation,
     omega: Real,
@@ -87,6 +119,7 @@ def columns(
     state: NDArray[np.complex128] | None,
     drive: complex | None,
     powers: Sequence[int],
+    shared: Shared | None = None,
 ) -> BlockColumns:
     """Columns of a block and their derivatives.
 
@@ -97,11 +130,12 @@ def columns(
         state: (modes,) unknown modal states, or None for a block that has none.
         drive: unknown relative error of the drive's complex amplitude, or None.
         powers: powers of s of the receptance's residual terms.
+        shared: what blocks of one grid have in common at these poles, where several are wanted.
     """
     poles = poles_of(omega, zeta)
+    common = shared or Shared(excitation.grid, poles)
     true_drive = excitation if drive is None else excitation.scaled(1 + drive)
-    up = _half(true_drive, poles, free=state is not None)
-    down = _half(true_drive, poles.conj(), free=state is not None)
+    up, down = common.halves(true_drive, free=state is not None)
     start = np.zeros(len(omega), complex) if state is None else state
     value = _pair(up.forced + start[:, None] * up.free, down.forced + start.conj()[:, None] * down.free)
     slope_up, slope_down = (
@@ -110,7 +144,7 @@ def columns(
     )
     rates = (poles / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
     by_pole = np.stack([_pair(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1)
-    local = [] if state is None else [_state_vectors(up.free, down.free)]
+    local = [] if state is None else [common.state_vectors(excitation, up, down)]
     if drive is not None:
         local.append(_drive_vectors(excitation, poles, powers, first=0 if state is None else 2 * len(omega)))
     phi = np.concatenate([value.reshape(-1, value.shape[-1]), _statics(true_drive, powers)])
@@ -122,14 +156,6 @@ def columns(
         Vectors(stack(by_pole.reshape(-1, value.shape[-1])), 2 * mode + which, 2 * mode + part),
         _joined(local),
     )
-
-
-def _half(excitation: Excitation, poles: NDArray[np.complex128], *, free: bool) -> _Half:
-    forced, slope = excitation.forced(poles)
-    if not free:
-        nothing = np.zeros((1, 1), complex)
-        return _Half(forced, slope, nothing, nothing)
-    return _Half(forced, slope, *excitation.free(poles))
 
 
 def _pair(up: Lines, down: Lines) -> Lines:
@@ -163,6 +189,8 @@ def _drive_vectors(
 
 
 def _joined(parts: Sequence[Vectors]) -> Vectors:
+    if len(parts) == 1:
+        return parts[0]
     if not parts:
         return Vectors(np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(0, np.int64))
     return Vectors(

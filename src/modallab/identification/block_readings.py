@@ -40,4 +40,5 @@ def _floor(fit: Fit, frequency_hz: NDArray[np.float64], wanted_hz: float) -> flo
     residue = 1 / (2j * 2 * np.pi * wanted_hz)
     response = residue * bare.forced(pole)[0][0] - residue * bare.forced(pole.conj())[0][0]
     force = bare.static(-1)
-    return reading_near(frequency_hz, np.abs(response / force), wanted_hz)
+    quiet = np.any(force == 0)
+    return float("nan") if quiet else reading_near(frequency_hz, np.abs(response / force), wanted_hz)

@@ -89,9 +89,10 @@ def _scatter(shapes: NDArray[Any]) -> Real:
 
 
 def _check(shapes: NDArray[Any]) -> None:
-    if shapes.ndim != 2 or not np.isfinite(shapes).all():
+    if shapes.ndim != 2 or not shapes.size or not np.isfinite(shapes).all():
         raise DataError(
-            f"the shapes have shape {shapes.shape}, or hold NaN", remedy="give finite numbers, (modes, points)"
+            f"the shapes have shape {shapes.shape}, or hold NaN, or nothing",
+            remedy="give finite numbers, (modes, points)",
         )
     if not np.any(shapes != 0, axis=1).all():
         raise DataError("a mode shape is zero at every point", remedy="leave that mode out")

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError, IdentificationError
+from modallab.identification.bands import Band, split_bands
 from modallab.identification.circle_fit import circle_fit
 from modallab.identification.era import era
 from modallab.identification.half_power import Peak, find_peaks, summed_amplitude
@@ -22,6 +23,8 @@ COLUMNS = 120
 """Default order of pLSCF: this many polynomial columns, shared among the inputs; of ERA: this many states."""
 LEAST_ZETA = 1e-5
 """A pole read off a peak is given at least this damping: the artificial one is taken off a rough reading."""
+CROWDED = 0.4
+"""Where stable poles take up this share of what the highest order can hold, the range is cut into bands."""
 CIRCLE_FALL = 0.4
 """A circle is fitted to the lines about a peak down to this share of its amplitude: well past half-power."""
 CIRCLE_LINES = 5
@@ -49,7 +52,8 @@ def estimate_poles(
         frf: any quantity; a damping shift is taken off the poles again.
         method: "plscf" and "era" give the poles that are stable over rising orders; "peak" reads each peak by the
             half-power rule, "circle" fits a circle to the lines about it.
-        max_order: highest order of pLSCF, or number of states of ERA; None for one that the lines can carry.
+        max_order: highest order of pLSCF, or number of states of ERA; None for one that the lines can carry, and for
+            bands of their own where the range holds many modes.
         tolerance: when poles of two orders are the same.
 
     Raises:
@@ -61,7 +65,30 @@ def estimate_poles(
     if method in ("peak", "circle"):
         return PoleEstimate(_of_peaks(frf, _half_power_pole if method == "peak" else _circle_pole))
     orders = rising_orders(frf, method, max_order)
-    return PoleEstimate(_stable(orders, tolerance), tuple(orders))
+    whole = PoleEstimate(_stable(orders, tolerance), tuple(orders))
+    if max_order is not None or whole.poles.size < CROWDED * orders[-1].order * _per_order(frf, method):
+        return whole
+    bands = split_bands(frf)
+    return whole if len(bands) == 1 else _joined([_in_band(frf, band, method, tolerance) for band in bands])
+
+
+def _per_order(frf: Frf, method: Method) -> float:
+    """Modes that one more order can hold."""
+    return 0.5 if method == "era" else frf.values.shape[1] / 2
+
+
+def _in_band(frf: Frf, band: Band, method: Method, tolerance: Tolerance | None) -> PoleEstimate:
+    orders = rising_orders(band.cut(frf), method)
+    own = tuple(OrderPoles(o.order, band.own(o.poles)) for o in orders)
+    return PoleEstimate(band.own(_stable(orders, tolerance)), own)
+
+
+def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
+    every = sorted({o.order for part in parts for o in part.orders})
+    orders = [
+        OrderPoles(n, np.concatenate([o.poles for part in parts for o in part.orders if o.order == n])) for n in every
+    ]
+    return PoleEstimate(np.concatenate([part.poles for part in parts]), tuple(orders))
 
 
 def rising_orders(frf: Frf, method: Method, max_order: int | None = None) -> list[OrderPoles]:

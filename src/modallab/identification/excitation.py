@@ -35,15 +35,50 @@ class Grid:
     p: int
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Kernel:
+    """What poles do at a grid's lines whatever drives them, (modes, lines): shared by all blocks of one grid.
+
+    Attributes:
+        poles: (modes,)
+        resonance: 1 / (s - lambda).
+        wrap: 1 / (1 - z w).
+        turned: z w / (1 - z w).
+    """
+
+    poles: NDArray[np.complex128]
+    resonance: Lines
+    wrap: Lines
+    turned: Lines
+
+
+def kernel(grid: Grid, poles: NDArray[np.complex128]) -> Kernel:
+    """See Kernel."""
+    away = 1j * grid.omega - poles[:, None]
+    zw = np.exp(-away * grid.dt, dtype=np.complex128)
+    wrap: Lines = np.reciprocal(1 - zw)
+    return Kernel(poles, 1 / away, wrap, zw * wrap)
+
+
 class Excitation(Protocol):
     """What drove a block; answers for poles (modes,), each result and its derivative by the pole (modes, lines)."""
 
-    def forced(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
-        """Response to the force from rest, of receptance 1 / (s - lambda)."""
+    @property
+    def grid(self) -> Grid:
+        """The block's lines."""
+        ...
+
+    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
+        """Response to the force from rest, of receptance 1 / (s - lambda). `shared` is these poles' on this grid."""
+        ...
+
+    @property
+    def state_at(self) -> int:
+        """Sample at which an unknown state may enter: blocks of one grid with the same have the same free decays."""
         ...
 
     def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
-        """Free decay of unit modal state from the sample where an unknown state may enter."""
+        """Free decay of unit modal state from that sample on."""
         ...
 
     def static(self, power: int) -> Lines:
@@ -55,7 +90,8 @@ class Excitation(Protocol):
         ...
 
 
-def _free(grid: Grid, poles: NDArray[np.complex128], start: int) -> tuple[Lines, Lines]:
+def free_decay(grid: Grid, poles: NDArray[np.complex128], start: int) -> tuple[Lines, Lines]:
+    """Z of the poles and its derivative, (modes, lines), from sample `start` on."""
     lam = poles[:, None]
     z = np.exp(lam * grid.dt)
     w = np.exp(-1j * grid.omega * grid.dt)
@@ -87,25 +123,29 @@ class BlowExcitation:
         index = np.round(self.grid.omega * self.grid.dt * self.grid.n / (2 * np.pi)).astype(int)
         return np.fft.rfft(self.force)[index]
 
-    def forced(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
-        g = self.grid
-        lam, s = poles[:, None], 1j * g.omega
+        g, of = self.grid, shared or kernel(self.grid, poles)
+        lam = poles[:, None]
         where = np.flatnonzero(self.force)
         # G z^N in one, sum_m f_m z^(N - m): apart, the one may overflow while the other vanishes.
         left = (g.n - where) * g.dt
         decay = np.exp(np.outer(poles, left)) * self.force[where]
-        tail, by_pole = decay.sum(axis=1)[:, None], (decay @ left)[:, None]
-        zw = np.exp((lam - s) * g.dt)
-        scale = lam**g.p * g.dt / (1 - zw)
-        steady = s**g.p * self._spectrum() / (s - lam)
-        value = steady - scale * tail
-        slope = steady / (s - lam) - scale * (tail * (g.p / lam + g.dt * zw / (1 - zw)) + by_pole)
+        scale = lam**g.p * g.dt
+        tail, by_pole = scale * decay.sum(axis=1)[:, None], scale * (decay @ left)[:, None]
+        steady = ((1j * g.omega) ** g.p * self._spectrum()) * of.resonance
+        value = steady - tail * of.wrap
+        slope = steady * of.resonance - of.wrap * (tail * g.dt * of.turned + (tail * g.p / lam + by_pole))
         return value, slope
+
+    @property
+    def state_at(self) -> int:
+        """See Excitation."""
+        return self.start
 
     def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
         """See Excitation."""
-        return _free(self.grid, poles, self.start)
+        return free_decay(self.grid, poles, self.start)
 
     def static(self, power: int) -> Lines:
         """See Excitation."""
@@ -123,93 +163,22 @@ class BlowExcitation:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class ToneExcitation:
-    """A sine over the whole block, and the decay of what came before it.
-
-    The unknown state is the mode's whole state at the block's start, forced and free together: near a resonance both
-    grow without bound as the pole moves, and only their sum is known well. Its forced response therefore begins at
-    zero state. For modes that have died out it is the steady state instead.
-
-    Attributes:
-        grid: the block's lines.
-        frequency_hz: of the sine, which need not stand on a line.
-        amplitude: complex peak force in N: f(t) = Re(amplitude exp(j omega t)), t from the block's start.
-        settled_from: rad/s; modes above respond with their steady state.
-        shapes: (2, lines) spectra of exp(j omega t) / 2 and exp(-j omega t) / 2; see `tone`.
-    """
-
-    grid: Grid
-    frequency_hz: float
-    amplitude: complex
-    settled_from: float
-    shapes: Lines
-
-    def _tones(self) -> tuple[tuple[complex, Lines], tuple[complex, Lines]]:
-        """(s, spectrum) of the sine's positive and negative frequency."""
-        s = 2j * np.pi * self.frequency_hz
-        return (s, self.amplitude * self.shapes[0]), (-s, np.conj(self.amplitude) * self.shapes[1])
-
-    def forced(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
-        """See Excitation."""
-        (s, up), (minus_s, down) = self._tones()
-        lam, p = poles[:, None], self.grid.p
-        first, second = 1 / (s - lam), 1 / (minus_s - lam)
-        value = s**p * first * up + minus_s**p * second * down
-        slope = s**p * first**2 * up + minus_s**p * second**2 * down
-        free, free_slope = self.free(poles)
-        state, state_slope = (x[:, None] for x in self.steady_state(poles))
-        return value - state * free, slope - state_slope * free - state * free_slope
-
-    def steady_state(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
-        """State (modes,) of the steady response at the block's start, and its derivative by the pole."""
-        s = 2j * np.pi * self.frequency_hz
-        first, second = 1 / (s - poles), 1 / (-s - poles)
-        rings = np.abs(poles.imag) < self.settled_from
-        half = self.amplitude / 2
-        other = np.conj(half)
-        return rings * (half * first + other * second), rings * (half * first**2 + other * second**2)
-
-    def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
-        """See Excitation."""
-        return _free(self.grid, poles, 0)
-
-    def static(self, power: int) -> Lines:
-        """See Excitation."""
-        (s, up), (minus_s, down) = self._tones()
-        p = self.grid.p + power
-        return s**p * up + minus_s**p * down
-
-    def scaled(self, factor: complex) -> "ToneExcitation":
-        """See Excitation."""
-        return replace(self, amplitude=self.amplitude * factor)
-
-
-def tone(grid: Grid, frequency_hz: float, amplitude: complex, settled_from: float) -> ToneExcitation:
-    """A steady sine in a block; see ToneExcitation."""
-    s = 2j * np.pi * frequency_hz
-    shapes = np.stack([_geometric(s, grid), _geometric(-s, grid)]) / 2
-    return ToneExcitation(grid, frequency_hz, amplitude, settled_from, shapes)
-
-
-def _geometric(s: complex, grid: Grid) -> Lines:
-    """DFT of exp(s n dt), n = 0..N-1, at the grid's lines; N where the exponential stands on the line."""
-    ratio = np.exp(s * grid.dt - 1j * grid.omega * grid.dt)
-    on_line = np.abs(1 - ratio) < 1e-9
-    value = np.where(on_line, grid.n, (1 - np.exp(s * grid.dt * grid.n)) / np.where(on_line, 1, 1 - ratio))
-    return value.astype(np.complex128)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class UnitExcitation:
     """An FRF as such: unit force at every line and no block."""
 
     grid: Grid
 
-    def forced(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
+    def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
+        del shared
         s, lam = 1j * self.grid.omega, poles[:, None]
         value = s**self.grid.p / (s - lam)
         return value, value / (s - lam)
+
+    @property
+    def state_at(self) -> int:
+        """See Excitation."""
+        return 0
 
     def free(self, poles: NDArray[np.complex128]) -> tuple[Lines, Lines]:
         """An FRF has no state to begin with: zero."""

@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from modallab.errors import DataError
+from modallab.schema.check_axis import check_frequencies
 from modallab.schema.frf import Frf
+from modallab.spectra.frf import convert
 
 Real = NDArray[np.float64]
 
@@ -21,12 +24,21 @@ class Peak:
 
 
 def summed_amplitude(frf: Frf) -> Real:
-    """Root of the sum of squares over outputs and inputs (lines,): peaks of all modes in one curve."""
-    return np.sqrt(np.sum(np.abs(frf.values) ** 2, axis=(0, 1)))
+    """Root of the sum of squares over outputs and inputs (lines,): peaks of all modes in one curve.
+
+    Raises:
+        DataError: no FRF.
+    """
+    return np.sqrt(np.sum(np.abs(convert(frf, frf.quantity).values) ** 2, axis=(0, 1)))
 
 
 def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) -> list[Peak]:
-    """Local maxima that stand out by `prominence_db`, each with its half-power damping."""
+    """Local maxima that stand out by `prominence_db`, each with its half-power damping.
+
+    Raises:
+        DataError: no curve: lengths that differ, frequencies that do not ascend, amplitudes that are none.
+    """
+    _check_curve(frequency_hz, amplitude)
     level = 20 * np.log10(np.maximum(amplitude, 1e-300))
     found, _ = signal.find_peaks(level, prominence=prominence_db)
     return [Peak(int(i), float(frequency_hz[i]), half_power(frequency_hz, amplitude, int(i))) for i in found]
@@ -37,7 +49,13 @@ def half_power(frequency_hz: Real, amplitude: Real, line: int) -> float:
 
     The lines in between are joined by straight ones. NaN if the amplitude does not fall that far on both sides before
     it rises again.
+
+    Raises:
+        DataError: as for `find_peaks`, or no such line.
     """
+    _check_curve(frequency_hz, amplitude)
+    if not 0 <= line < amplitude.size:
+        raise DataError(f"there is no line {line} among {amplitude.size}", remedy="count the lines from 0")
     limit = amplitude[line] / np.sqrt(2)
     low, high = _crossing(frequency_hz, amplitude, line, -1, limit), _crossing(frequency_hz, amplitude, line, 1, limit)
     return (high - low) / (2 * float(frequency_hz[line]))
@@ -55,11 +73,26 @@ def _crossing(frequency_hz: Real, amplitude: Real, line: int, step: int, limit: 
     return float("nan")
 
 
+def _check_curve(frequency_hz: Real, amplitude: Real) -> None:
+    check_frequencies(frequency_hz, even=False)
+    if amplitude.shape != frequency_hz.shape or not (np.isfinite(amplitude).all() and np.all(amplitude >= 0)):
+        raise DataError(
+            f"{frequency_hz.shape} frequencies and amplitudes {amplitude.shape} are no curve, or some NaN or negative",
+            remedy="give the amplitude of an FRF at each of its lines",
+        )
+
+
 def reading_near(frequency_hz: Real, amplitude: Real, wanted_hz: float) -> float:
     """Half-power damping ratio of the peak that belongs to a mode at `wanted_hz`.
 
     It climbs from the nearest line to the top of its hill, and reads there.
+
+    Raises:
+        DataError: as for `find_peaks`, or a frequency that is none.
     """
+    _check_curve(frequency_hz, amplitude)
+    if not np.isfinite(wanted_hz):
+        raise DataError(f"there is no mode at {wanted_hz} Hz", remedy="give a frequency in Hz")
     line = int(np.argmin(np.abs(frequency_hz - wanted_hz)))
     while True:
         best = max((line - 1, line, line + 1), key=lambda i: amplitude[i] if 0 <= i < amplitude.size else -1.0)

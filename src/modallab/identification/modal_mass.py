@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.errors import DataError
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shapes:
@@ -31,13 +33,36 @@ def unit_mass_shapes(
         sigma: (modes, outputs, inputs) their uncertainty.
         output_points: point of each output.
         input_points: point of each input.
+
+    Raises:
+        DataError: constants that are not finite, or do not fit sigma or points.
     """
+    check_constants(constants, sigma, output_points, input_points)
     unavailable = why_unavailable(output_points, input_points)
     if unavailable:
         return Shapes(None, None, unavailable)
     rows = [None if p is None else _index(output_points, p) for p in input_points]
     found = [_one_mode(a, s, rows) for a, s in zip(constants, sigma, strict=True)]
     return Shapes(np.array([f[0] for f in found]), np.array([f[1] for f in found]), "")
+
+
+def check_constants(
+    constants: NDArray[np.complex128],
+    sigma: NDArray[np.float64],
+    output_points: Sequence[int | None],
+    input_points: Sequence[int | None],
+) -> None:
+    """Refuse modal constants that cannot be.
+
+    Raises:
+        DataError: they are not finite, or not (modes, outputs, inputs) of these points and sigmas.
+    """
+    shape = (len(constants), len(output_points), len(input_points))
+    if constants.shape != shape or sigma.shape != shape or not np.isfinite(constants).all():
+        raise DataError(
+            f"modal constants {constants.shape} with sigma {sigma.shape} are not {shape}, or not finite",
+            remedy="give (modes, outputs, inputs) of both, with a point for every output and input",
+        )
 
 
 def why_unavailable(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> str:

@@ -3,9 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.errors import DataError
 from modallab.identification.basis import poles_of
 from modallab.identification.fit import Fit, modal_constants, residuals
 from modallab.identification.modal_mass import unit_mass_shapes
+from modallab.identification.repeated import Split, split_repeated
 from modallab.schema.model import Method, ModalModel
 from modallab.schema.rig import Rig
 from modallab.schema.units import Test
@@ -29,17 +31,18 @@ def model_of_fit(
         rig: names and points of the channels.
         test: the test the blocks came from.
         band_hz: band of the lines used.
-        readings: half-power readings and their floor, each (kept modes,).
+        readings: half-power readings and their floor, each (kept modes,) by rising frequency.
         notes: what was found on the way.
         method: the estimator that gave the start.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     constants, constant_sigma = modal_constants(fit)
-    order = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
     output_points = tuple(c.point for c in rig.responses)
-    shapes = unit_mass_shapes(constants[order], constant_sigma[order], output_points, fit.input_points)
+    ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
+    split = split_repeated(constants[ascending], constant_sigma[ascending], output_points, fit.input_points)
+    order = ascending[split.pole]
+    shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
     powers, terms = _residual_terms(fit, keep, constants)
-    rank = np.argsort(np.argsort(at.omega[keep]))
     return ModalModel(
         method=method,
         test=test,
@@ -51,16 +54,25 @@ def model_of_fit(
         outputs=tuple(c.name for c in rig.responses),
         output_points=output_points,
         input_points=fit.input_points,
-        modal_constants=constants[order],
-        modal_constant_sigma=constant_sigma[order],
+        modal_constants=split.constants,
+        modal_constant_sigma=split.sigma,
         residuals=terms,
         residual_powers=powers,
         shapes=shapes.phi,
         shape_sigma=shapes.sigma,
         shapes_unavailable=shapes.unavailable,
-        half_power=readings[0][np.argsort(rank)] if rank.size else readings[0],
-        half_power_floor=readings[1][np.argsort(rank)] if rank.size else readings[1],
-        notes=notes,
+        half_power=readings[0][split.pole],
+        half_power_floor=readings[1][split.pole],
+        notes=(*notes, *_repeated_notes(split, at.omega[ascending] / (2 * np.pi))),
+    )
+
+
+def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[str, ...]:
+    return tuple(
+        f"{count} modes share the pole at {frequency_hz[r]:.4g} Hz. Their shapes span a plane: any mix of them is a "
+        "mode as well."
+        for r, count in zip(*np.unique(split.pole, return_counts=True), strict=True)
+        if count > 1
     )
 
 
@@ -84,7 +96,15 @@ def _residual_terms(
 
 
 def receptance(model: ModalModel, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """The model's receptance (outputs, inputs, lines), with no block and no truncation: eqs. 13 and 14."""
+    """The model's receptance (outputs, inputs, lines), with no block and no truncation: eqs. 13 and 14.
+
+    Raises:
+        DataError: frequencies that are none, or 0 Hz where a residual term has no value there.
+    """
+    if frequency_hz.ndim != 1 or not np.isfinite(frequency_hz).all():
+        raise DataError(f"frequencies {frequency_hz.shape} are no lines, or not finite", remedy="give (lines,) in Hz")
+    if min(model.residual_powers, default=0) < 0 and np.any(frequency_hz == 0):
+        raise DataError("the residual terms have no value at 0 Hz", remedy="leave that line out")
     s = 2j * np.pi * frequency_hz
     poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
     residue = model.modal_constants / (2j * poles.imag[:, None, None])

@@ -105,7 +105,13 @@ def _gram(group: GroupSolution, residual: Real) -> tuple[Real, Real]:
     for m, found in enumerate(group.columns if width else ()):
         here, part = slice(m * rows, (m + 1) * rows), slice(n_pole + m * width, n_pole + (m + 1) * width)
         values = found.local.values
-        gram[part, part] = values.T @ values
+        first = group.columns[0].local.values
+        # Blocks whose states enter at the same sample share the very vectors.
+        gram[part, part] = (
+            gram[slice(n_pole, n_pole + width), slice(n_pole, n_pole + width)]
+            if (m and values is first)
+            else values.T @ values
+        )
         gram[:n_pole, part] = poles[here].T @ values
         gram[part, :n_pole] = gram[:n_pole, part].T
         on_q[:, part] = group.q[here].T @ values

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from modallab.errors import IdentificationError
 from modallab.schema.model import Method
 
 
@@ -25,6 +28,23 @@ class Options:
     pick_hz: tuple[float, ...] = ()
     drop_hz: tuple[float, ...] = ()
     refine: bool | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what no identification can be asked for.
+
+        Raises:
+            IdentificationError: a band, an order, or frequencies to pick or drop that cannot be.
+        """
+        band = self.band_hz
+        if band is not None and not (np.isfinite(band).all() and 0 <= band[0] < band[1]):
+            raise IdentificationError(
+                f"there is no band {band[0]:g} to {band[1]:g} Hz", remedy="give the lower edge first, both in Hz"
+            )
+        if self.max_order is not None and self.max_order < 1:
+            raise IdentificationError(f"order {self.max_order} holds no mode", remedy="ask for an order of at least 2")
+        for frequency in (*self.pick_hz, *self.drop_hz):
+            if not (np.isfinite(frequency) and frequency > 0):
+                raise IdentificationError(f"no mode stands at {frequency:g} Hz", remedy="give a frequency above 0 Hz")
 
     @property
     def refined(self) -> bool:

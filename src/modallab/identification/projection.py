@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
-from modallab.identification.basis import BlockColumns, LineBlock, columns, stack
+from modallab.identification.basis import BlockColumns, LineBlock, Shared, columns, poles_of, stack
 from modallab.identification.excitation import BlowExcitation, Excitation
+from modallab.identification.orthonormal import orthonormal
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -145,7 +146,7 @@ def true_excitation(problem: Problem, parameters: Parameters, block: int, excita
     return excitation.corrected(parameters.force[block])
 
 
-def _block_columns(problem: Problem, parameters: Parameters, i: int) -> BlockColumns:
+def _block_columns(problem: Problem, parameters: Parameters, i: int, shared: Shared) -> BlockColumns:
     return columns(
         true_excitation(problem, parameters, i, problem.blocks[i].excitation),
         parameters.omega,
@@ -153,16 +154,18 @@ def _block_columns(problem: Problem, parameters: Parameters, i: int) -> BlockCol
         None if problem.state_sigma is None else parameters.state[i],
         None if problem.drive_sigma is None else complex(parameters.drive[i]),
         problem.powers,
+        shared,
     )
 
 
 def _solve_group(problem: Problem, parameters: Parameters, group: int) -> GroupSolution:
     members = tuple(i for i, block in enumerate(problem.blocks) if block.group == group)
-    found = tuple(_block_columns(problem, parameters, i) for i in members)
+    shared = Shared(problem.blocks[members[0]].excitation.grid, poles_of(parameters.omega, parameters.zeta))
+    found = tuple(_block_columns(problem, parameters, i, shared) for i in members)
     phi = np.concatenate([c.phi for c in found])
     response = np.concatenate([stack(problem.blocks[i].response) for i in members])
     scale = np.linalg.norm(phi, axis=0)
-    q, r = np.linalg.qr(phi / np.where(scale > 0, scale, 1))
+    q, r = orthonormal(phi / np.where(scale > 0, scale, 1))
     diagonal = np.abs(np.diag(r))
     if not np.all(np.isfinite(r)) or diagonal.min() < 1e-13:
         raise IdentificationError(

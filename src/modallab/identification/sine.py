@@ -16,7 +16,7 @@ from modallab.identification.basis import LineBlock, poles_of
 from modallab.identification.beyond import with_stand_ins
 from modallab.identification.choice import chosen, start_poles
 from modallab.identification.estimators import estimate_poles
-from modallab.identification.excitation import Grid, tone
+from modallab.identification.excitation import Grid
 from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
@@ -25,6 +25,7 @@ from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import Tolerance
+from modallab.identification.tone import tone
 from modallab.identification.unrefined import without_sigma
 from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES, Frf
@@ -80,7 +81,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
         )
     band = options.band_hz or default_band(tones)
     used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
-    frf = stepped_frf([t.signals for t in used], [t.fit for t in used], rig)
+    frf = _stepped(used, rig)
     start = _start_poles(frf, options, band)
     fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
@@ -127,9 +128,22 @@ def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
     return min(driven) / BAND_MARGIN, max(driven) * BAND_MARGIN
 
 
+def stepped_start(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+    """The stepped FRF that the estimators see, of the blocks driven within a band."""
+    return _stepped([t for t in map(fit_tone, signals) if band_hz[0] <= t.fit.frequency_hz <= band_hz[1]], rig)
+
+
+def highest_order(frf: Frf) -> int:
+    """Highest order that as few lines as a stepped test has can carry."""
+    return max(2, frf.frequency_hz.size // 2 - 1)
+
+
+def _stepped(tones: Sequence[Tone], rig: Rig) -> Frf:
+    return stepped_frf([t.signals for t in tones], [t.fit for t in tones], rig)
+
+
 def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArray[np.complex128]:
-    order = options.max_order or max(2, frf.frequency_hz.size // 2 - 1)
-    estimate = estimate_poles(frf, options.method, order, START)
+    estimate = estimate_poles(frf, options.method, options.max_order or highest_order(frf), START)
     found = estimate.poles
     inside = found[(np.abs(found) > 2 * np.pi * band[0]) & (np.abs(found) < 2 * np.pi * band[1])]
     # What a rough start has missed is looked for only where the start is to be refined.

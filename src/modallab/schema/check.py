@@ -92,7 +92,7 @@ def check_frf(
         DataError: wrong frequencies or shape, NaN or infinity, an output without response, a missing phase.
     """
     check_frequencies(frequency_hz, where, even=even, resolution_hz=resolution_hz)
-    if values.ndim != 3 or values.shape[0] != len(outputs) or values.shape[2] != len(frequency_hz):
+    if values.ndim != 3 or 0 in values.shape or values.shape[::2] != (len(outputs), len(frequency_hz)):
         expected = f"({len(outputs)} outputs, inputs, {len(frequency_hz)} lines)"
         raise DataError(f"the FRF has shape {values.shape}, not {expected}", where=where, remedy="reorder its axes")
     if np.iscomplexobj(values):

@@ -44,6 +44,7 @@ def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
         DataError: lines that do not ascend, values that are not finite or not complex, or a division by s = 0.
     """
     check_frequencies(frf.frequency_hz, even=False)
+    _check_shape(frf)
     if not (np.iscomplexobj(frf.values) and np.isfinite(frf.values).all()):
         raise DataError("the FRF holds NaN, or has no phase", remedy="give finite complex numbers")
     power = DERIVATIVES[quantity] - DERIVATIVES[frf.quantity]
@@ -64,6 +65,15 @@ def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
         averages=frf.averages,
         damping_shift=frf.damping_shift,
     )
+
+
+def _check_shape(frf: Frf) -> None:
+    shape, lines = frf.values.shape, frf.frequency_hz.size
+    if len(shape) != 3 or 0 in shape or shape[2] != lines or shape[0] != len(frf.outputs):
+        raise DataError(
+            f"the FRF has shape {shape}, with {len(frf.outputs)} outputs and {lines} lines",
+            remedy="give (outputs, inputs, lines), at least one of each",
+        )
 
 
 def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.int64]:
@@ -129,7 +139,12 @@ def combine(
 
 
 def _check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128]) -> None:
-    if force.ndim != 2 or response.ndim != 3 or (response.shape[0], response.shape[2]) != force.shape:
+    if (
+        force.ndim != 2
+        or response.ndim != 3
+        or (response.shape[0], response.shape[2]) != force.shape
+        or not response.size
+    ):
         raise DataError(
             f"force {force.shape} and response {response.shape} do not belong together",
             remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",

@@ -29,12 +29,16 @@ Source = Literal["impact", "sine", "frf"]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Identified:
-    """One test's model, its verification and its assessment; none for the peak method: it has no model of the block."""
+    """One test's model, its verification and its assessment; none for the peak method: it has no model of the block.
+
+    `index` is the place among the campaign's FRFs of the one it came from.
+    """
 
     source: Source
     model: ModalModel
     verification: Verification | None
     assessment: Assessment | None = None
+    index: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -97,7 +101,12 @@ def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple
     return runs
 
 
-def _usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
+def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
+    """The blocks in SI units without those that ran into the converter's rail, and a note on these.
+
+    Raises:
+        DataError: damaged samples, or no block is left.
+    """
     force = campaign.rig.force_channel.name
     for block in blocks:
         check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
@@ -118,7 +127,7 @@ def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
 
 
 def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
-    signals, notes = _usable(campaign, blocks)
+    signals, notes = usable(campaign, blocks)
     groups = group_by_point(signals)
     if options.as_in_the_paper:
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
@@ -133,7 +142,7 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
-    signals, notes = _usable(campaign, blocks)
+    signals, notes = usable(campaign, blocks)
     if options.as_in_the_paper:
         tones = [fit_tone(s) for s in signals]
         low, high = options.band_hz or (0.0, float("inf"))
@@ -152,6 +161,6 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     frf = campaign.frfs[index]
     if options.as_in_the_paper:
-        return Identified("frf", identify_peaks(frf, None), None)
+        return Identified("frf", identify_peaks(frf, None), None, index=index)
     model, fit = identify_frf(frf, campaign.rig, options)
-    return Identified("frf", model, verify_frf(model, frf), assess_frf(model, fit, frf))
+    return Identified("frf", model, verify_frf(model, frf), assess_frf(model, fit, frf), index)

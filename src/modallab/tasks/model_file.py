@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from itertools import combinations
 from pathlib import Path
 from typing import Any, cast
 
@@ -9,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab import __version__
-from modallab.errors import FormatError
+from modallab.errors import DataError, FormatError
 from modallab.exchange.atomic import replacing
 from modallab.schema.block import Campaign
 from modallab.schema.model import ModalModel
 from modallab.schema.versions import MODEL
 from modallab.tasks.identify import Identified, Result
 from modallab.verification.assessment import Assessment
+from modallab.verification.comparison import compare
 
 
 def write_models(path: Path, campaign: Campaign, result: Result) -> None:
@@ -60,8 +62,29 @@ def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
         "models": [_model(item) for item in result.identified],
         # Beside the models, not in them: what reads a model today reads it unchanged.
         "assessments": [None if i.assessment is None else _assessment(i.assessment) for i in result.identified],
+        "comparisons": _comparisons(result),
         "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
+
+
+def _comparisons(result: Result) -> list[dict[str, object]]:
+    """Shapes of every two models that share modes and points; places of models and modes count from 0."""
+    found: list[dict[str, object]] = []
+    for i, j in combinations(range(len(result.identified)), 2):
+        try:
+            same = compare(result.identified[i].model, result.identified[j].model)
+        except DataError:
+            continue
+        found.append(
+            {
+                "models": [i, j],
+                "modes": [list(pair) for pair in same.pairs],
+                "mac": _numbers(same.mac),
+                "points": list(same.points),
+                "comac": _numbers(same.comac),
+            }
+        )
+    return found
 
 
 def _model(item: Identified) -> dict[str, object]:

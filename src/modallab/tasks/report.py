@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,9 @@ from modallab.schema.rig import Rig
 from modallab.schema.units import Test
 from modallab.spectra.bandpass import bandpass
 from modallab.spectra.frf import convert, group_by_point, impact_frf
-from modallab.spectra.scale import remove_mean, to_signals, to_signals_of
-from modallab.tasks.identify import Identified, Result, Unidentified
+from modallab.spectra.scale import remove_mean, to_signals
+from modallab.tasks.diagram import diagram_of
+from modallab.tasks.identify import Identified, Result, Unidentified, usable
 
 PAPER_BAND = (3.0, 110.0)
 """The paper's band-pass: its three lowest bending modes."""
@@ -57,7 +59,13 @@ def truth_of(campaign: Campaign) -> Truth | None:
 
 def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block, str]]) -> Outcome:
     if item.source == "frf":
-        return Outcome(test=None, model=item.model, verification=item.verification, assessment=item.assessment)
+        return Outcome(
+            test=None,
+            model=item.model,
+            verification=item.verification,
+            assessment=item.assessment,
+            diagram=diagram_of(campaign, item, _given(campaign, item)),
+        )
     test: Test = item.source
     block = example_block(campaign, test)
     example = None if block is None else to_signals(block, campaign.rig)
@@ -70,6 +78,16 @@ def _outcome(campaign: Campaign, item: Identified, refused: Sequence[tuple[Block
         filtered=None if example is None else _filtered(example),
         hits=_hits(campaign, refused) if test == "impact" else (),
         assessment=item.assessment,
+        diagram=diagram_of(campaign, item),
+    )
+
+
+def _given(campaign: Campaign, item: Identified) -> Frf:
+    """The FRF that the model was made from, at the lines of its band."""
+    frf = campaign.frfs[item.index]
+    inside = (frf.frequency_hz >= item.model.band_hz[0]) & (frf.frequency_hz <= item.model.band_hz[1])
+    return replace(
+        frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
     )
 
 
@@ -86,7 +104,8 @@ def _filtered(signals: Signals) -> NDArray[np.float64] | None:
 def _measured(campaign: Campaign, item: Identified) -> Frf | None:
     if item.source != "impact":
         return None if item.verification is None else item.verification.measured
-    groups = group_by_point(to_signals_of(campaign.of("impact"), campaign.rig))
+    signals, _ = usable(campaign, campaign.of("impact"))
+    groups = group_by_point(signals)
     return convert(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
 
 

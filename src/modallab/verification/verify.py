@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.excitation import BlowExcitation, ToneExcitation, tone
+from modallab.identification.excitation import BlowExcitation
 from modallab.identification.fit import Fit
 from modallab.identification.model_of_fit import receptance
 from modallab.identification.sine import fit_tone
+from modallab.identification.tone import ToneExcitation, tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf, FrfQuantity
 from modallab.schema.model import ModalModel
@@ -81,7 +82,12 @@ def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
 
 
 def verify_frf(model: ModalModel, frf: Frf) -> Verification:
-    """FRFs that came as such, against the model at their lines."""
+    """FRFs that came as such, against the model at their lines.
+
+    Raises:
+        DataError: no FRF.
+    """
+    frf = convert(frf, frf.quantity)
     inside = (frf.frequency_hz >= model.band_hz[0]) & (frf.frequency_hz <= model.band_hz[1])
     used = replace(
         frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None

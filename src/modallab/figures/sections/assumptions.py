@@ -44,7 +44,17 @@ def _one(outcome: Outcome, found: Assessment) -> list[Markup]:
     if verdicts:
         parts.append(table("Assumptions", ("assumption", "verdict", "because"), verdicts, ()))
     parts.append(_modes(outcome, found))
+    if len(found.auto_mac) > 1 and np.isfinite(found.auto_mac).all():
+        parts.append(_auto_mac(outcome, found))
     return parts
+
+
+def _auto_mac(outcome: Outcome, found: Assessment) -> Markup:
+    """What stands off the diagonal, these points cannot tell apart."""
+    names = [f"mode {r + 1}" for r in range(len(found.auto_mac))]
+    rows = [(name, *(_number(float(value)) for value in row)) for name, row in zip(names, found.auto_mac, strict=True)]
+    whole = table("AutoMAC: MAC of the shapes with one another", ("", *names), rows, range(1, len(names) + 1))
+    return tag("details", tag("summary", f"AutoMAC, {_called(outcome)[0].lower()}{_called(outcome)[1:]}"), whole)
 
 
 def _modes(outcome: Outcome, found: Assessment) -> Markup:

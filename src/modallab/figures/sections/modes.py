@@ -4,7 +4,7 @@ from math import isfinite
 
 from modallab.figures.compare import Mode, Reading, deviation, verdict
 from modallab.figures.content import ReportContent
-from modallab.figures.digits import UNKNOWN, alike, glued, listed, plain, relative, with_sigma
+from modallab.figures.digits import UNKNOWN, alike, confident, glued, listed, plain, relative, with_sigma
 from modallab.figures.markup import Markup, join, table, tag
 from modallab.figures.sections.section import Section, paragraph
 from modallab.figures.sections.summary import compare_tests
@@ -24,7 +24,9 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
         _table(content, modes),
         paragraph(
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
-            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too."
+            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence tells how far a "
+            "mode stands above what noise, or what the model leaves unexplained, could pass for: 0 is at the limit, 1 "
+            "far above."
         ),
         _too_sure(modes),
         _unseen(content, modes),
@@ -62,8 +64,9 @@ def _none(content: ReportContent) -> str:
 
 def _table(content: ReportContent, modes: tuple[Mode, ...]) -> Markup:
     true = content.truth is not None
-    rows = [_row(m, r, true) for m in modes for r in m.readings]
-    header = HEADER + (TRUTH if true else ())
+    known = any(isfinite(r.confidence) for m in modes for r in m.readings)
+    rows = [[*_row(m, r, true), *([confident(r.confidence)] if known else [])] for m in modes for r in m.readings]
+    header = HEADER + (TRUTH if true else ()) + (("confidence",) if known else ())
     return table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
 
 

@@ -5,6 +5,7 @@ from modallab.figures.content import ReportContent
 from modallab.figures.markup import join
 from modallab.figures.mode_shapes import mode_shapes
 from modallab.figures.sections.section import Section, paragraph, plate
+from modallab.figures.sections.shapes_compared import compared
 from modallab.figures.shape_data import shape
 
 OUT_OF_STEP_DEG = 5.0
@@ -37,7 +38,10 @@ def section(content: ReportContent) -> Section:
     )
     text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
     return Section(
-        anchor, heading, join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still]), absent
+        anchor,
+        heading,
+        join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, compared(content)]),
+        absent,
     )
 
 

@@ -1,0 +1,57 @@
+"""Two models of one structure side by side: which modes are the same, and whether their shapes agree."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.errors import DataError
+from modallab.identification.criteria import comac, mac
+from modallab.schema.model import ModalModel
+from modallab.verification.pairing import nearest
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Comparison:
+    """Shapes of the modes that two models share, over the points that both have.
+
+    Attributes:
+        pairs: (pairs,) places of a mode in the one and in the other model.
+        points: (points,) where both have a sensor.
+        mac: (pairs,) MAC of the two shapes of a pair.
+        comac: (points,) low where a point disagrees in many modes.
+    """
+
+    pairs: tuple[tuple[int, int], ...]
+    points: tuple[int, ...]
+    mac: Real
+    comac: Real
+
+
+def compare(one: ModalModel, other: ModalModel) -> Comparison:
+    """The shapes of the shared modes.
+
+    Raises:
+        DataError: fewer than two points are known to both, or no mode is shared.
+    """
+    points = tuple(sorted({p for p in one.output_points if p is not None} & set(other.output_points)))
+    if len(points) < 2:
+        raise DataError(
+            f"the models share {len(points)} points", remedy="compare models of sensors at two known points at least"
+        )
+    found = nearest(one.frequency_hz, other.frequency_hz)
+    pairs = tuple((i, j) for i, j in enumerate(found) if j is not None)
+    if not pairs:
+        raise DataError("the models share no mode", remedy="identify bands that overlap")
+    a = _shapes(one, points)[[i for i, _ in pairs]]
+    b = _shapes(other, points)[[j for _, j in pairs]]
+    return Comparison(pairs, points, np.diag(mac(a, b)).copy(), comac(a, b))
+
+
+def _shapes(model: ModalModel, points: tuple[int, ...]) -> NDArray[np.complex128]:
+    """(modes, points) modal constants of each mode's loudest input: they need no driving point."""
+    size = np.sum(np.abs(model.modal_constants), axis=1)
+    places = [model.output_points.index(p) for p in points]
+    return np.stack([model.modal_constants[r, places, k] for r, k in enumerate(np.argmax(size, axis=1))])
