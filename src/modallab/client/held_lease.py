@@ -5,6 +5,8 @@ from threading import Event as Flag
 from threading import Thread
 from typing import Self
 
+import httpx
+
 from modallab.schema.service.rigs import Lease
 
 
@@ -42,6 +44,9 @@ class HeldLease:
         while not self._closing.wait(self.lease.ttl_s / 4):
             try:
                 self._renew(self.lease)
+            except httpx.HTTPError:
+                # No answer is no refusal: a busy service may give one yet, before the lease is over.
+                continue
             except Exception as error:
                 # The next command says so too; a thread has nobody to tell.
                 self.lost = error

@@ -1,0 +1,54 @@
+"""The client beside the service itself."""
+
+from collections.abc import Iterator
+
+import pytest
+from lab import RIG, TOKEN, Lab
+
+from modallab.client import Client, ServiceProblemError
+from modallab.schema.plan import ImpactPlan
+from modallab.schema.service.runs import Stop, Verdict
+
+
+@pytest.fixture
+def client(lab: Lab) -> Iterator[Client]:
+    with Client(lab.url, TOKEN, "Ada", timeout_s=60.0) as opened:
+        yield opened
+
+
+def test_lists_are_read_to_their_end(client: Client) -> None:
+    made = [client.create_campaign(f"n{n}", RIG, "a note").id for n in range(53)]
+    listed = [campaign.id for campaign in client.campaigns()]
+    assert len(listed) == len(set(listed))
+    assert set(made) <= set(listed)
+    assert client.campaign(made[0]).operator == "Ada"
+
+
+def test_a_visit_by_the_client_alone(client: Client) -> None:
+    assert client.wait_until_idle(RIG, 240.0).can_drive
+    campaign = client.create_campaign("visit", RIG).id
+    with client.lease(RIG, "Ada", ttl_s=600) as lease:
+        run = client.start_run(campaign, ImpactPlan(points=(10, 3), hits=2), lease).id
+        states = [event.content["state"] for event in client.follow(run) if event.kind == "state"]
+        assert states[-1] == "done"
+        blocks = client.blocks(run)
+        assert [client.samples(run, block.n).shape[1] for block in blocks] == [block.count for block in blocks]
+        assert client.frf(run).averages == (2, 2)
+        refused = client.judge(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
+        assert (refused.accepted, client.frf(run).averages) == (False, (1, 2))
+        with pytest.raises(ServiceProblemError, match="what to do") as told:
+            client.command(run, Stop(), lease)
+        assert told.value.problem.status == 409
+        (job,) = client.jobs(campaign, "identify")
+        assert client.job(job.id).inputs == (run,)
+        tripped = client.emergency_stop(RIG, "loose cable")
+        assert tripped.trip is not None
+        client.reset(RIG, lease, "tightened")
+        assert client.rig(RIG).trip is None
+    assert client.rig(RIG).lease is None
+
+
+def test_a_wrong_token_is_told(lab: Lab) -> None:
+    with Client(lab.url, "not the token at all") as stranger, pytest.raises(ServiceProblemError) as told:
+        stranger.rigs()
+    assert told.value.problem.code == "token-needed"
