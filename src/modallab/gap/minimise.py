@@ -25,7 +25,8 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
     r = problem.residual(u)
     n = problem.free.size
     cost = float(r @ r + problem.priors(u)[0])
-    damping = 1e-4
+    # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
+    damping = 1e-4 if problem.floor else 1e-8
     normal = np.eye(len(u))
     for _ in range(iterations):
         J = jacobian(problem, u, r)

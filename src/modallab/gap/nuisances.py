@@ -58,6 +58,16 @@ class Nuisances:
         deviations = np.maximum([t.youngs_modulus, t.thickness, t.density], 1e-6)
         return np.array([[1.0, 1.0, -3.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]]) / deviations[:, None]
 
+    def straightened(self, u: Array) -> Array:
+        """The same beam but for its rotary inertia, with the most likely thickness.
+
+        Frequencies and amplitudes hardly tell the thickness: a fit that has come from far may have left it anywhere.
+        """
+        along = self.axes[:, 2]
+        straight = u.copy()
+        straight[:3] -= along * float(along @ u[:3]) / float(along @ along)
+        return straight
+
     def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
         """The same numbers with the sensitivities of some channels at what the rig file says."""
         if not any(c in channels for c in self.gains):

@@ -120,7 +120,8 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     for level in (floor, floor / 6):
         problem = Problem(bench.data, bench.free, candidates, level, held=_beam(fit.u))
         fit = minimise(problem, fit.u, 3, 3e-2)
-    return with_course(minimise(Problem(bench.data, bench.free, candidates), fit.u, 15, 2e-4))
+    u = bench.free.straightened(fit.u)
+    return with_course(minimise(Problem(bench.data, bench.free, candidates), u, 15, 2e-4))
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
