@@ -167,7 +167,7 @@ def test_the_cluster_of_the_file_computes_a_job_over_tls(
         monkeypatch.setattr(Tls, "configured", classmethod(lambda cls: cls(*map(Path, files))))
         job = jobs.submit("square", {"x": 9}, [])
         with Runner(jobs, kinds(tmp_path), command[command.index("--scheduler") + 1]):
-            (done,) = ended(jobs, job, patience_s=120)
+            (done,) = ended(jobs, job)
     assert (done.state, done.result["square"]) == ("done", 81)
 
 

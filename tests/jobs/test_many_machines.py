@@ -30,12 +30,12 @@ def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines,
     lab.worker()
     victim = lab.worker()
     with Runner(jobs, kinds(tmp_path), lab.address):
-        both = ended(jobs, *(jobs.submit("wait", {"x": x, "steps": 40}, []) for x in range(4)), patience_s=120)
+        both = ended(jobs, *(jobs.submit("wait", {"x": x, "steps": 40}, []) for x in range(4)))
         assert len({job.result["process"] for job in both}) == 2
         ordered = [jobs.submit("wait", {"x": x, "steps": 150}, []) for x in range(6)]
         until(lambda: sum(jobs.get(job.id).progress > 0 for job in ordered) >= 2)
         victim.kill()
-        done = ended(jobs, *ordered, patience_s=120)
+        done = ended(jobs, *ordered)
     assert [job.state for job in done] == ["done"] * 6
     assert [job.result["x"] for job in done] == list(range(6))
     assert {job.result["process"] for job in done[2:]} <= {job.result["process"] for job in both} - {victim.pid}
@@ -51,7 +51,7 @@ def test_a_killed_scheduler_costs_time_and_no_job(jobs: Jobs, lab: Machines, tmp
         port = int(lab.address.rpartition(":")[2])
         lab.scheduler(port)
         lab.worker()
-        done = ended(jobs, *ordered, patience_s=120)
+        done = ended(jobs, *ordered)
     assert [(job.state, job.result["x"]) for job in done] == [("done", x) for x in range(3)]
     assert max(job.attempts for job in done) == 2
 
@@ -71,7 +71,7 @@ def test_the_jobs_of_a_killed_runner_are_taken_by_another(
         doomed.wait(10)
     assert jobs.get(job.id).state == "running"
     with Runner(jobs, kinds(tmp_path), lab.address, lease_s=2.0):
-        (done,) = ended(jobs, job, patience_s=120)
+        (done,) = ended(jobs, job)
     assert (done.state, done.attempts, done.result["x"]) == ("done", 2, 5)
 
 
@@ -89,7 +89,7 @@ def test_machines_with_certificates_of_one_authority_talk_and_others_do_not(jobs
             until(lambda: bool(outsider.trouble))
         assert jobs.get(job.id).state == "queued"
         with Runner(jobs, kinds(tmp_path), lab.address, tls=good):
-            (done,) = ended(jobs, job, patience_s=120)
+            (done,) = ended(jobs, job)
     assert done.result["square"] == 144
 
 

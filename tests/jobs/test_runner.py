@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 from kinds_for_tests import kinds, secret_kind
 from waiting import ended, until
@@ -64,10 +65,26 @@ def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: J
 
 
 def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) -> None:
-    deadly, good = ended(jobs, jobs.submit("die", {}, []), jobs.submit("square", {"x": 4}, []), patience_s=240)
+    deadly, good = ended(jobs, jobs.submit("die", {}, []), jobs.submit("square", {"x": 4}, []))
     assert (deadly.state, deadly.attempts) == ("failed", 3)
     assert "given up after 3 attempts, the last one because a worker was lost" in str(deadly.error)
     assert good.state == "done"
+
+
+def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_path: Path) -> None:
+    with Runner(jobs, kinds(tmp_path), workers=1) as runner:
+        ordered = [jobs.submit("wait", {"x": x, "steps": 100}, []) for x in range(2)]
+        until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
+        before = runner.processes
+        assert set(before) == {"scheduler", "worker 0"}
+        assert os.getpid() not in before.values()
+        psutil.Process(before["scheduler"]).kill()
+        done = ended(jobs, *ordered)
+        after = runner.processes
+    assert [(job.state, job.result["x"]) for job in done] == [("done", 0), ("done", 1)]
+    assert sorted(job.attempts for job in done) == [1, 2]
+    assert after["scheduler"] != before["scheduler"]
+    until(lambda: not any(psutil.pid_exists(pid) for pid in (*before.values(), *after.values())))
 
 
 def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: Path) -> None:

@@ -5,8 +5,11 @@ from collections.abc import Callable
 
 from modallab.jobs import Job, Jobs
 
+PATIENCE_S = 600.0
+"""No limit of what is right, only of what is stuck: on a busy machine a process takes a minute to begin."""
 
-def until(said: Callable[[], bool], patience_s: float = 120.0) -> None:
+
+def until(said: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
     """Wait until something holds."""
     deadline = time.monotonic() + patience_s
     while not said():
@@ -14,7 +17,7 @@ def until(said: Callable[[], bool], patience_s: float = 120.0) -> None:
         time.sleep(0.02)
 
 
-def ended(jobs: Jobs, *wanted: Job, patience_s: float = 120.0) -> list[Job]:
+def ended(jobs: Jobs, *wanted: Job, patience_s: float = PATIENCE_S) -> list[Job]:
     """The jobs, once all have ended."""
     until(lambda: all(jobs.get(job.id).ended for job in wanted), patience_s)
     return [jobs.get(job.id) for job in wanted]

@@ -11,10 +11,11 @@ from typing import Any, Self, cast
 from urllib.parse import urlsplit
 
 from dask import config
-from distributed import Client, LocalCluster
+from distributed import Client, Nanny, SpecCluster
 from distributed.security import Security
 
 from modallab.errors import JobError
+from modallab.jobs.scheduler_process import HOST, SchedulerProcess
 
 CONNECT_S = 10.0
 CLOSE_S = 10.0
@@ -92,7 +93,7 @@ def _is_loopback(host: str) -> bool:
 class Cluster:
     """A client of a scheduler, and the scheduler and its workers too if they are this machine's own."""
 
-    def __init__(self, client: Client, own: LocalCluster | None = None, wanted: int = 0) -> None:
+    def __init__(self, client: Client, own: SpecCluster | None = None, wanted: int = 0) -> None:
         self.client = client
         self._own = own
         self._wanted = wanted
@@ -129,6 +130,15 @@ class Cluster:
         tasks = cast("dict[str, tuple[str, ...]]", self.client.processing())
         return frozenset(key for keys in tasks.values() for key in keys)
 
+    @property
+    def processes(self) -> dict[str, int]:
+        """This machine's own scheduler and workers that live, by name, with the system's number of each."""
+        if self._own is None:
+            return {}
+        workers = {f"worker {name}": nanny.pid for name, nanny in list(self._own.workers.items())}
+        found = {"scheduler": _pid(self._own)} | workers
+        return {name: pid for name, pid in found.items() if pid is not None}
+
     def worn(self, idle: bool) -> bool:
         """Whether workers of this machine's own died and did not come back, and nothing is lost by starting anew.
 
@@ -141,6 +151,9 @@ class Cluster:
 
     def close(self) -> None:
         """Leave, and end what was started here."""
+        if self._own is not None and _pid(self._own) is None:
+            # Nobody is there to be told, and Dask would try until its patience is over.
+            self._own.shutdown_scheduler = False
         for part in (self.client, self._own):
             try:
                 if part is not None:
@@ -158,19 +171,21 @@ class Cluster:
         self.close()
 
 
-def _local(workers: int) -> LocalCluster:
+def _local(workers: int) -> SpecCluster:
     one_thread = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        scheduler_port=0,
-        dashboard_address="127.0.0.1:0",
-        worker_dashboard_address=None,
-        silence_logs=logging.CRITICAL,
-        env=one_thread,
+    options = {"host": HOST, "nthreads": 1, "dashboard": False, "silence_logs": logging.CRITICAL, "env": one_thread}
+    # The level is what Dask wants here, whatever its types say.
+    quiet: Any = logging.CRITICAL
+    return SpecCluster(
+        scheduler={"cls": SchedulerProcess, "options": {"settings": _CONFIG}},
+        workers={n: {"cls": Nanny, "options": options} for n in range(workers)},
+        silence_logs=quiet,
     )
+
+
+def _pid(cluster: SpecCluster) -> int | None:
+    scheduler: object = cluster.scheduler
+    return scheduler.pid if isinstance(scheduler, SchedulerProcess) else None
 
 
 def default_workers() -> int:

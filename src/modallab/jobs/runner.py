@@ -62,8 +62,15 @@ class Runner:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
+        self._cluster: Cluster | None = None
         self.status: Status = "stopped"
         self.trouble = ""
+
+    @property
+    def processes(self) -> dict[str, int]:
+        """The scheduler and the workers that were started here and live, by name, with the system's number of each."""
+        cluster = self._cluster
+        return {} if cluster is None else cluster.processes
 
     def start(self) -> None:
         """Begin; returns at once. While no scheduler answers, `status` is "connecting" and `trouble` says why."""
@@ -101,10 +108,10 @@ class Runner:
                 self.trouble = f"{type(error).__name__}: {error}"
                 _LOG.warning("no scheduler: %s", self.trouble)
                 self._stop.wait(1.0)
-            self.status = "connecting"
+            self.status, self._cluster = "connecting", None
 
     def _compute_on(self, cluster: Cluster) -> None:
-        self.status, self.trouble = "running", ""
+        self.status, self.trouble, self._cluster = "running", "", cluster
         cluster.client.subscribe_topic(TOPIC, self._note)
         with ThreadPoolExecutor(thread_name_prefix="job") as pool:
             try:
