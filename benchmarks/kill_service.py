@@ -5,6 +5,8 @@ from outside. After each kill: the output is at 0 V within 0.5 s (the rig's proc
 that was acknowledged to a client is there with its CRC-32; the run has ended; the service goes on. Jobs must be done.
 
     python benchmarks/kill_service.py --victim rig --kills 50
+
+`--victim frozen` stops the REST process as a debugger would (SIGSTOP) and lets it go on afterwards.
 """
 
 import argparse
@@ -32,7 +34,7 @@ from modallab.exchange.rig_file import dump_rig, parse_rig
 from modallab.schema.plan import ImpactPlan, SinePlan
 
 OUTPUT = "cDAQ1Mod4/ao0"
-LIMIT_S = {"rig": 0.5, "api": 1.5, "supervisor": 1.5}
+LIMIT_S = {"rig": 0.5, "api": 1.5, "supervisor": 1.5, "frozen": 1.5}
 ENDED = ("done", "failed", "aborted")
 DRIVE = SinePlan(
     frequencies_hz=tuple(19.0 + n / 4 for n in range(80)), settle_s=1.2, ramp_s=0.3, block_s=0.256, rest_s=0.2
@@ -65,8 +67,11 @@ class Bench:
         wait_until(lambda: any(e.run == run and e.kind == "block" for e in list(self.follower.events)))
         pids = lab.processes()
         time.sleep(moment.uniform(0, 3))
-        os.kill(pids[f"rig {rig}" if victim == "rig" else victim], signal.SIGKILL)
+        pid = pids[{"rig": f"rig {rig}", "frozen": "api"}.get(victim, victim)]
+        os.kill(pid, signal.SIGSTOP if victim == "frozen" else signal.SIGKILL)
         took = self._until_zero()
+        if victim == "frozen":
+            os.kill(pid, signal.SIGCONT)
         self.acknowledged |= self.follower.acknowledged
         if victim == "supervisor":
             self.service.close()
@@ -94,14 +99,18 @@ def kill_work(service: ServiceProcess, campaign: str, victim: str, moment: rando
     job = service.client.order(campaign, "identify", band_hz=[low, 400.0]).id
     wait_until(lambda: service.client.job(job).state == "running")
     time.sleep(moment.uniform(0, 2))
-    jobs = psutil.Process(service.client.processes()["jobs"])
-    workers = [child for child in jobs.children() if "resource_tracker" not in " ".join(child.cmdline())]
-    (jobs if victim == "jobs" else moment.choice(workers)).kill()
+    # One that was killed before is not there for a while.
+    wait_until(lambda: _pids(service, victim))
+    psutil.Process(moment.choice(_pids(service, victim))).kill()
     began = time.monotonic()
     done = service.client.wait_for_job(job, 300.0)
     if done.state != "done":
         raise AssertionError(f"job {job} is {done.state}: {done.error}")
     return time.monotonic() - began
+
+
+def _pids(service: ServiceProcess, victim: str) -> list[int]:
+    return [pid for name, pid in service.client.processes().items() if name.startswith(victim)]
 
 
 def wait_until(happened: Callable[[], object], patience_s: float = 120.0) -> None:
@@ -152,7 +161,7 @@ def kill_jobs(victim: str, kills: int, seed: int) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--victim", choices=[*LIMIT_S, "jobs", "worker"], default="rig")
+    parser.add_argument("--victim", choices=[*LIMIT_S, "jobs", "scheduler", "worker"], default="rig")
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
@@ -21,11 +21,17 @@ class Settings(BaseSettings):
         token_file: where it is kept, for its owner only; by default `token` in the data folder.
         hosts: names the service is known by, besides its own address.
         body_bytes: largest body of a request.
+        database: of a data folder that names none yet: `postgresql://...`. The address may hold a password, so that it
+            is no option of the command line.
         scheduler: address of a Dask scheduler; none: workers of this machine.
+        scheduler_ca: certificate of the authority, for a scheduler at `tls://`; all three, or those of Dask's own
+            configuration.
+        scheduler_cert: this machine's certificate.
+        scheduler_key: its key.
         jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
         workers: processes that compute jobs on this machine; none: one less than there are processors.
         silence_s: when the REST process is there and gives no sign of life for so long, what is driven is stopped; when
-            it ends, at once.
+            it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times as long.
         log_level: of the log on standard error.
     """
 
@@ -39,10 +45,14 @@ class Settings(BaseSettings):
     token_file: Path | None = None
     hosts: tuple[str, ...] = ()
     body_bytes: Annotated[int, Field(ge=1024)] = 1 << 20
+    database: SecretStr | None = None
     scheduler: str | None = None
+    scheduler_ca: Path | None = None
+    scheduler_cert: Path | None = None
+    scheduler_key: Path | None = None
     jobs: bool = True
     workers: Annotated[int, Field(ge=1)] | None = None
-    silence_s: Annotated[float, Field(ge=1, le=60)] = 5.0
+    silence_s: Annotated[float, Field(ge=1, le=60)] = 1.0
     log_level: str = "INFO"
 
     @property

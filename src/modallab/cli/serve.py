@@ -9,6 +9,7 @@ from modallab.errors import RigError
 from modallab.exchange.rig_file import read_rig
 from modallab.schema.rig import Rig
 from modallab.serve.log import set_up
+from modallab.serve.remote import require_scheduler, settle_database
 from modallab.serve.supervisor import Supervisor
 from modallab.serve.token_file import require_token, token_path
 from modallab.settings import Settings
@@ -23,6 +24,8 @@ def run(arguments: argparse.Namespace) -> int:
     set_up(settings.log_level)
     rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig or ()] or [_demo(arguments.bench)]
     token = require_token(settings)
+    settle_database(settings)
+    require_scheduler(settings)
     with Supervisor(settings, rigs, token) as supervisor:
         signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
         place = supervisor.place

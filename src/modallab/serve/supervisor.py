@@ -5,6 +5,7 @@ import os
 import secrets
 import socket
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from threading import Event as Flag
@@ -26,6 +27,7 @@ from modallab.schema.rig import Rig
 from modallab.serve.api_process import run_api
 from modallab.serve.child import Child
 from modallab.serve.job_process import run_jobs
+from modallab.serve.silence import Silence
 from modallab.serve.stop_listener import StopListener
 from modallab.serve.wire import Counter
 from modallab.settings import Settings
@@ -94,7 +96,8 @@ class Supervisor:
             raise _taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
-        self._jobs = Child("jobs", run_jobs, (settings,))
+        self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
+        self._computing: dict[str, int] = {}
         self.desks.others = self._processes
         self._api.look()
         for work in (self._keep, self._guard):
@@ -128,9 +131,18 @@ class Supervisor:
     def _api_started(self, connection: Connection) -> None:
         self._counter = Counter(connection, self.desks)
 
+    def _jobs_started(self, connection: Connection) -> None:
+        Thread(target=self._hear_jobs, args=(connection,), name="jobs", daemon=True).start()
+
+    def _hear_jobs(self, connection: Connection) -> None:
+        with suppress(EOFError, OSError):
+            while True:
+                self._computing = connection.recv()
+        self._computing = {}
+
     def _processes(self) -> dict[str, int]:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
-        return {name: pid for name, pid in known.items() if pid is not None}
+        return {name: pid for name, pid in known.items() if pid is not None} | self._computing
 
     def _show(self, content: bytes) -> None:
         counter = self._counter
@@ -154,14 +166,20 @@ class Supervisor:
     def _guard(self) -> None:
         """The heartbeat, which waits for nothing."""
         tripped = False
+        silence = Silence(self._settings.silence_s, BEAT_LOOK_S)
         while not self._closing.wait(BEAT_LOOK_S):
-            counter = self._counter
-            settings = self._settings
-            # Started anew it may be back within the second that silence is given: its end alone is reason enough.
-            trouble = "" if counter is None else counter.trouble(settings.silence_s)
+            trouble = self._trouble(silence)
             if trouble and not tripped:
                 self._trip(trouble)
             tripped = bool(trouble)
+
+    def _trouble(self, silence: Silence) -> str:
+        counter = self._counter
+        if counter is None or not counter.began:
+            return ""
+        silent = silence.look(counter.heard_s)
+        # Started anew it may be back within the second that silence is given: its end alone is reason enough.
+        return counter.gone or (f"no sign of life of the REST process for {silence.counted_s:.1f} s" if silent else "")
 
     def _trip(self, trouble: str) -> None:
         try:

@@ -4,8 +4,10 @@ import logging
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from queue import Full, Queue
 from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Any
@@ -18,6 +20,8 @@ from modallab.schema.service.runs import Command
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
+FRAMES = 4
+"""Live samples that may wait for a reader; the newer ones are not shown then."""
 CALLS = frozenset({"states", "processes", "start", "command", "emergency_stop", "reset"})
 
 
@@ -149,8 +153,10 @@ class Counter:
         self.heard_s = time.monotonic()
         self.began = False
         self._gone_s: float | None = None
+        self._frames: Queue[Frame | None] = Queue(FRAMES)
         self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="call")
-        Thread(target=self._hear, name="calls", daemon=True).start()
+        for work in (self._hear, self._show):
+            Thread(target=work, name="calls", daemon=True).start()
 
     def _hear(self) -> None:
         try:
@@ -163,29 +169,27 @@ class Counter:
         except (EOFError, OSError):
             self._gone_s = time.monotonic()
             self._pool.shutdown(wait=False)
+            with suppress(Full):
+                self._frames.put_nowait(None)
 
     def show(self, content: bytes) -> None:
-        """Pass live samples on, unless something more important is on its way."""
-        if self._gone_s is not None or not self.began or not self._sending.acquire(blocking=False):
-            return
-        try:
-            self._connection.send(Frame(content))
-        except OSError:
-            return
-        finally:
-            self._sending.release()
+        """Pass live samples on, if those before have been taken; whoever shows them waits for nobody."""
+        if self._gone_s is None and self.began:
+            with suppress(Full):
+                self._frames.put_nowait(Frame(content))
 
-    def trouble(self, silent_s: float) -> str:
-        """What is wrong with the REST process, if it is gone, or silent for longer than that; else "".
+    def _show(self) -> None:
+        # A REST process that is frozen reads nothing, and the run that is on must not stand still with it.
+        with suppress(OSError):
+            while self._gone_s is None and (frame := self._frames.get()) is not None:
+                with self._sending:
+                    self._connection.send(frame)
 
-        A machine under load was seen to keep a living process silent for two seconds: silence alone needs more time.
-        """
-        now = time.monotonic()
-        if self._gone_s is not None:
-            return f"the REST process has been gone for {now - self._gone_s:.1f} s"
-        if self.began and self._gone_s is None and now - self.heard_s > silent_s:
-            return f"no sign of life of the REST process for {now - self.heard_s:.1f} s"
-        return ""
+    @property
+    def gone(self) -> str:
+        """What is to be said of it once it has ended; before, ""."""
+        gone_s = self._gone_s
+        return "" if gone_s is None else f"the REST process has been gone for {time.monotonic() - gone_s:.1f} s"
 
     def _do(self, call: Call) -> None:
         try:

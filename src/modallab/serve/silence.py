@@ -1,0 +1,41 @@
+"""How long a process has been silent, told apart from a machine that lets nobody speak."""
+
+import time
+from collections.abc import Callable
+
+AT_MOST = 5.0
+"""However busy the machine: so many times the silence that is allowed, by the clock, is too long."""
+
+
+class Silence:
+    """Times the silence of another process.
+
+    On a busy machine a living process was seen to be silent for two seconds. Whoever listens was kept waiting as well,
+    then; so between two looks at most one long look's time is counted.
+    """
+
+    def __init__(self, allowed_s: float, look_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin.
+
+        Args:
+            allowed_s: a counted silence longer than this is too long.
+            look_s: between two looks, if nobody is kept waiting.
+            clock: monotonic, in seconds.
+        """
+        self._allowed_s = allowed_s
+        self._count_s = 2.0 * look_s
+        self._clock = clock
+        self._looked_s = clock()
+        self._heard_s = self._looked_s
+        self.counted_s = 0.0
+
+    def look(self, heard_s: float) -> bool:
+        """Look again; `heard_s` is when the other was heard last. Whether it has been silent for too long."""
+        now = self._clock()
+        passed = min(now - self._looked_s, self._count_s)
+        self._looked_s = now
+        if heard_s != self._heard_s:
+            self._heard_s, self.counted_s = heard_s, 0.0
+        else:
+            self.counted_s += passed
+        return self.counted_s > self._allowed_s or now - heard_s > AT_MOST * self._allowed_s
