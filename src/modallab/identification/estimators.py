@@ -13,6 +13,7 @@ from modallab.identification.era import era
 from modallab.identification.half_power import Peak, find_peaks, summed_amplitude
 from modallab.identification.plscf import OrderPoles, plscf
 from modallab.identification.stabilisation import Tolerance, stable_poles
+from modallab.schema.check import check_frf
 from modallab.schema.frf import Frf
 from modallab.schema.model import Method
 from modallab.spectra.frf import convert
@@ -93,6 +94,7 @@ def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
 
 def rising_orders(frf: Frf, method: Method, max_order: int | None = None) -> list[OrderPoles]:
     """Poles by rising order: of ERA if that is the method, else of pLSCF. Arguments as for `estimate_poles`."""
+    check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
     n_lines = frf.frequency_hz.size
     if method == "era":
         return era(frf, max_order or max(2, min(COLUMNS, n_lines // 4)))

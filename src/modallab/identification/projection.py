@@ -107,7 +107,9 @@ def solve_at(problem: Problem, parameters: Parameters, noise: Real | None = None
     Raises:
         IdentificationError: two columns of the model cannot be told apart in these data.
     """
-    groups = tuple(_solve_group(problem, parameters, g) for g in range(problem.n_inputs))
+    # All blocks are on one grid, whichever their input.
+    shared = Shared(problem.blocks[0].excitation.grid, poles_of(parameters.omega, parameters.zeta))
+    groups = tuple(_solve_group(problem, parameters, g, shared) for g in range(problem.n_inputs))
     return _point(problem, parameters, groups, noise)
 
 
@@ -158,9 +160,8 @@ def _block_columns(problem: Problem, parameters: Parameters, i: int, shared: Sha
     )
 
 
-def _solve_group(problem: Problem, parameters: Parameters, group: int) -> GroupSolution:
+def _solve_group(problem: Problem, parameters: Parameters, group: int, shared: Shared) -> GroupSolution:
     members = tuple(i for i, block in enumerate(problem.blocks) if block.group == group)
-    shared = Shared(problem.blocks[members[0]].excitation.grid, poles_of(parameters.omega, parameters.zeta))
     found = tuple(_block_columns(problem, parameters, i, shared) for i in members)
     phi = np.concatenate([c.phi for c in found])
     response = np.concatenate([stack(problem.blocks[i].response) for i in members])

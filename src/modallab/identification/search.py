@@ -94,19 +94,9 @@ def _descend(
             return None, damping
         after = _solved(problem, _moved(problem, point.parameters, step), point.noise)
         if after is not None and after.cost <= point.cost:
-            promised = float(step @ gradient + damping * np.sum((step / np.where(scale > 0, scale, np.inf)) ** 2))
-            return after, max(damping * _change((point.cost - after.cost) / promised), 1e-9)
+            return after, max(damping / 10, 1e-9)
         damping *= 10
     return None, damping
-
-
-def _change(kept: float) -> float:
-    """What the damping changes by after a step that kept this share of the gain it promised.
-
-    Source: Nielsen, "Damping parameter in Marquardt's method", IMM-REP-1999-05 (1999). To lower it after every good
-    step costs a failed one each time.
-    """
-    return min(max(1 - (2 * kept - 1) ** 3, 0.1), 4.0)
 
 
 def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
