@@ -5,11 +5,11 @@ from importlib.resources import files
 import pytest
 
 from modallab.exchange.rig_file import parse_rig
+from modallab.gap.bench import Bench, baseline
 from modallab.gap.inspected import inspected
 from modallab.gap.nuisances import nuisances
 from modallab.gap.prepare import prepare
 from modallab.gap.reduce import Weights, reduce, thinned
-from modallab.gap.search import Bench, baseline
 from modallab.schema.effects import Effect
 from modallab.schema.rig import Rig
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Sequence
 
+from modallab.gap.bench import FLAT, WATCHED, Bench, baseline
 from modallab.gap.measure import Squares, squares
 from modallab.gap.nuisances import nuisances
 from modallab.gap.prepare import Prepared, prepare
 from modallab.gap.reduce import Weights, reduce, thinned
-from modallab.gap.search import FLAT, WATCHED, Bench, baseline
 from modallab.schema.block import Block, Campaign
 from modallab.twin.bench import Twin
 

@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.gap.bench import Bench, excess
+from modallab.gap.explain import HOLDS
 from modallab.gap.fit import Fit
 from modallab.gap.minimise import minimise
-from modallab.gap.search import HOLDS, Bench, Level, excess
+from modallab.gap.search import Level
 from modallab.schema.effects import kind_of
 
 Array = NDArray[np.float64]

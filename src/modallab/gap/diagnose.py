@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from modallab.gap.before import as_came, bench_of, weights_of
 from modallab.gap.choose import Choice, choose, intervals, probabilities
 from modallab.gap.contradictions import contradictions
+from modallab.gap.explain import explain
 from modallab.gap.fit import Fit
 from modallab.gap.inspected import inspected
 from modallab.gap.locate import locate
@@ -16,7 +17,6 @@ from modallab.gap.measure import band_of, by_frequency, squares
 from modallab.gap.next_step import next_experiment
 from modallab.gap.prepare import Prepared, prepare
 from modallab.gap.reduce import Reduced, Weights, reduce
-from modallab.gap.search import explain
 from modallab.gap.shrink import closed, shrink
 from modallab.gap.split import split
 from modallab.gap.where import where

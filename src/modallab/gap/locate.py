@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.gap.bench import COARSE, Bench, excess, misfit
 from modallab.gap.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.forward import forward
 from modallab.gap.minimise import minimise
 from modallab.gap.prepare import Prepared
 from modallab.gap.reduce import Reduced, Rows
-from modallab.gap.search import COARSE, Bench, channel_share, excess, misfit
+from modallab.gap.search import channel_share
 from modallab.schema.effects import Stage
 from modallab.twin.structure import solve
 
