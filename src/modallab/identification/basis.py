@@ -1,7 +1,8 @@
 """Columns of the modal model in a block, for given poles, and their derivatives by everything that is searched."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -45,20 +46,31 @@ class Vectors:
     column: Index
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class BlockColumns:
     """Real columns of one block, real parts stacked on imaginary parts (rows = 2 lines).
 
     Attributes:
         phi: (rows, columns): per mode what real and imaginary part of its residue multiply, then residual terms.
-        poles: derivatives by omega and zeta, mode by mode.
-        local: derivatives by what this block alone has: real and imaginary part of each mode's unknown state, then of
-            the drive's error.
+        derive: gives `poles` and `local`; a trial that is not kept is never asked.
     """
 
     phi: Real
-    poles: Vectors
-    local: Vectors
+    derive: Callable[[], tuple[Vectors, Vectors]]
+
+    @cached_property
+    def _derived(self) -> tuple[Vectors, Vectors]:
+        return self.derive()
+
+    @property
+    def poles(self) -> Vectors:
+        """Derivatives by omega and zeta, mode by mode."""
+        return self._derived[0]
+
+    @property
+    def local(self) -> Vectors:
+        """Derivatives by what the block alone has: parts of each mode's unknown state, then the drive's error."""
+        return self._derived[1]
 
 
 def stack(values: Lines) -> Real:
@@ -138,24 +150,27 @@ def columns(
     up, down = common.halves(true_drive, free=state is not None)
     start = np.zeros(len(omega), complex) if state is None else state
     value = _pair(up.forced + start[:, None] * up.free, down.forced + start.conj()[:, None] * down.free)
-    slope_up, slope_down = (
-        up.slope + start[:, None] * up.free_slope,
-        down.slope + start.conj()[:, None] * down.free_slope,
-    )
-    rates = (poles / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
-    by_pole = np.stack([_pair(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1)
-    local = [] if state is None else [common.state_vectors(excitation, up, down)]
-    if drive is not None:
-        local.append(_drive_vectors(excitation, poles, powers, first=0 if state is None else 2 * len(omega)))
     phi = np.concatenate([value.reshape(-1, value.shape[-1]), _statics(true_drive, powers)])
+
+    def derive() -> tuple[Vectors, Vectors]:
+        local = [] if state is None else [common.state_vectors(excitation, up, down)]
+        if drive is not None:
+            local.append(_drive_vectors(excitation, poles, powers, first=0 if state is None else 2 * len(omega)))
+        return _pole_vectors(omega, zeta, (up, down), start), _joined(local)
+
+    return BlockColumns(stack(phi), derive)
+
+
+def _pole_vectors(omega: Real, zeta: Real, halves: tuple[_Half, _Half], start: NDArray[np.complex128]) -> Vectors:
+    up, down = halves
+    slope_up = up.slope + start[:, None] * up.free_slope
+    slope_down = down.slope + start.conj()[:, None] * down.free_slope
+    rates = (poles_of(omega, zeta) / omega, -omega - 1j * omega * zeta / np.sqrt(1 - zeta**2))
+    values = np.stack([_pair(slope_up * r[:, None], slope_down * r.conj()[:, None]) for r in rates], axis=1)
     mode = np.repeat(np.arange(len(omega)), 4)
     which = np.tile([0, 0, 1, 1], len(omega))
     part = np.tile([0, 1, 0, 1], len(omega))
-    return BlockColumns(
-        stack(phi),
-        Vectors(stack(by_pole.reshape(-1, value.shape[-1])), 2 * mode + which, 2 * mode + part),
-        _joined(local),
-    )
+    return Vectors(stack(values.reshape(-1, values.shape[-1])), 2 * mode + which, 2 * mode + part)
 
 
 def _pair(up: Lines, down: Lines) -> Lines:
