@@ -29,7 +29,7 @@ def clock() -> Clock:
 
 def _until_found(silence: Silence, clock: Clock, look_s: float) -> float:
     began = clock.now_s
-    while not silence.look(began):
+    while not silence.look(began, 0.0):
         clock.now_s += look_s
         assert clock.now_s < began + 60
     return clock.now_s - began
@@ -43,15 +43,25 @@ def test_whoever_listens_late_himself_does_not_blame_the_other(clock: Clock) -> 
     silence = Silence(1.0, LOOK_S, clock)
     heard = clock.now_s
     # One look in which nobody had the processor for two seconds, then a sign.
-    assert not silence.look(heard)
+    assert not silence.look(heard, 0.0)
     clock.now_s += 2.0
-    assert not silence.look(heard)
-    assert not silence.look(clock.now_s)
+    assert not silence.look(heard, 0.0)
+    assert not silence.look(clock.now_s, 0.0)
     assert silence.counted_s == 0.0
 
 
 def test_however_busy_five_times_the_silence_is_too_long(clock: Clock) -> None:
     assert _until_found(Silence(1.0, LOOK_S, clock), clock, 0.7) == pytest.approx(5.2, abs=0.71)
+
+
+def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) -> None:
+    silence = Silence(1.0, LOOK_S, clock)
+    heard, used_s = clock.now_s, 0.0
+    while not silence.look(heard, used_s):
+        clock.now_s += LOOK_S
+        used_s += 0.01
+        assert clock.now_s < heard + 60
+    assert clock.now_s - heard == pytest.approx(5.05, abs=0.06)
 
 
 def test_every_sign_begins_anew(clock: Clock) -> None:
@@ -60,7 +70,7 @@ def test_every_sign_begins_anew(clock: Clock) -> None:
         heard = clock.now_s
         for _ in range(15):
             clock.now_s += LOOK_S
-            assert not silence.look(heard)
+            assert not silence.look(heard, 0.0)
 
 
 def test_live_samples_wait_for_nobody_who_reads_no_more() -> None:

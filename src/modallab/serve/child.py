@@ -9,6 +9,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import cast
 
+import psutil
+
 LOG = logging.getLogger(__name__)
 AGAIN_S = 0.2
 MOST_S = 10.0
@@ -41,6 +43,15 @@ class Child:
         """The system's number of it; None while it is not there."""
         process = self.process
         return process.pid if process is not None and process.is_alive() else None
+
+    @property
+    def used_s(self) -> float:
+        """Seconds of the processor it has used so far; 0 while it is not there."""
+        try:
+            times = psutil.Process(self.pid).cpu_times() if self.pid is not None else None
+        except psutil.Error:
+            return 0.0
+        return 0.0 if times is None else times.user + times.system
 
     def look(self) -> None:
         """Start it, if it is not there and its time has come."""

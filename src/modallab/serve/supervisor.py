@@ -177,9 +177,9 @@ class Supervisor:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        silent = silence.look(counter.heard_s)
+        silent = silence.look(counter.heard_s, self._api.used_s)
         # Started anew it may be back within the second that silence is given: its end alone is reason enough.
-        return counter.gone or (f"no sign of life of the REST process for {silence.counted_s:.1f} s" if silent else "")
+        return counter.gone or (f"no sign of life of the REST process for {counter.silent_s:.1f} s" if silent else "")
 
     def _trip(self, trouble: str) -> None:
         try:

@@ -186,6 +186,11 @@ class Counter:
                     self._connection.send(frame)
 
     @property
+    def silent_s(self) -> float:
+        """Since it was heard last."""
+        return time.monotonic() - self.heard_s
+
+    @property
     def gone(self) -> str:
         """What is to be said of it once it has ended; before, ""."""
         gone_s = self._gone_s
