@@ -1,10 +1,12 @@
 """Makes trials on the simulated bench, each with one effect or none, and diagnoses them.
 
     python benchmarks/gap/trials.py TRIALS --share report --each 2 --none 10 --out trials.jsonl
+    python benchmarks/gap/trials.py TRIALS --share report --each 0 --none 0 --pairs 30 --out pairs.jsonl
     python benchmarks/gap/practice.py TRIALS --score trials.jsonl
 
 Effects are drawn with gaps log-uniform from 1.5 to 300 noise units: the gap that is left once the beam is fitted within
 the rig file's tolerances, as a diagnosis states it, where 1 is the floor. What those tolerances take over opens none.
+Of two effects at once each is drawn so that alone it would open a gap from 100 to 3000.
 Each trial has a folder in TRIALS with what the operator believes (rig.yaml) and the truth (truth.yaml), so that it is
 scored as a practice campaign is. A trial follows from its name: the two shares have no seed in common, and more trials
 of an effect leave those there are as they were. What is in the file already is skipped.
@@ -18,6 +20,7 @@ from dataclasses import dataclass
 from math import exp, log, sqrt
 from pathlib import Path
 
+import numpy as np
 import yaml
 from rigs import drawn_rig
 
@@ -25,13 +28,16 @@ from modallab.exchange.rig_file import dump_rig
 from modallab.gap.before import gap_before
 from modallab.gap.diagnose import diagnose
 from modallab.schema.block import Campaign
-from modallab.schema.effects import CATALOGUE
+from modallab.schema.effects import CATALOGUE, Effect
+from modallab.schema.rig import Rig
 from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
 from modallab_simulators.cantilever.effects.kinds import KINDS
 from modallab_simulators.cantilever.trial import make_trial
 
 SHARES = {"calibrate": 1, "report": 2}
 NONE = "none"
+PAIR = "pair"
+PAIR_GAP = (100.0, 3000.0)
 TRIES = 3
 CLOSE = 0.2
 """Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
@@ -57,12 +63,14 @@ class Draw:
     def seed(self) -> int:
         """Of everything in the trial; no two trials have the same."""
         kinds = [NONE, *KINDS]
+        if self.effect == PAIR:
+            return (10 + SHARES[self.share]) * len(kinds) * _MOST + self.number
         return (SHARES[self.share] * len(kinds) + kinds.index(self.effect)) * _MOST + self.number
 
 
-def draws(share: str, effects: list[str], each: int, none: int) -> list[Draw]:
+def draws(share: str, effects: list[str], each: int, none: int, pairs: int = 0) -> list[Draw]:
     """The trials of a share, the first of every effect before the second."""
-    counts = dict.fromkeys(effects, each) | {NONE: none}
+    counts = dict.fromkeys(effects, each) | {NONE: none, PAIR: pairs}
     return [Draw(share, e, i) for i in range(max(counts.values())) for e, count in counts.items() if i < count]
 
 
@@ -71,6 +79,8 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
     rig = drawn_rig(draw.seed)
     if draw.effect == NONE:
         return make_trial(rig, draw.seed)
+    if draw.effect == PAIR:
+        return make_trial(rig, draw.seed, pair(rig, draw.seed))
     wanted = aim = draw_gap(draw.seed)
     met: list[tuple[float, float, Campaign, dict[str, object]]] = []
     for _ in range(TRIES):
@@ -85,6 +95,18 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
         aim *= exp(min(max(short, -FURTHER), FURTHER))
     _, gap, campaign, truth = min(met, key=lambda m: m[0])
     return campaign, truth | {"gap_wanted": wanted, "gap": gap}
+
+
+def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:
+    """Two effects of the catalogue, each of a size of its own."""
+    rng = np.random.default_rng([seed, 78])
+    first, second = rng.choice(sorted(CATALOGUE), 2, replace=False)
+    low, high = PAIR_GAP
+    sizes = np.exp(rng.uniform(np.log(low), np.log(high), 2))
+    drawn = [
+        draw_effect(rig, seed, str(name), float(size)).effect for name, size in zip((first, second), sizes, strict=True)
+    ]
+    return drawn[0], drawn[1]
 
 
 def left(listed: list[Draw], out: Path) -> Iterator[Draw]:
@@ -116,12 +138,14 @@ def main() -> None:
     )
     parser.add_argument("--each", type=int, default=2, help="trials of each effect")
     parser.add_argument("--none", type=int, default=10, help="trials without effect")
+    parser.add_argument("--pairs", type=int, default=0, help="trials of two effects")
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("I", "OF"))
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no trial after so many")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     first, of = arguments.part
-    listed = draws(arguments.share, arguments.effect or list(CATALOGUE), arguments.each, arguments.none)[first::of]
+    effects = arguments.effect or list(CATALOGUE)
+    listed = draws(arguments.share, effects, arguments.each, arguments.none, arguments.pairs)[first::of]
     begun = time.monotonic()
     for draw in left(listed, arguments.out):
         if time.monotonic() - begun > 60 * arguments.minutes:
