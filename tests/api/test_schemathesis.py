@@ -18,9 +18,9 @@ def furnished(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterat
 
 
 def test_every_answer_without_a_token_is_as_documented(furnished: Lab, tmp_path: Path) -> None:
-    assert ask(furnished, tmp_path, token=None, examples=1) == ""
+    assert ask(furnished, tmp_path, token=None, examples=1, quick=True) == ""
 
 
 def test_every_answer_with_the_token_is_as_documented(furnished: Lab, tmp_path: Path) -> None:
-    assert ask(furnished, tmp_path, examples=2) == ""
+    assert ask(furnished, tmp_path, examples=2, quick=True) == ""
     assert furnished.desk.state().state in ("idle", "running")

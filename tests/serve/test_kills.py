@@ -8,15 +8,18 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+import httpx
 import pytest
 from kept import Follower, require_kept
 from service_process import ServiceProcess
 
+from modallab.acquisition.trip import TripLatch
 from modallab.client import ServiceProblemError
 from modallab.schema.plan import ImpactPlan, SinePlan
 from modallab.schema.service.runs import Stop
 
 LONG = ImpactPlan(points=(10, 6, 3), hits=200)
+DRIVEN = SinePlan(frequencies_hz=tuple(19.0 + n for n in range(40)), settle_s=2.0, ramp_s=0.5, rest_s=1.0)
 QUICK_BEAM = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 
 
@@ -85,13 +88,38 @@ def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Pa
         require_kept(again.client, acknowledged)
 
 
+@pytest.mark.parametrize("found_by", ["the stop listener", "no sign of life of the REST process"])
+def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_by: str) -> None:
+    by_hand = found_by == "the stop listener"
+    bench, env = f"{QUICK_BEAM}&pace=1", {"MODALLAB_SILENCE_S": "60" if by_hand else "1"}
+    with ServiceProcess(tmp_path / "data", "--no-jobs", bench=bench, env=env) as service:
+        lab = service.client
+        campaign = lab.create_campaign("frozen", service.rig)
+        with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
+            run = lab.start_run(campaign.id, DRIVEN, lease).id
+            wait_until(lambda: lab.run(run).state == "acquiring")
+            api = lab.processes()["api"]
+            os.kill(api, signal.SIGSTOP)
+            try:
+                if by_hand:
+                    assert httpx.post(service.stop_url, timeout=60.0).json() == {"stopped": [service.rig]}
+                latch = TripLatch(tmp_path / "data", bench)
+                wait_until(lambda: latch.read() is not None)
+                trip = latch.read()
+            finally:
+                os.kill(api, signal.SIGCONT)
+            assert trip is not None
+            assert found_by in trip.what
+            wait_until(lambda: lab.run(run).state == "aborted")
+            assert lab.processes()["api"] == api
+
+
 def test_when_the_rest_process_is_gone_what_is_driven_is_stopped_and_latched(tmp_path: Path) -> None:
-    plan = SinePlan(frequencies_hz=tuple(19.0 + n for n in range(40)), settle_s=2.0, ramp_s=0.5, rest_s=1.0)
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=f"{QUICK_BEAM}&pace=1") as service:
         lab = service.client
         campaign = lab.create_campaign("driven", service.rig)
         with lab.lease(service.rig, "Ada", ttl_s=300) as lease:
-            run = lab.start_run(campaign.id, plan, lease).id
+            run = lab.start_run(campaign.id, DRIVEN, lease).id
             wait_until(lambda: lab.run(run).state == "acquiring")
             os.kill(lab.processes()["api"], signal.SIGKILL)
             wait_until(lambda: service.client.run(run).state == "aborted")
@@ -99,6 +127,6 @@ def test_when_the_rest_process_is_gone_what_is_driven_is_stopped_and_latched(tmp
             assert trip is not None
             assert "REST process" in trip.reason
             with pytest.raises(ServiceProblemError, match="tripped"):
-                lab.start_run(campaign.id, plan, lease)
+                lab.start_run(campaign.id, DRIVEN, lease)
             lab.reset(service.rig, lease, "looked at it")
             assert lab.rig(service.rig).trip is None
