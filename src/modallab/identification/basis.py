@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,7 +106,8 @@ class Shared:
         """Both of every pole pair in a block that this drove."""
         if isinstance(excitation, BlowExcitation):
             self._kernels = self._kernels or tuple(kernel(self._grid, p) for p in self._pair)
-        forced = [excitation.forced(p, k) for p, k in zip_longest(self._pair, self._kernels)]
+        kernels: tuple[Kernel | None, ...] = self._kernels or (None, None)
+        forced = [excitation.forced(p, k) for p, k in zip(self._pair, kernels, strict=True)]
         if not free:
             nothing = np.zeros((1, 1), complex)
             return _Half(*forced[0], nothing, nothing), _Half(*forced[1], nothing, nothing)

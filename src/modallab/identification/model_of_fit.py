@@ -71,7 +71,7 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
     return tuple(
         f"{count} modes share the pole at {frequency_hz[r]:.4g} Hz. Their shapes span a plane: any mix of them is a "
         "mode as well."
-        for r, count in zip(*np.unique(split.pole, return_counts=True), strict=True)
+        for r, count in enumerate(np.bincount(split.pole))
         if count > 1
     )
 

@@ -91,7 +91,7 @@ def _parts(a: Complex, rank: int, driven: list[tuple[int, int]]) -> list[Complex
     mix = _reciprocal(u, right, driven)
     left = u if mix is None else u @ mix
     forces = right if mix is None else np.linalg.solve(mix, right)
-    return [np.outer(left[:, k], forces[k]) for k in range(rank)]
+    return [np.asarray(np.outer(left[:, k], forces[k]), np.complex128) for k in range(rank)]
 
 
 def _reciprocal(u: Complex, right: Complex, driven: list[tuple[int, int]]) -> Complex | None:
