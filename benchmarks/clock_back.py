@@ -67,7 +67,7 @@ def main() -> int:
             utc = [datetime.fromisoformat(block.utc) for block in lab.blocks(run)]
             assert (utc[0] - utc[-1]).total_seconds() > 3000, "the clock was not set back"
             (job,) = lab.jobs(campaign.id, "identify")
-            assert lab.wait_for_job(job.id).state == "done"
+            assert lab.wait_for_job(job.id, 3600.0).state == "done"
             require_kept(lab, follower.acknowledged)
             seqs = [event.seq for event in follower.events]
             assert seqs == list(range(1, len(seqs) + 1))
