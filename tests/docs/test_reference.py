@@ -59,7 +59,7 @@ def _row(text: str, action: argparse.Action) -> str:
 
 def test_every_field_of_the_modal_model_is_there() -> None:
     said = set(re.findall(r"^\| `(\w+)` \|", prose(REFERENCE / "modal-model.md"), re.MULTILINE))
-    document = {"code_version", "source", "rig", "provenance", "models", "assessments", "without_model"}
+    document = {"code_version", "source", "rig", "provenance", "models", "assessments", "comparisons", "without_model"}
     assert said == set(ModalModel.model_fields) | document | {"frac"}
 
 
