@@ -13,9 +13,7 @@ from modallab.spectra.scale import to_signals_of
 from modallab.tasks.identify import identify_campaign
 from modallab.tasks.report import report_content
 
-FREQUENCIES = np.array(
-    [4.0, 5.0, 5.8, 6.1, 6.3, 6.6, 7.2, 8.5, 11.0, 15.0, 20.0, 30.0, 45.0, 52.0, 55.0, 57.0, 60.0]
-)
+FREQUENCIES = np.array([4.0, 5.0, 5.8, 6.1, 6.3, 6.6, 7.2, 8.5, 11.0, 15.0, 20.0, 30.0, 45.0, 52.0, 55.0, 57.0, 60.0])
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +44,9 @@ def test_modes_of_blows_stand_as_columns_of_the_diagram_and_the_page_draws_it(bl
 
 def test_peaks_of_given_frfs_are_drawn_beside_plscf(blows):
     frf = impact_frf(group_by_point(to_signals_of(blows.blocks, blows.rig)), blows.rig, (3.0, 200.0))
-    outcome, model = diagram(Campaign(rig=blows.rig, blocks=(), frfs=(frf,)), Options(method="peak", band_hz=(3.0, 200.0)))
+    outcome, model = diagram(
+        Campaign(rig=blows.rig, blocks=(), frfs=(frf,)), Options(method="peak", band_hz=(3.0, 200.0))
+    )
     assert model.method == "peak"
     assert isinstance(outcome.diagram, Diagram)
 
