@@ -31,7 +31,7 @@ from service_process import ServiceProcess
 
 from modallab.schema.plan import ImpactPlan
 
-BENCH = "sim://cantilever?seed=1&zeta=0.3&bad_hits=0&pace=1&reaction_s=0.2,0.4"
+BENCH = "sim://cantilever?seed=1&zeta=0.15&bad_hits=0&pace=1&reaction_s=0.2,0.4"
 PLAN = ImpactPlan(points=(10, 6, 3), hits=100)
 
 
