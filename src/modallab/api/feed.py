@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import AsyncGenerator
+from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
 from threading import Event as Flag
 from threading import Thread
@@ -16,6 +17,9 @@ LOG = logging.getLogger(__name__)
 STILL_HERE = b": still here\n\n"
 LOOK_S = 0.05
 AT_ONCE = 500
+TOGETHER = 20
+PAUSE_S = 0.002
+"""Between so many listeners and the next: those write their lines, and others get their turn."""
 QUEUE = 2000
 """Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
 
@@ -96,10 +100,18 @@ class Feed:
             if events and self._loop is not None:
                 last = events[-1].seq
                 lines = [Line(event, _text(event)) for event in events]
-                self._loop.call_soon_threadsafe(self._hand_out, lines)
+                self._wait_for(asyncio.run_coroutine_threadsafe(self._hand_out(lines), self._loop))
 
-    def _hand_out(self, lines: list[Line]) -> None:
-        for listener in self._listeners:
+    def _wait_for(self, handed_out: Future[None]) -> None:
+        # One after the other: the order of events is that of the log.
+        while not self._closing.is_set() and not handed_out.done():
+            wait([handed_out], LOOK_S)
+
+    async def _hand_out(self, lines: list[Line]) -> None:
+        # Not all at once: a thousand listeners that wake together keep live samples and answers waiting.
+        for n, listener in enumerate(list(self._listeners)):
+            if n % TOGETHER == TOGETHER - 1:
+                await asyncio.sleep(PAUSE_S)
             for line in lines:
                 _put(listener, line)
 
