@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 from modallab.gap.bench import FLAT, WATCHED, Bench, baseline
 from modallab.gap.measure import Squares, squares
-from modallab.gap.nuisances import nuisances
+from modallab.gap.nuisances import Nuisances, nuisances
 from modallab.gap.prepare import Prepared, prepare
 from modallab.gap.reduce import Weights, reduce, thinned
 from modallab.schema.block import Block, Campaign
@@ -21,14 +21,14 @@ def gap_before(campaign: Campaign) -> float:
         DataError: there is nothing to compare.
         RigError: the rig has no beam.
     """
+    free = nuisances(campaign.rig, TOP_HZ)
     prepared = prepare(campaign)
-    base = baseline(bench_of(prepared, prepared.blocks, lambda _: False))
+    base = baseline(bench_of(prepared, prepared.blocks, free, lambda _: False))
     return as_came(prepared, base.problem.twin(base.u)).gap
 
 
-def bench_of(prepared: Prepared, fitted: Sequence[Block], allowed: Callable[[str], bool]) -> Bench:
+def bench_of(prepared: Prepared, fitted: Sequence[Block], free: Nuisances, allowed: Callable[[str], bool]) -> Bench:
     """What a search works on: the records that may be fitted, and what is free."""
-    free = nuisances(prepared.campaign.rig, TOP_HZ)
     data = reduce(prepared.campaign, fitted, weights_of(prepared))
     flat = _flat(prepared)
     watched = WATCHED if flat == FLAT else flat

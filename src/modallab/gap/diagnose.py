@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.before import as_came, bench_of, weights_of
+from modallab.gap.before import TOP_HZ, as_came, bench_of, weights_of
 from modallab.gap.choose import Choice, choose, intervals, probabilities
 from modallab.gap.contradictions import contradictions
 from modallab.gap.explain import explain
@@ -15,6 +15,7 @@ from modallab.gap.inspected import inspected
 from modallab.gap.locate import locate
 from modallab.gap.measure import band_of, by_frequency, squares
 from modallab.gap.next_step import next_experiment
+from modallab.gap.nuisances import nuisances
 from modallab.gap.prepare import Prepared, prepare
 from modallab.gap.reduce import Reduced, Weights, reduce
 from modallab.gap.shrink import closed, shrink
@@ -43,10 +44,11 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
+    free = nuisances(campaign.rig, TOP_HZ)
     prepared = prepare(campaign)
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
-    bench = bench_of(prepared, fitted, allowed)
+    bench = bench_of(prepared, fitted, free, allowed)
     choice = choose(bench, explain(bench))
     seen = [f for f in inspected(prepared, choice.fit.problem.twin(choice.fit.u)) if allowed(f.effect)]
     withheld = _withheld(prepared, allowed)
