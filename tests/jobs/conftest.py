@@ -24,6 +24,17 @@ def engine(tmp_path: Path) -> Iterator[Engine]:
     opened.dispose()
 
 
+@pytest.fixture(params=["sqlite", "postgresql"])
+def each_engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
+    """A new database of each kind in turn."""
+    url = f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}"
+    if request.param == "postgresql":
+        url = request.getfixturevalue("postgresql").new_database()
+    opened = open_engine(url)
+    yield opened
+    opened.dispose()
+
+
 @pytest.fixture
 def jobs(engine: Engine) -> Jobs:
     return Jobs(engine)

@@ -2,8 +2,6 @@
 
 import threading
 import time
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from sqlalchemy import Engine
@@ -11,19 +9,13 @@ from sqlalchemy import Engine
 from modallab.errors import JobError, UnknownJobError
 from modallab.jobs import Jobs
 from modallab.jobs.leases import MAX_ATTEMPTS, Leases, Taken
-from modallab.storage.engine import open_engine
 
 KINDS = ("identify",)
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
-def engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
-    url = f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}"
-    if request.param == "postgresql":
-        url = request.getfixturevalue("postgresql").new_database()
-    opened = open_engine(url)
-    yield opened
-    opened.dispose()
+@pytest.fixture
+def engine(each_engine: Engine) -> Engine:
+    return each_engine
 
 
 def _take(engine: Engine, owner: str = "one") -> Taken:

@@ -1,9 +1,8 @@
 """A holder that gives no sign loses its jobs, by the watcher's monotonic clock; whoever gives one keeps them."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 from sqlalchemy import Engine, inspect, text
@@ -11,7 +10,6 @@ from sqlalchemy import Engine, inspect, text
 from modallab.jobs import Jobs
 from modallab.jobs.leases import Leases, Taken
 from modallab.jobs.watch import Watch
-from modallab.storage.engine import open_engine
 
 
 class Clock:
@@ -28,14 +26,9 @@ def clock() -> Clock:
     return Clock()
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
-def engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
-    url = f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}"
-    if request.param == "postgresql":
-        url = request.getfixturevalue("postgresql").new_database()
-    opened = open_engine(url)
-    yield opened
-    opened.dispose()
+@pytest.fixture
+def engine(each_engine: Engine) -> Engine:
+    return each_engine
 
 
 def test_silence_is_counted_from_the_first_look_on(clock: Clock) -> None:

@@ -1,6 +1,6 @@
 """Mains hum: a sine of the mains on every row, with the same amplitudes in every record."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -86,8 +86,6 @@ def without_hum(block: Block, hum: Hum) -> Block:
     phases = _amplitudes(block, hum.seen_hz)
     # One phase for all rows, weighed by how far each stands out.
     phase = np.angle(np.sum(phases * hum.volts))
-    if block.test == "impact":
-        phase = _phase_before(block, hum)
     cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
 
@@ -100,7 +98,12 @@ def _tuned(heard: Sequence[Block], hz: float) -> float:
 
     if heard[0].test != "sine":
         return hz
-    grid = hz * (1 + np.linspace(-OFF, OFF, 15))
+    return _strongest(power, hz, 15)
+
+
+def _strongest(power: Callable[[float], float], hz: float, points: int) -> float:
+    """The frequency around `hz`, within what a clock may be off, that holds most; `hz` unless that is plainly more."""
+    grid = hz * (1 + np.linspace(-OFF, OFF, points))
     start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
     step = float(grid[1] - grid[0])
     found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
@@ -140,20 +143,10 @@ def _drive_hz(block: Block, t: Array) -> float:
     def power(f: float) -> float:
         return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
 
-    nominal = _line(block.frequency_hz or 0.0, t, block.rate_hz)
-    grid = nominal * (1 + np.linspace(-OFF, OFF, 29))
-    start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
-    step = float(grid[1] - grid[0])
-    found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
-    return float(found.x) if -float(found.fun) > PLAINLY * power(nominal) else nominal
+    return _strongest(power, _line(block.frequency_hz or 0.0, t, block.rate_hz), 29)
 
 
 def _heard_samples(block: Block) -> int:
     """Samples from which the hum is told: of a blow those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[0]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples
-
-
-def _phase_before(block: Block, hum: Hum) -> float:
-    z = _amplitudes(block, hum.seen_hz)
-    return float(np.angle(np.sum(z * hum.volts)))
