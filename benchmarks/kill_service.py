@@ -121,6 +121,15 @@ def wait_until(happened: Callable[[], object], patience_s: float = 120.0) -> Non
         time.sleep(0.02)
 
 
+def one_by_one(victim: str, kills: int, kill: Callable[[], float]) -> list[float]:
+    """What every kill took, in s; each is told as it comes, so that a run that is ended early is not for nothing."""
+    took: list[float] = []
+    for n in range(1, kills + 1):
+        took.append(kill())
+        print(f"{victim} {n} of {kills}: {took[-1]:.3f} s", flush=True)
+    return took
+
+
 def kill_drives(victim: str, kills: int, seed: int) -> int:
     rig = parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     moment = random.Random(seed)
@@ -129,7 +138,7 @@ def kill_drives(victim: str, kills: int, seed: int) -> int:
         (Path(folder) / "rig.yaml").write_text(dump_rig(rig), encoding="utf-8")
         bench = Bench(server, Path(folder))
         try:
-            took = [bench.kill(victim, moment) for _ in range(kills)]
+            took = one_by_one(victim, kills, lambda: bench.kill(victim, moment))
             require_kept(bench.service.client, bench.acknowledged)
         finally:
             bench.service.close()
@@ -152,7 +161,7 @@ def kill_jobs(victim: str, kills: int, seed: int) -> int:
         with lab.lease(service.rig, "killer") as lease:
             run = lab.start_run(campaign, BLOWS, lease).id
             list(lab.follow(run))
-        took = [kill_work(service, campaign, victim, moment) for _ in range(kills)]
+        took = one_by_one(victim, kills, lambda: kill_work(service, campaign, victim, moment))
     print(
         f"{victim}: all of {len(took)} jobs done after kill -9; median {np.median(took):.1f} s, longest {max(took):.1f}"
     )
