@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import Vectors, columns, poles_of, stack
+from modallab.identification.basis import Vectors, columns, poles_of, stack, unstack
 from modallab.identification.excitation import Excitation
 from modallab.identification.force_noise import force_parts
-from modallab.identification.projection import GroupSolution, Point, Problem, true_excitation
+from modallab.identification.projection import GroupSolution, Point, Problem, energy, true_excitation
 from modallab.identification.search import Refined
 
 Real = NDArray[np.float64]
@@ -51,9 +51,7 @@ class Fit:
             problem.powers,
         )
         coefficients = self.point.groups[problem.blocks[block].group].coefficients
-        rows = (found.phi @ coefficients).T
-        half = rows.shape[1] // 2
-        return rows[:, :half] + 1j * rows[:, half:]
+        return unstack(found.phi @ coefficients)
 
 
 def modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], Real]:
@@ -133,6 +131,6 @@ def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Rea
 
 def response_misfit(fit: Fit) -> Real:
     """Share (outputs,) of the measured response's energy that the model leaves over."""
-    left = np.sum([np.sum(g.residual**2, axis=0) for g in fit.point.groups], axis=0)
-    there = np.sum([np.sum(stack(b.response) ** 2, axis=0) for b in fit.problem.blocks], axis=0)
+    left = np.sum([energy(g.residual) for g in fit.point.groups], axis=0)
+    there = np.sum([energy(stack(b.response)) for b in fit.problem.blocks], axis=0)
     return left / np.maximum(there, np.finfo(float).tiny)

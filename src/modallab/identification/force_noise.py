@@ -79,14 +79,14 @@ def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structu
 
 
 def _slopes(excitation: Excitation, width: int, structure: _Structure) -> Real:
-    """(rows, outputs, width), real parts on imaginary parts."""
+    """(rows, outputs, width), each line's real part above its imaginary part."""
     blow = _blow(excitation)
     grid, sample = blow.grid, blow.first + np.arange(width)
     turn = np.exp(-1j * np.outer(grid.omega * grid.dt, sample))
     left = np.exp(np.outer(structure.poles, (grid.n - sample) * grid.dt))
     value = structure.frf[:, :, None] * turn[:, None, :]
     value -= (structure.tail.reshape(-1, len(left)) @ left).reshape(value.shape)
-    return np.concatenate([value.real, value.imag])
+    return np.stack([value.real, value.imag], axis=1).reshape(-1, *value.shape[1:])
 
 
 def _blow(excitation: Excitation) -> BlowExcitation:

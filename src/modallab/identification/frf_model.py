@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
-from modallab.identification.basis import LineBlock
+from modallab.identification.basis import LineBlock, stack, unstack
 from modallab.identification.choice import chosen, start_poles
 from modallab.identification.estimators import estimate_poles
 from modallab.identification.excitation import Grid, UnitExcitation
@@ -25,6 +25,8 @@ from modallab.spectra.frf import convert
 
 MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""
+LINES = 20
+"""Lines per column of the model that tell how to mix them."""
 
 
 def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
@@ -38,8 +40,10 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     inside = frf.frequency_hz > 0
     if options.band_hz is not None:
         inside &= (frf.frequency_hz >= options.band_hz[0]) & (frf.frequency_hz <= options.band_hz[1])
+    # Lines ascend, so those of a band are neighbours, and looking at them needs no copy.
+    lines = slice(int(np.argmax(inside)), int(np.argmax(inside)) + int(np.count_nonzero(inside)))
     used = replace(
-        frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
+        frf, frequency_hz=frf.frequency_hz[lines], values=frf.values[..., lines], coherence=None, variance=None
     )
     if used.frequency_hz.size < 8:
         raise IdentificationError(
@@ -99,14 +103,17 @@ def _nearer(problem: Problem, start: Parameters) -> Parameters:
     """A start at the optimum of a few channels in which all modes of many show.
 
     The gradient needs the data only along the residues, so as many mixed channels as the model has columns hold nearly
-    all that hundreds do.
+    all that hundreds do. For the residues themselves some of the lines will do.
     """
-    response = problem.blocks[0].response
-    point = solve_at(problem, start)
-    weighted = point.groups[0].coefficients / point.noise
-    if len(response) < MANY * len(weighted):
+    response, excitation = problem.blocks[0].response, problem.blocks[0].excitation
+    n_columns = 2 * start.omega.size + len(problem.powers)
+    if len(response) < MANY * n_columns:
         return start
-    mix, _ = np.linalg.qr(weighted.T)
-    few = (mix / point.noise[:, None]).T @ response
-    small = replace(problem, blocks=[LineBlock(problem.blocks[0].excitation, few, 0)])
+    thin = max(1, response.shape[1] // (LINES * n_columns))
+    grid = replace(excitation.grid, omega=excitation.grid.omega[::thin])
+    some = [LineBlock(UnitExcitation(grid), response[:, ::thin], 0)]
+    point = solve_at(replace(problem, blocks=some), start)
+    mix, _ = np.linalg.qr((point.groups[0].coefficients / point.noise).T)
+    few = unstack(stack(response) @ (mix / point.noise[:, None]))
+    small = replace(problem, blocks=[LineBlock(excitation, few, 0)])
     return search(small, start).point.parameters

@@ -29,7 +29,9 @@ def summed_amplitude(frf: Frf) -> Real:
     Raises:
         DataError: no FRF.
     """
-    return np.sqrt(np.sum(np.abs(convert(frf, frf.quantity).values) ** 2, axis=(0, 1)))
+    # Output by output: an array of all the squares costs more time than its sum.
+    squares = [np.sum(v.real**2 + v.imag**2, axis=0) for v in convert(frf, frf.quantity).values]
+    return np.sqrt(np.sum(squares, axis=0))
 
 
 def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) -> list[Peak]:

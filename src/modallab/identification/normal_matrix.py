@@ -70,15 +70,14 @@ def _parts(values: NDArray[np.complex128]) -> Real:
 
 def _group_equations(group: GroupSolution, noise: Real, n_local: int) -> tuple[Real, Real]:
     weighted = group.coefficients / noise
-    residual = group.residual / noise
-    gram, on_residual = _gram(group, residual)
+    gram, on_residual = _gram(group)
     pole, local = group.columns[0].poles, group.columns[0].local
     column = np.concatenate([pole.column, *[local.column for _ in group.members]])
     coefficient = weighted[column]
     starts = _starts(pole, local, len(group.members), n_local)
     product = gram * (coefficient @ coefficient.T)
     matrix = np.add.reduceat(np.add.reduceat(product, starts, axis=0), starts, axis=1)
-    return matrix, np.add.reduceat(np.sum(on_residual * coefficient, axis=1), starts)
+    return matrix, np.add.reduceat(np.sum(on_residual * (coefficient / noise), axis=1), starts)
 
 
 def _starts(pole: Vectors, local: Vectors, members: int, n_local: int) -> NDArray[np.int64]:
@@ -91,9 +90,9 @@ def _starts(pole: Vectors, local: Vectors, members: int, n_local: int) -> NDArra
     return np.concatenate([firsts, *[pole.parameter.size + m * width + own for m in range(members)]])
 
 
-def _gram(group: GroupSolution, residual: Real) -> tuple[Real, Real]:
+def _gram(group: GroupSolution) -> tuple[Real, Real]:
     """Gram matrix of all projected vectors, and their products with the residual (vectors, outputs)."""
-    rows = group.columns[0].phi.shape[0]
+    rows, residual = group.columns[0].phi.shape[0], group.residual
     poles = np.concatenate([c.poles.values for c in group.columns])
     n_pole, width = poles.shape[1], group.columns[0].local.parameter.size
     size = n_pole + width * len(group.members)

@@ -57,12 +57,16 @@ def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
 def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.float64]:
     """Sum over outputs of T - S^T R^-1 S, (order + 1) * inputs square; block j belongs to z^j."""
     n_in = frf.values.shape[1]
-    scale = 1 / np.sqrt(np.mean(np.abs(frf.values) ** 2, axis=(1, 2), keepdims=True))
-    values = frf.values * scale
     lag = np.arange(order + 1)[None, :] - np.arange(order + 1)[:, None] + order
+    energy = np.zeros((n_in, n_in, frf.frequency_hz.size), complex)
+    moments = np.empty((len(frf.values), n_in, 2 * order + 1))
+    # Output by output, which the processor's cache holds, and not all at once.
+    for o, measured in enumerate(frf.values):
+        values = measured / np.sqrt(np.mean(measured.real**2 + measured.imag**2))
+        energy += values.conj()[:, None] * values
+        moments[o] = _moments(values, frf.frequency_hz, 1 / (2 * step), order)
     r = _moments(np.ones((1, frf.frequency_hz.size)), frf.frequency_hz, 1 / (2 * step), order)[0, lag]
-    s = -_moments(values, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
-    energy = np.einsum("oik,ojk->ijk", values.conj(), values, optimize=True)
+    s = -moments[..., lag]
     t = _moments(energy, frf.frequency_hz, 1 / (2 * step), order)[..., lag]
     # (outputs, inputs, j, l) -> columns ordered by power, then input.
     s_matrix = s.transpose(0, 2, 3, 1).reshape(s.shape[0], order + 1, (order + 1) * n_in)

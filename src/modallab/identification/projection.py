@@ -119,7 +119,7 @@ def with_own_noise(problem: Problem, point: Point) -> Point:
 
 
 def _point(problem: Problem, parameters: Parameters, groups: tuple[GroupSolution, ...], noise: Real | None) -> Point:
-    squares = np.sum([np.sum(g.residual**2, axis=0) for g in groups], axis=0)
+    squares = np.sum([energy(g.residual) for g in groups], axis=0)
     if noise is None:
         rows = sum(g.residual.shape[0] - g.r.shape[0] for g in groups)
         searched = (2 * parameters.omega.size + problem.n_local * len(problem.blocks)) / squares.size
@@ -127,6 +127,11 @@ def _point(problem: Problem, parameters: Parameters, groups: tuple[GroupSolution
         noise = np.maximum(raw, 1e-9 * raw.max() + np.finfo(float).tiny)
     cost = float(np.sum(squares / noise**2)) + _prior_cost(problem, parameters)
     return Point(parameters, groups, noise, cost)
+
+
+def energy(rows: Real) -> Real:
+    """Sum of squares (outputs,) of (rows, outputs), without an array of the squares."""
+    return np.einsum("ro,ro->o", rows, rows)
 
 
 def _prior_cost(problem: Problem, parameters: Parameters) -> float:
@@ -164,7 +169,8 @@ def _solve_group(problem: Problem, parameters: Parameters, group: int, shared: S
     members = tuple(i for i, block in enumerate(problem.blocks) if block.group == group)
     found = tuple(_block_columns(problem, parameters, i, shared) for i in members)
     phi = np.concatenate([c.phi for c in found])
-    response = np.concatenate([stack(problem.blocks[i].response) for i in members])
+    parts = [stack(problem.blocks[i].response) for i in members]
+    response = parts[0] if len(parts) == 1 else np.concatenate(parts)
     scale = np.linalg.norm(phi, axis=0)
     q, r = orthonormal(phi / np.where(scale > 0, scale, 1))
     diagonal = np.abs(np.diag(r))
@@ -175,4 +181,7 @@ def _solve_group(problem: Problem, parameters: Parameters, group: int, shared: S
         )
     projected = q.T @ response
     coefficients = np.linalg.solve(r, projected) / scale[:, None]
-    return GroupSolution(members, coefficients, response - q @ projected, q, r * scale, found)
+    # Laid out as the response is, and written once: with hundreds of outputs fresh memory costs more than the product.
+    residual = projected.T @ q.T
+    np.subtract(response.T, residual, out=residual)
+    return GroupSolution(members, coefficients, residual.T, q, r * scale, found)

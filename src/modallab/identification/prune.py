@@ -27,16 +27,16 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
     constants, constant_sigma = modal_constants(fit)
     seen = np.max(np.abs(constants) / np.maximum(constant_sigma, 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
-    return inside & stable & known & seen & ~_doubles(fit)
+    return inside & stable & known & seen & ~_doubles(fit, constants)
 
 
-def _doubles(fit: Fit) -> NDArray[np.bool_]:
+def _doubles(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Poles that stand on a better known one: nearer than both half-widths together, with shapes that cancel.
 
     One force sees one shape at a frequency. From several, two modes there have modal constants that differ.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    likeness = mac(*(modal_constants(fit)[0].reshape(at.omega.size, -1),) * 2)
+    likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
     alike = (likeness > ALIKE) | (len(fit.input_points) == 1)
     double = np.zeros(at.omega.size, bool)
     order = np.argsort(sigma[:, 0] / at.omega)

@@ -58,27 +58,29 @@ def search(
     point = solve_at(problem, start)
     held = 2 * start.omega.size
     for _ in range(states_first):
-        trial, _ = _descend(problem, point, 1e-3, held)
+        trial, _ = _descend(problem, point, normal_equations(problem, point), 1e-3, held)
         point = point if trial is None else with_own_noise(problem, trial)
     damping = 1e-3
     for done in range(max_iterations):
-        trial, damping = _descend(problem, point, damping, worth=tolerance)
-        gain = 0.0 if trial is None else point.cost - trial.cost
-        if trial is not None:
-            point = with_own_noise(problem, trial)
+        equations = normal_equations(problem, point)
+        trial, damping = _descend(problem, point, equations, damping, worth=tolerance)
+        if trial is None:
+            return Refined(point, _covariance(equations[0]), done + 1, settled=True)
+        gain = point.cost - trial.cost
+        point = with_own_noise(problem, trial)
         if gain < tolerance:
-            return Refined(point, _covariance(problem, point), done + 1, settled=True)
-    return Refined(point, _covariance(problem, point), max_iterations, settled=False)
+            return Refined(point, _covariance(normal_equations(problem, point)[0]), done + 1, settled=True)
+    return Refined(point, _covariance(normal_equations(problem, point)[0]), max_iterations, settled=False)
 
 
 def _descend(
-    problem: Problem, point: Point, damping: float, held: int = 0, worth: float = 0.0
+    problem: Problem, point: Point, equations: tuple[Real, Real], damping: float, held: int = 0, worth: float = 0.0
 ) -> tuple[Point | None, float]:
     """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
 
-    A step that promises a gain below `worth` is not taken.
+    `equations` are the normal equations there. A step that promises a gain below `worth` is not taken.
     """
-    matrix, gradient = normal_equations(problem, point)
+    matrix, gradient = equations
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scale[:held] = 0
     scaled = matrix * np.outer(scale, scale)
@@ -125,8 +127,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     return Parameters(omega, zeta, state, drive, force)
 
 
-def _covariance(problem: Problem, point: Point) -> Real:
-    matrix, _ = normal_equations(problem, point)
+def _covariance(matrix: Real) -> Real:
     # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     return linalg.pinvh(matrix * np.outer(scale, scale)) * np.outer(scale, scale)

@@ -48,6 +48,8 @@ def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
     if not (np.iscomplexobj(frf.values) and np.isfinite(frf.values).all()):
         raise DataError("the FRF holds NaN, or has no phase", remedy="give finite complex numbers")
     power = DERIVATIVES[quantity] - DERIVATIVES[frf.quantity]
+    if power == 0:
+        return frf
     s = frf.damping_shift + 2j * np.pi * frf.frequency_hz
     if power < 0 and s[0] == 0:
         raise DataError(
