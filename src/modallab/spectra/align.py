@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
+from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Rig
+from modallab.spectra.border import check_channels
 
 HALF = 24
 """Samples to either side of a new one."""
@@ -25,9 +27,20 @@ def lags_s(rig: Rig) -> NDArray[np.float64]:
 def aligned(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np.float64]) -> NDArray[np.float64]:
     """(channels, n) with each channel's lag taken off; where it must look past an end, the end is turned over there.
 
+    Args:
+        values: (channels, n), n above 48 where there is a lag.
+        rate_hz: sampling rate.
+        lags: (channels,) s, none below zero; see `lags_s`.
+
     Raises:
-        DataError: a lag is so long that the block's end would be made up.
+        DataError: values that are no records, lags that are none or not one a channel, or a lag so long, or a block so
+            short, that the block's end would be made up.
     """
+    check_rate(rate_hz)
+    check_channels(values, lags.size)
+    if lags.ndim != 1 or not (np.isfinite(lags).all() and np.all(lags >= 0)):
+        found = f"the lags of the channels are {lags.tolist()} s"
+        raise DataError(found, remedy="give finite times, counted from the channel that lags least")
     if not lags.any():
         return values
     if lags.max() * rate_hz > HALF:
@@ -36,6 +49,9 @@ def aligned(values: NDArray[np.float64], rate_hz: float, lags: NDArray[np.float6
             where="rig file field channels[].delay_s",
             remedy="put all channels on modules of one kind",
         )
+    if values.shape[1] <= 2 * HALF:
+        found = f"{values.shape[1]} samples are too few to move a channel by a part of one"
+        raise DataError(found, remedy=f"record blocks of more than {2 * HALF} samples")
     return np.stack([_later(row, lag * rate_hz) if lag else row for row, lag in zip(values, lags, strict=True)])
 
 

@@ -8,6 +8,9 @@ from modallab.errors import DataError
 from modallab.schema.check_axis import check_rate
 from modallab.spectra.border import check_rows
 
+MOST_TAPS = 2**20
+"""A lower edge that needs more is as good as none."""
+
 
 def bandpass(
     values: NDArray[np.float64], rate_hz: float, band_hz: tuple[float, float], taps: int | None = None
@@ -25,7 +28,8 @@ def bandpass(
         taps: odd length; by default 3.3 / (transition width in cycles per sample) with a width of the lower edge.
 
     Raises:
-        DataError: the band does not lie inside 0 to rate / 2; an even number of taps; samples that are no numbers.
+        DataError: the band does not lie inside 0 to rate / 2; an even number of taps, or over a million;
+            samples that are no numbers.
     """
     check_rate(rate_hz)
     check_rows(values.reshape(-1) if values.ndim > 2 else values)
@@ -38,6 +42,9 @@ def bandpass(
     if taps is not None and (taps < 3 or taps % 2 == 0):
         raise DataError(f"{taps} taps have no sample in their middle", remedy="give an odd number of at least 3 taps")
     length = taps if taps is not None else int(3.3 * rate_hz / low) // 2 * 2 + 1
+    if length > MOST_TAPS:
+        found = f"a lower edge of {low:g} Hz at a rate of {rate_hz:g} Hz asks for {length} taps"
+        raise DataError(found, remedy="raise the lower edge, or take the mean off instead")
     window = signal.firwin(length, [low, high], fs=rate_hz, pass_zero=False)
     full = signal.fftconvolve(values, np.broadcast_to(window, (*values.shape[:-1], length)), axes=-1)
     delay = (length - 1) // 2

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
-from modallab.spectra.border import check_rows
+from modallab.spectra.border import check_positive, check_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +28,12 @@ def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
         threshold: how many noise sigmas belong to the blow.
 
     Raises:
-        DataError: no sample stands out of the noise, or the force is no record.
+        DataError: no sample stands out of the noise, or the force is not one record.
     """
     check_rows(force, "force")
+    check_positive(threshold, "the threshold in sigmas")
+    if force.ndim != 1:
+        raise DataError(f"the force has shape {force.shape}", remedy="give the force channel alone, (n,)")
     peak = int(np.argmax(np.abs(force)))
     offset = float(np.median(force))
     level = np.abs(force - offset)
@@ -56,7 +59,14 @@ def windowed_force(force: NDArray[np.float64], blow: Blow) -> NDArray[np.float64
     """The force with its offset taken off and zero outside the blow.
 
     The force channel's noise would otherwise ring through every lightly damped mode of a predicted response.
+
+    Raises:
+        DataError: the force is not one record, or not one that this blow can be of.
     """
+    check_rows(force, "force")
+    if force.ndim != 1 or not 0 <= blow.first < blow.stop <= force.size:
+        found = f"a blow from sample {blow.first} to {blow.stop} is not in a force of shape {force.shape}"
+        raise DataError(found, remedy="give the force in which the blow was found")
     quiet = np.zeros_like(force)
     quiet[blow.first : blow.stop] = force[blow.first : blow.stop] - blow.offset
     return quiet

@@ -7,16 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
-from modallab.schema.block import Signals
+from modallab.schema.block import Block, Signals
 from modallab.schema.check import check_signals
 from modallab.schema.check_axis import check_rate
+from modallab.schema.rig import Rig
+
+LARGEST = 1e30
+"""No quantity on a bench is as large, in any unit: its square would not be a number any more."""
 
 
 def check_rows(values: NDArray[Any], what: str = "record") -> None:
     """Refuse what is no set of time records (rows, n), or one record (n,).
 
     Raises:
-        DataError: not real numbers, empty, NaN or infinite, or more rows than samples.
+        DataError: not real numbers, empty, NaN, infinite or beyond 1e30, or more rows than samples.
     """
     if values.dtype.kind not in "iuf" or values.ndim not in (1, 2):
         found = f"the {what} has shape {values.shape} and type {values.dtype}"
@@ -26,10 +30,71 @@ def check_rows(values: NDArray[Any], what: str = "record") -> None:
     if values.ndim == 2 and values.shape[0] > values.shape[1]:
         found = f"the {what} has shape {values.shape}, more rows than samples: it looks transposed"
         raise DataError(found, remedy="transpose it: one row per channel, one column per sample")
-    bad = ~np.isfinite(values)
+    bad = ~(np.abs(values) <= LARGEST)
     if bad.any():
-        found = f"{int(bad.sum())} of {bad.size} samples of the {what} are NaN or infinite"
+        kind = f"beyond {LARGEST:g}" if np.isfinite(values).all() else "NaN or infinite"
+        found = f"{int(bad.sum())} of {bad.size} samples of the {what} are {kind}"
         raise DataError(found, remedy="look at the recording there; leave it out, or record it again")
+
+
+def check_channels(values: NDArray[Any], count: int, what: str = "record") -> None:
+    """Refuse what is not (channels, n) of so many channels; else as `check_rows`.
+
+    Raises:
+        DataError: it is not.
+    """
+    check_rows(values, what)
+    if values.ndim != 2 or len(values) != count:
+        raise DataError(
+            f"the {what} has shape {values.shape}, not ({count} channels, samples)",
+            remedy="give one row for each channel of the rig, in its order",
+        )
+
+
+def check_block(block: Block, rig: Rig) -> None:
+    """Refuse a block of other channels than the rig's, whose parts do not fit, or whose counts have no size.
+
+    Raises:
+        DataError: as said, with the record's name.
+    """
+    where = f"record {block.name}"
+    check_rate(block.rate_hz, where)
+    check_rows(block.samples, where)
+    names = tuple(c.name for c in rig.channels)
+    if block.channels != names:
+        raise DataError(
+            f"channels {list(block.channels)} are not the rig's {list(names)}",
+            where=where,
+            remedy="use the rig file the record was made with",
+        )
+    told = len(block.channels) if block.overload is None else len(block.overload)
+    parts = block.samples.shape[:1], block.scale.shape, (len(block.units),), (len(block.channels),), (told,)
+    if block.samples.ndim != 2 or len(set(parts)) > 1:
+        raise DataError(
+            f"samples {block.samples.shape}, scales {block.scale.shape}, {len(block.units)} units, "
+            f"{len(block.channels)} channels and {told} overload flags do not belong together",
+            where=where,
+            remedy="give one of each for every channel, and samples (channels, n)",
+        )
+    odd = [n for n, s in zip(block.channels, block.scale, strict=True) if not (np.isfinite(s) and s != 0)]
+    if odd:
+        found = f"the scale of {', '.join(odd)} is 0 or no number"
+        raise DataError(found, where=where, remedy="give the unit per count, such as V per count")
+
+
+def check_outputs(signals: Signals, rig: Rig) -> None:
+    """Refuse signals of other outputs than the rig's: points and units would be another's.
+
+    Raises:
+        DataError: they are not the rig's, in its order.
+    """
+    names = tuple(c.name for c in rig.responses)
+    if signals.outputs != names:
+        raise DataError(
+            f"outputs {list(signals.outputs)} are not the rig's {list(names)}",
+            where=f"record {signals.block.name}",
+            remedy="use the rig file the record was made with",
+        )
 
 
 def check_positive(value: float, what: str) -> None:

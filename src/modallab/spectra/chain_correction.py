@@ -11,11 +11,16 @@ from scipy.interpolate import CubicSpline
 from scipy.signal.windows import blackmanharris
 
 from modallab.errors import DataError
+from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Rig
 from modallab.spectra.blow import find_blow
+from modallab.spectra.border import check_channels, check_positive
 
 MIN_QUIET = 16
 """Samples before a blow from which a channel's zero can be read."""
+
+LEAST_SAMPLES = 8
+"""Fewer hold neither a level nor an integral."""
 
 Real = NDArray[np.float64]
 
@@ -26,10 +31,17 @@ def uncoupled(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = N
     What a channel reads at rest is no signal and would be integrated to a ramp, so it is taken off first: the level
     before the blow; or where `drive_hz` says that there is a sine, the constant beside it under a window in which what
     still decays leaves next to nothing.
+
+    Raises:
+        DataError: values that are no records of the rig's channels or too short, a rate or a frequency that is none.
     """
+    _check(values, rate_hz, rig, drive_hz)
     corners = [channel.ac_corner_hz for channel in rig.channels]
     if len(set(corners)) == 1:
         return values
+    if values.shape[1] < LEAST_SAMPLES:
+        found = f"{values.shape[1]} samples are too few to undo AC coupling"
+        raise DataError(found, remedy=f"record at least {LEAST_SAMPLES} samples")
     weights = _quiet(values[rig.force_channel.index]) if drive_hz is None else _window(values.shape[1])
     basis = _constant_and_sine(values.shape[1], rate_hz, drive_hz)
     rows = [
@@ -37,6 +49,17 @@ def uncoupled(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = N
         for row, corner in zip(values, corners, strict=True)
     ]
     return np.stack(rows)
+
+
+def _check(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None) -> None:
+    check_rate(rate_hz)
+    check_channels(values, len(rig.channels))
+    if drive_hz is None:
+        return
+    check_positive(drive_hz, "the sine's frequency in Hz")
+    if drive_hz >= rate_hz / 2:
+        found = f"a sine at {drive_hz:g} Hz cannot be seen at a rate of {rate_hz:g} Hz"
+        raise DataError(found, remedy="check the rate and the frequency of the record")
 
 
 def _undone(row: Real, rate_hz: float, corner_hz: float) -> Real:

@@ -4,6 +4,7 @@ import numpy as np
 
 from modallab.schema.block import Block
 from modallab.schema.rig import Rig
+from modallab.spectra.border import check_block
 
 
 def overloaded(block: Block, rig: Rig) -> tuple[str, ...]:
@@ -11,7 +12,11 @@ def overloaded(block: Block, rig: Rig) -> tuple[str, ...]:
 
     For whole counts the rail is the type's own end; for volts it is the channel's or the converter's range. What came
     in engineering units from elsewhere has no rail that is known. What the device itself reported counts as well.
+
+    Raises:
+        DataError: samples that are no records, parts that do not fit, or other channels than the rig's.
     """
+    check_block(block, rig)
     peaks = np.max(np.abs(block.samples.astype(np.float64)), axis=1)
     told = block.overload or (False,) * len(block.channels)
     return tuple(name for i, name in enumerate(block.channels) if told[i] or peaks[i] >= _rail(block, rig, i))
@@ -22,7 +27,7 @@ def _rail(block: Block, rig: Rig, index: int) -> float:
     if block.units[index] == "V":
         ranges = [rig.channels[index].range_v, rig.converter.range_v if rig.converter else None]
         bits = rig.converter.bits if rig.converter else 16
-        limits += [r / float(block.scale[index]) * (1 - 2.0 ** (1 - bits)) for r in ranges if r is not None]
+        limits += [r / abs(float(block.scale[index])) * (1 - 2.0 ** (1 - bits)) for r in ranges if r is not None]
     if block.samples.dtype.kind == "i":
         limits.append(2.0 ** (8 * block.samples.dtype.itemsize - 1) - 1)
     return min(limits) * (1 - 1e-12)

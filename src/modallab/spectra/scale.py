@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from modallab.errors import DataError
 from modallab.schema.block import Block, Signals
-from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Channel, Rig
 from modallab.schema.units import is_voltage, si_factor
 from modallab.spectra.align import aligned, lags_s
-from modallab.spectra.border import check_rows
+from modallab.spectra.border import check_block, check_rows
 from modallab.spectra.chain_correction import uncoupled
 
 
@@ -23,17 +22,10 @@ def to_signals(block: Block, rig: Rig) -> Signals:
         rig: sensitivities, units and directions.
 
     Raises:
-        DataError: channels other than the rig's, a unit that is not the channel's, or samples that are no records.
+        DataError: channels other than the rig's, a unit that is not the channel's, a scale of nothing, or samples that
+            are no records.
     """
-    check_rate(block.rate_hz, f"record {block.name}")
-    check_rows(block.samples, f"record {block.name}")
-    names = tuple(c.name for c in rig.channels)
-    if block.channels != names:
-        raise DataError(
-            f"channels {list(block.channels)} are not the rig's {list(names)}",
-            where=f"record {block.name}",
-            remedy="use the rig file the record was made with",
-        )
+    check_block(block, rig)
     factors = [_factor(c, u, s, block, rig) for c, u, s in zip(rig.channels, block.units, block.scale, strict=True)]
     values: NDArray[np.float64] = block.samples.astype(np.float64) * np.array(factors)[:, None]
     values = aligned(uncoupled(values, block.rate_hz, rig, block.frequency_hz), block.rate_hz, lags_s(rig))

@@ -52,9 +52,11 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
         iterations: at most this many steps.
 
     Raises:
-        DataError: the frequency runs away by more than one line: there is no such sine; or as for `fit_at`.
+        DataError: no step at all is asked for; the frequency runs away by more than one line: there is no such sine;
+            or as for `fit_at`.
     """
     _check(values, rate_hz, near_hz)
+    check_positive(iterations, "the number of steps")
     n = values.shape[1]
     t = np.arange(n) / rate_hz
     frequency = near_hz
@@ -74,7 +76,11 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
 def strongest_near(values: NDArray[np.float64], rate_hz: float, wanted_hz: float) -> float:
     """Frequency of the strongest sine in values (n,) within two lines or 5 % of the wanted one: a start for the fit.
 
-    Generator and converter each have a clock of their own; a wrong one may be off by more than a line.
+    Generator and converter each have a clock of their own; a wrong one may be off by more than a line. Where there is
+    nothing but a level, it is the wanted one.
+
+    Raises:
+        DataError: as for `fit_at`.
     """
     _check(values[None], rate_hz, wanted_hz)
     n = values.size
@@ -82,6 +88,8 @@ def strongest_near(values: NDArray[np.float64], rate_hz: float, wanted_hz: float
     spectrum = np.abs(np.fft.rfft((values - values.mean()) * window, 8 * n))
     frequency = np.arange(spectrum.size) * rate_hz / (8 * n)
     inside = np.abs(frequency - wanted_hz) <= max(2 * rate_hz / n, 0.05 * wanted_hz)
+    if spectrum[inside].max(initial=0.0) <= 1e-12 * n * float(np.abs(values).max()):
+        return wanted_hz
     found = float(frequency[inside][np.argmax(spectrum[inside])])
     # Below a few lines the window's lobe of the negative frequency is in the way; there the wanted one is near enough.
     return found if abs(found - wanted_hz) > 0.5 * rate_hz / n and wanted_hz > 4 * rate_hz / n else wanted_hz

@@ -8,9 +8,12 @@ from modallab.errors import DataError
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf
 from modallab.schema.rig import Rig
-from modallab.spectra.border import check_test
+from modallab.spectra.border import check_outputs, check_test
 from modallab.spectra.frf import combine, output_quantity
 from modallab.spectra.sine_fit import SineFit, fit_at
+
+CLOCKS = 0.1
+"""Share by which a measured frequency may differ from the one that was set: no clock is as wrong."""
 
 
 def stepped_frf(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: Rig) -> Frf:
@@ -24,13 +27,11 @@ def stepped_frf(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: 
         rig: names, points and quantities.
 
     Raises:
-        DataError: no blocks, blocks that differ, or not one fit per block.
+        DataError: no blocks, blocks that differ or of other outputs than the rig's, more than one drive point, or not
+            one fit per block, of the sine that drove it.
     """
     check_test(signals)
-    if len(force_fits) != len(signals):
-        raise DataError(
-            f"{len(force_fits)} fits for {len(signals)} blocks", remedy="give the force's fit of each block"
-        )
+    _check(signals, force_fits, rig)
     at: dict[float, list[int]] = {}
     for i, item in enumerate(signals):
         at.setdefault(float(item.block.frequency_hz or force_fits[i].frequency_hz), []).append(i)
@@ -51,3 +52,26 @@ def stepped_frf(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: 
         input_points=(signals[0].block.drive_point,),
         averages=(max(len(m) for m in at.values()),),
     )
+
+
+def _check(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: Rig) -> None:
+    check_outputs(signals[0], rig)
+    points = {s.block.drive_point for s in signals}
+    if len(points) > 1:
+        found = f"the sine blocks are driven at points {', '.join(sorted(map(str, points)))}"
+        raise DataError(found, remedy="give the blocks of one drive point")
+    if len(force_fits) != len(signals):
+        raise DataError(
+            f"{len(force_fits)} fits for {len(signals)} blocks", remedy="give the force's fit of each block"
+        )
+    for s, fit in zip(signals, force_fits, strict=True):
+        if s.block.test != "sine":
+            found = f"a block of the {s.block.test} test holds no steady sine"
+            raise DataError(found, where=f"record {s.block.name}", remedy="give the blocks of the sine test")
+        set_to = s.block.frequency_hz
+        if fit.amplitude.shape != (1,) or (set_to is not None and abs(fit.frequency_hz / set_to - 1) > CLOCKS):
+            raise DataError(
+                f"a fit of {fit.amplitude.size} channels at {fit.frequency_hz:.4g} Hz for a sine of {set_to} Hz",
+                where=f"record {s.block.name}",
+                remedy="give the fit of this block's force alone",
+            )
