@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-STAND_IN_ZETA = 0.005
-"""Centre and sigma of the stand-ins' damping, which the band's lines hardly tell."""
+STAND_IN_ZETA, STAND_IN_SIGMA = 0.005, 0.001
+"""The stand-ins' damping, which the band's lines hardly tell: left to them it runs to zero, where a pole rings through
+the whole block."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,5 +44,5 @@ def with_stand_ins(
     low, high = zeta_range
     zeta = np.append(np.clip(-poles.real / np.abs(poles), low, high), np.full(len(multiples), STAND_IN_ZETA))
     prior = np.tile([0.0, np.inf], (omega.size, 1))
-    prior[poles.size :] = STAND_IN_ZETA, STAND_IN_ZETA
+    prior[poles.size :] = STAND_IN_ZETA, STAND_IN_SIGMA
     return StartPoles(omega, zeta, prior, len(multiples))

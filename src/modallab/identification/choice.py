@@ -63,6 +63,9 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
             keep[
                 _nearest(frequency, inside, wanted, "the fit has no pole there", "leave it out, or widen the band")
             ] = True
+    elif options.drop_hz and not first:
+        # What the operator has left stays, however much noise the dropped one is for it now.
+        keep = np.isinf(fit.problem.zeta_prior[:, 1]) & (frequency > band_hz[0]) & (frequency < band_hz[1])
     elif options.refined:
         keep = is_mode(fit, band_hz)
     else:

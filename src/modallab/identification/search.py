@@ -14,11 +14,15 @@ Real = NDArray[np.float64]
 MAX_ITERATIONS = 40
 FIRST_LOOK = 12
 """Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
+LEAST_DAMPING = 1e-6
+"""Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
 MAX_ZETA = 0.5
 MIN_ZETA = 1e-7
 """A pole that grows would overflow before a long block ends; no structure has one."""
 MAX_MOVE = 0.1
-"""Largest relative change of a frequency, or change of a damping ratio, in one step."""
+"""Largest relative change of a frequency, or rise of a damping ratio, in one step."""
+MAX_FALL = 0.75
+"""Share of itself by which a damping ratio falls at most in one step: thrown to nothing it rings through the block."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,22 +87,31 @@ def _descend(
     matrix, gradient = equations
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scale[:held] = 0
-    scaled = matrix * np.outer(scale, scale)
+    scaled, pull = matrix * np.outer(scale, scale), scale * gradient
+    factor = 4.0
     for _ in range(10):
-        damped = scaled + damping * np.eye(len(scaled))
         try:
-            step = scale * linalg.cho_solve(linalg.cho_factor(damped), scale * gradient)
+            move = linalg.cho_solve(linalg.cho_factor(scaled + damping * np.eye(len(scaled))), pull)
         except linalg.LinAlgError:
             # Rounding has made it indefinite: two poles hardly differ.
             damping = max(10 * damping, 1e-6)
             continue
-        if step @ gradient < worth and damping <= 1e-3:
+        if move @ pull < worth and damping <= 1e-3:
             return None, damping
-        after = _solved(problem, _moved(problem, point.parameters, step), point.noise)
+        after = _solved(problem, _moved(problem, point.parameters, scale * move), point.noise)
         if after is not None and after.cost <= point.cost:
-            return after, max(damping / 10, 1e-9)
-        damping *= 10
+            share = (point.cost - after.cost) / max(move @ (pull + damping * move), 1e-300)
+            return after, max(damping * _eased(float(share)), LEAST_DAMPING)
+        damping, factor = damping * factor, 4 * factor
     return None, damping
+
+
+def _eased(share: float) -> float:
+    """What damping is multiplied by after a step that gave this share of what the quadratic model promised.
+
+    Source: Nielsen, "Damping parameter in Marquardt's method", report IMM-REP-1999-05 (1999).
+    """
+    return max(0.1, 1 - (2 * share - 1) ** 3)
 
 
 def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
@@ -115,7 +128,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     move = step[: 2 * n].reshape(n, 2)
     # Each pole is held back by itself: one that hardly matters must not slow the others down.
     omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
-    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_MOVE, MAX_MOVE), MIN_ZETA, MAX_ZETA)
+    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), MIN_ZETA, MAX_ZETA)
     local = step[2 * n :].reshape(n_blocks, problem.n_local)
     width = at.force.shape[1]
     force = at.force + local[:, problem.n_local - width :] if width else at.force
