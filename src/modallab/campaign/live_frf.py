@@ -1,7 +1,7 @@
 """FRF and coherence of a run as far as it has come."""
 
 from modallab.campaign.errors import ConflictError
-from modallab.identification.sine import fit_tone
+from modallab.identification.tones import fit_tone
 from modallab.schema.block import Block
 from modallab.schema.frf import Frf
 from modallab.schema.rig import Rig

@@ -77,8 +77,8 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Bl
 def _with_tails(blow: Blow, n: int) -> Blow:
     """A quarter more on both sides.
 
-    A converter's steep filter rings on, as high as its edge, below the noise of one sample. Cut off, that is some tenths
-    of a per cent of the force where the blow's own spectrum is weak.
+    A converter's steep filter rings on, as high as its edge, below the noise of one sample. Cut off, that is some
+    tenths of a per cent of the force where the blow's own spectrum is weak.
     """
     more = (blow.stop - blow.first) // 4
     return replace(blow, first=max(0, blow.first - more), stop=min(n, blow.stop + more))

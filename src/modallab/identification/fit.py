@@ -7,10 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import Vectors, columns, poles_of, stack, unstack
+from modallab.identification.basis import columns
+from modallab.identification.derivatives import Vectors
 from modallab.identification.excitation import Excitation
 from modallab.identification.force_noise import force_parts
+from modallab.identification.poles import poles_of
 from modallab.identification.projection import GroupSolution, Point, Problem, energy, true_excitation
+from modallab.identification.rows import stack, unstack
 from modallab.identification.search import Refined
 
 Real = NDArray[np.float64]

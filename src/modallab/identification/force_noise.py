@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import poles_of
 from modallab.identification.excitation import BlowExcitation, Excitation
+from modallab.identification.poles import poles_of
 from modallab.identification.projection import GroupSolution, Point, Problem
 
 Real = NDArray[np.float64]

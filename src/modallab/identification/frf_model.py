@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
-from modallab.identification.basis import LineBlock, stack, unstack
+from modallab.identification.basis import LineBlock
 from modallab.identification.choice import chosen, start_poles
 from modallab.identification.estimators import estimate_poles
 from modallab.identification.excitation import Grid, UnitExcitation
@@ -15,6 +15,7 @@ from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.projection import Parameters, Problem, solve_at
+from modallab.identification.rows import stack, unstack
 from modallab.identification.search import search
 from modallab.identification.unrefined import CALLED, without_sigma
 from modallab.schema.check import check_frf

@@ -9,9 +9,9 @@ rule.
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import poles_of
 from modallab.identification.excitation import Grid
 from modallab.identification.fit import Fit, modal_constants
+from modallab.identification.poles import poles_of
 
 Real = NDArray[np.float64]
 

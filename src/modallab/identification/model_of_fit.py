@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
-from modallab.identification.basis import poles_of
 from modallab.identification.fit import Fit, modal_constants, residuals
 from modallab.identification.modal_mass import unit_mass_shapes
+from modallab.identification.poles import poles_of
 from modallab.identification.repeated import Split, split_repeated
 from modallab.schema.model import Method, ModalModel
 from modallab.schema.rig import Rig

@@ -10,7 +10,7 @@ Source: Kaufman, "A variable projection method for solving separable nonlinear l
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.basis import Vectors
+from modallab.identification.derivatives import Vectors
 from modallab.identification.force_noise import force_equations
 from modallab.identification.projection import GroupSolution, Point, Problem
 

@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import IdentificationError
-from modallab.identification.basis import BlockColumns, LineBlock, Shared, columns, poles_of, stack
+from modallab.identification.basis import BlockColumns, LineBlock, Shared, columns
 from modallab.identification.excitation import BlowExcitation, Excitation
 from modallab.identification.orthonormal import orthonormal
+from modallab.identification.poles import poles_of
+from modallab.identification.rows import stack
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

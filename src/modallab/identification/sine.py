@@ -6,13 +6,12 @@ weighs more than the responses', is estimated along.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError, IdentificationError
-from modallab.identification.basis import LineBlock, poles_of
+from modallab.identification.basis import LineBlock
 from modallab.identification.beyond import with_stand_ins
 from modallab.identification.choice import chosen, start_poles
 from modallab.identification.estimators import estimate_poles
@@ -21,11 +20,13 @@ from modallab.identification.fit import Fit
 from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
+from modallab.identification.poles import poles_of
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
 from modallab.identification.stabilisation import Tolerance
 from modallab.identification.tone import tone
+from modallab.identification.tones import Tone, clock_notes, default_band, fit_tone
 from modallab.identification.unrefined import without_sigma
 from modallab.schema.block import Signals
 from modallab.schema.frf import DERIVATIVES, Frf
@@ -33,7 +34,6 @@ from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.spectra.border import check_test
 from modallab.spectra.frf import convert, lines, output_quantity
-from modallab.spectra.sine_fit import SineFit, fit_frequency, strongest_near
 from modallab.spectra.stepped import stepped_frf
 
 Real = NDArray[np.float64]
@@ -46,18 +46,9 @@ SETTLED_FROM = 1.2
 STATES_FIRST = 4
 START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
-BAND_MARGIN = 1.05
 NOT_SETTLED = "The search for the poles had not settled when it ended; the uncertainties may be too small."
 START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Tone:
-    """A sine block and the sine in its force."""
-
-    signals: Signals
-    fit: SineFit
 
 
 def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
@@ -87,7 +78,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     keep = chosen(fit, band, options, first=True)
     if not options.refined:
         readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
-        model = model_of_fit(fit, keep, rig, "sine", band, readings, _clock(used), options.method)
+        model = model_of_fit(fit, keep, rig, "sine", band, readings, clock_notes(used), options.method)
         return without_sigma(model), fit
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
     if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
@@ -100,32 +91,8 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
             remedy="add frequencies near the resonances, or drive harder",
         )
     readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
-    notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *_clock(used))
+    notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *clock_notes(used))
     return model_of_fit(fit, keep, rig, "sine", band, readings, notes, options.method), fit
-
-
-def fit_tone(signals: Signals) -> Tone:
-    """The sine in a block's force, at its own frequency, which the generator's clock decides."""
-    wanted = signals.block.frequency_hz
-    if wanted is None:
-        raise DataError(
-            "no frequency is recorded", where=f"record {signals.block.name}", remedy="give the record's frequency_hz"
-        )
-    start = strongest_near(signals.force, signals.rate_hz, wanted)
-    fit = fit_frequency(signals.force[None], signals.rate_hz, start)
-    if np.abs(fit.amplitude[0]) < 5 * fit.residual_rms[0] * np.sqrt(2 / signals.force.size):
-        raise DataError(
-            f"no sine at {wanted:.4g} Hz in the force: {np.abs(fit.amplitude[0]):.3g} N",
-            where=f"record {signals.block.name}",
-            remedy="check that the shaker was on, or leave the record out",
-        )
-    return Tone(signals, fit)
-
-
-def default_band(tones: Sequence[Tone]) -> tuple[float, float]:
-    """From below the lowest to above the highest drive frequency: a mode there still answers, and still rings."""
-    driven = [t.fit.frequency_hz for t in tones]
-    return min(driven) / BAND_MARGIN, max(driven) * BAND_MARGIN
 
 
 def stepped_start(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
@@ -208,13 +175,3 @@ def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:
 def _gap(frequency_hz: Real, wanted_hz: float) -> float:
     above = int(np.clip(np.searchsorted(frequency_hz, wanted_hz), 1, frequency_hz.size - 1))
     return float(frequency_hz[above] - frequency_hz[above - 1])
-
-
-def _clock(tones: Sequence[Tone]) -> tuple[str, ...]:
-    offsets = [t.fit.frequency_hz / t.signals.block.frequency_hz - 1 for t in tones if t.signals.block.frequency_hz]
-    clock = 1e6 * float(np.median(offsets))
-    if not abs(clock) > 5:
-        return ()
-    return (
-        f"The generator's clock runs {clock:+.0f} ppm against the converter's; the measured frequencies were used.",
-    )

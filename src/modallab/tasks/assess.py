@@ -19,7 +19,7 @@ from modallab.identification.confidence import confidence, least_strength, stren
 from modallab.identification.fit import Fit
 from modallab.identification.impact import LEAK
 from modallab.identification.silence import model_error, silence_noise
-from modallab.identification.sine import fit_tone
+from modallab.identification.tones import fit_tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf
 from modallab.schema.model import ModalModel

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from modallab.identification.excitation import BlowExcitation
 from modallab.identification.fit import Fit
 from modallab.identification.model_of_fit import receptance
-from modallab.identification.sine import fit_tone
 from modallab.identification.tone import ToneExcitation, tone
+from modallab.identification.tones import fit_tone
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf, FrfQuantity
 from modallab.schema.model import ModalModel

@@ -1,0 +1,11 @@
+"""Poles of modes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real = NDArray[np.float64]
+
+
+def poles_of(omega: Real, zeta: Real) -> NDArray[np.complex128]:
+    """Poles lambda = -zeta omega + j omega sqrt(1 - zeta^2), in rad/s."""
+    return -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
