@@ -93,20 +93,36 @@ class Bench:
         return last - began
 
 
-def kill_work(service: ServiceProcess, campaign: str, victim: str, moment: random.Random) -> float:
-    """Seconds from the kill until a job that was ordered before is done."""
-    low = moment.uniform(1.5, 2.5)
-    job = service.client.order(campaign, "identify", band_hz=[low, 400.0]).id
-    wait_until(lambda: service.client.job(job).state == "running")
-    time.sleep(moment.uniform(0, 2))
-    # One that was killed before is not there for a while.
-    wait_until(lambda: _pids(service, victim))
-    psutil.Process(moment.choice(_pids(service, victim))).kill()
-    began = time.monotonic()
-    done = service.client.wait_for_job(job, 300.0)
-    if done.state != "done":
-        raise AssertionError(f"job {job} is {done.state}: {done.error}")
-    return time.monotonic() - began
+class Work:
+    """Jobs of one kind in one campaign; each is another job to the service, since its band begins elsewhere."""
+
+    def __init__(self, service: ServiceProcess, campaign: str, moment: random.Random) -> None:
+        self.service, self.campaign, self.moment = service, campaign, moment
+        began = time.monotonic()
+        self.service.client.wait_for_job(self._order(), 300.0)
+        self.usual_s = time.monotonic() - began
+
+    def kill(self, victim: str) -> float:
+        """Seconds from the kill until a job that was computed at that moment is done."""
+        lab = self.service.client
+        while True:
+            job = self._order()
+            # One that was killed before is not there for a while.
+            wait_until(lambda name=job: lab.job(name).state != "queued" and _pids(self.service, victim))
+            time.sleep(self.moment.uniform(0, self.usual_s))
+            pids = _pids(self.service, victim)
+            if lab.job(job).state == "running" and pids:
+                break
+        psutil.Process(self.moment.choice(pids)).kill()
+        began = time.monotonic()
+        done = lab.wait_for_job(job, 300.0)
+        if done.state != "done":
+            raise AssertionError(f"job {job} is {done.state}: {done.error}")
+        return time.monotonic() - began
+
+    def _order(self) -> str:
+        low = self.moment.uniform(1.5, 2.5)
+        return self.service.client.order(self.campaign, "identify", band_hz=[low, 400.0]).id
 
 
 def _pids(service: ServiceProcess, victim: str) -> list[int]:
@@ -161,7 +177,8 @@ def kill_jobs(victim: str, kills: int, seed: int) -> int:
         with lab.lease(service.rig, "killer") as lease:
             run = lab.start_run(campaign, BLOWS, lease).id
             list(lab.follow(run))
-        took = one_by_one(victim, kills, lambda: kill_work(service, campaign, victim, moment))
+        work = Work(service, campaign, moment)
+        took = one_by_one(victim, kills, lambda: work.kill(victim))
     print(
         f"{victim}: all of {len(took)} jobs done after kill -9; median {np.median(took):.1f} s, longest {max(took):.1f}"
     )

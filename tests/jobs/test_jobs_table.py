@@ -161,3 +161,27 @@ def test_what_cannot_be_kept_or_found_is_told(jobs: Jobs) -> None:
         jobs.get("x")
     with pytest.raises(UnknownJobError):
         jobs.cancel("x")
+
+
+def test_the_jobs_of_a_runner_that_is_known_to_be_dead_are_free_at_once(jobs: Jobs, engine: Engine) -> None:
+    first, second = (jobs.submit("identify", {"n": n}, []) for n in range(2))
+    held, other = _take(engine, "dead"), _take(engine, "alive")
+    assert jobs.release("dead") == 1
+    assert [jobs.get(job.id).state for job in (first, second)] == ["queued", "running"]
+    again = _take(engine, "next")
+    assert (again.job.id, again.job.attempts) == (first.id, 2)
+    # What the dead one might still bring is another's job now, also under its own name.
+    assert not Leases(engine, "dead").done(held, {})
+    assert Leases(engine, "next").done(again, {"modes": 3})
+    assert Leases(engine, "alive").done(other, {})
+    assert jobs.release("dead") == 0
+
+
+def test_a_job_whose_runners_die_again_and_again_is_given_up(jobs: Jobs, engine: Engine) -> None:
+    job = jobs.submit("identify", {}, [])
+    for n in range(MAX_ATTEMPTS):
+        assert jobs.get(job.id).attempts == n
+        _take(engine)
+        assert jobs.release("one") == 1
+    assert Leases(engine, "one").take(KINDS, 1) == []
+    assert "given up after 3 attempts, the last one because its runner ended" in str(jobs.get(job.id).error)

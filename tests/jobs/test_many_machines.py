@@ -15,7 +15,7 @@ from waiting import ended, until
 
 from modallab.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.cluster import Tls
+from modallab.jobs.address import Tls
 from modallab.jobs.runner import Runner
 
 

@@ -2,16 +2,21 @@
 
 import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import TimeoutError as NotYetError
 from pathlib import Path
 
 import psutil
 import pytest
+from distributed.comm.core import CommClosedError
 from kinds_for_tests import kinds, secret_kind
 from waiting import ended, until
 
 from modallab.errors import JobError
 from modallab.jobs import Jobs
-from modallab.jobs.cluster import Tls, check_address
+from modallab.jobs.address import Tls, check_address
+from modallab.jobs.ask import SchedulerLostError
+from modallab.jobs.cluster import Cluster
 from modallab.jobs.runner import Runner
 
 
@@ -85,6 +90,32 @@ def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_p
     assert sorted(job.attempts for job in done) == [1, 2]
     assert after["scheduler"] != before["scheduler"]
     until(lambda: not any(psutil.pid_exists(pid) for pid in (*before.values(), *after.values())))
+
+
+def test_who_asks_a_scheduler_that_dies_meanwhile_hears_of_it_at_once() -> None:
+    with Cluster.connect(None, None, 0) as cluster, ThreadPoolExecutor(1) as pool:
+        process = psutil.Process(cluster.processes["scheduler"])
+        assert (cluster.threads, cluster.busy) == (0, frozenset())
+        process.suspend()
+        asked = pool.submit(lambda: cluster.threads)
+        with pytest.raises(NotYetError):
+            asked.result(0.3)
+        process.kill()
+        # Dask alone would try to connect again, and say so after ten seconds.
+        with pytest.raises((SchedulerLostError, CommClosedError)):
+            asked.result()
+        assert not cluster.alive
+
+
+def test_a_frozen_scheduler_is_given_up_and_ended() -> None:
+    with Cluster.connect(None, None, 0) as cluster:
+        process = psutil.Process(cluster.processes["scheduler"])
+        process.suspend()
+        cluster.patience_s = 0.3
+        with pytest.raises(SchedulerLostError, match=r"not answered for 0\.3 s"):
+            _ = cluster.threads
+        assert not process.is_running()
+        assert not cluster.alive
 
 
 def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: Path) -> None:

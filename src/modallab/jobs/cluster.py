@@ -1,20 +1,16 @@
 """The connection to Dask: workers of this machine's own, or a scheduler elsewhere."""
 
-import ipaddress
 import logging
 import os
 import time
-from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, cast
-from urllib.parse import urlsplit
+from typing import Any, Self
 
 from dask import config
 from distributed import Client, Nanny, SpecCluster
-from distributed.security import Security
 
-from modallab.errors import JobError
+from modallab.jobs.address import Tls
+from modallab.jobs.ask import ASK_S, SchedulerLostError, ask
 from modallab.jobs.scheduler_process import HOST, SchedulerProcess
 
 CONNECT_S = 10.0
@@ -31,65 +27,6 @@ _CONFIG = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Tls:
-    """Certificate files of one's own machines: each side shows its own and demands one by the same authority."""
-
-    ca: Path
-    cert: Path
-    key: Path
-
-    @classmethod
-    def configured(cls) -> Self | None:
-        """The files that Dask's own configuration or environment names for a client; None if it names none."""
-        names = ("ca-file", "client.cert", "client.key")
-        files = [config.get(f"distributed.comm.tls.{name}", None) for name in names]
-        return cls(*(Path(file) for file in files)) if all(files) else None
-
-    def security(self) -> Security:
-        """As Dask wants it."""
-        names = {"ca_file": self.ca, "client_cert": self.cert, "client_key": self.key}
-        missing = [str(path) for path in names.values() if not path.is_file()]
-        if missing:
-            raise JobError(
-                f"no such certificate file: {', '.join(missing)}", where="TLS", remedy="name the files you made"
-            )
-        files: dict[str, Any] = {f"tls_{name}": str(path) for name, path in names.items()}
-        return Security(require_encryption=True, **files)
-
-
-def check_address(scheduler: str, tls: Tls | None) -> None:
-    """Refuse an address that would send recordings, and code, in the open.
-
-    Raises:
-        JobError: no `tcp://` or `tls://` address with a port; `tcp://` to another machine; `tls://` without files.
-    """
-    parts = urlsplit(scheduler)
-    try:
-        known = parts.scheme in ("tcp", "tls") and parts.hostname and parts.port
-    except ValueError:
-        known = False
-    if not known:
-        raise JobError(f"{scheduler!r} is no address of a scheduler", where="scheduler", remedy="as tls://machine:8786")
-    if parts.scheme == "tcp" and not _is_loopback(parts.hostname or ""):
-        raise JobError(
-            f"{scheduler} is another machine, and tcp:// is neither encrypted nor asks who is there",
-            where="scheduler",
-            remedy="start scheduler and workers with certificates, and use tls://",
-        )
-    if parts.scheme == "tls" and tls is None:
-        raise JobError(
-            f"{scheduler} needs certificates", where="scheduler", remedy="name authority, certificate and key"
-        )
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
-
-
 class Cluster:
     """A client of a scheduler, and the scheduler and its workers too if they are this machine's own."""
 
@@ -98,6 +35,7 @@ class Cluster:
         self._own = own
         self._wanted = wanted
         self._whole = time.monotonic()
+        self.patience_s = ASK_S
 
     @classmethod
     def connect(cls, scheduler: str | None, tls: Tls | None, workers: int) -> Self:
@@ -115,19 +53,27 @@ class Cluster:
 
     @property
     def alive(self) -> bool:
-        """Whether the scheduler answers."""
-        return self.client.status == "running"
+        """Whether the scheduler is there, as far as is known without asking it."""
+        return self.client.status == "running" and (self._own is None or _process(self._own).pid is not None)
 
     @property
     def threads(self) -> int:
-        """Computations that can go on at the same time; 0 while there is no worker."""
-        workers = cast("dict[str, int]", self.client.nthreads())
+        """Computations that can go on at the same time; 0 while there is no worker.
+
+        Raises:
+            OSError: the scheduler is gone.
+        """
+        workers: dict[str, int] = self._ask("ncores")
         return sum(workers.values())
 
     @property
     def busy(self) -> frozenset[str]:
-        """Tasks of all runners that are at the workers."""
-        tasks = cast("dict[str, tuple[str, ...]]", self.client.processing())
+        """Tasks of all runners that are at the workers.
+
+        Raises:
+            OSError: the scheduler is gone.
+        """
+        tasks: dict[str, tuple[str, ...]] = self._ask("processing")
         return frozenset(key for keys in tasks.values() for key in keys)
 
     @property
@@ -136,7 +82,7 @@ class Cluster:
         if self._own is None:
             return {}
         workers = {f"worker {name}": nanny.pid for name, nanny in list(self._own.workers.items())}
-        found = {"scheduler": _pid(self._own)} | workers
+        found = {"scheduler": _process(self._own).pid} | workers
         return {name: pid for name, pid in found.items() if pid is not None}
 
     def worn(self, idle: bool) -> bool:
@@ -151,7 +97,7 @@ class Cluster:
 
     def close(self) -> None:
         """Leave, and end what was started here."""
-        if self._own is not None and _pid(self._own) is None:
+        if self._own is not None and _process(self._own).pid is None:
             # Nobody is there to be told, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
         for part in (self.client, self._own):
@@ -161,6 +107,21 @@ class Cluster:
             except (OSError, TimeoutError):
                 # The other side is gone already; its processes end by themselves.
                 continue
+        if self._own is not None:
+            # One that is frozen has heard nothing of this.
+            _process(self._own).end()
+
+    def _ask(self, what: str) -> Any:
+        scheduler: Any = self.client.scheduler
+        try:
+            if scheduler is None:
+                raise SchedulerLostError("the scheduler ended")
+            return ask(self.client, getattr(scheduler, what)(workers=None), lambda: self.alive, self.patience_s)
+        except SchedulerLostError:
+            if self._own is not None:
+                # Frozen, it would keep whoever closes it waiting; it holds nothing that is not in the table.
+                _process(self._own).kill()
+            raise
 
     def __enter__(self) -> Self:
         return self
@@ -183,9 +144,9 @@ def _local(workers: int) -> SpecCluster:
     )
 
 
-def _pid(cluster: SpecCluster) -> int | None:
-    scheduler: object = cluster.scheduler
-    return scheduler.pid if isinstance(scheduler, SchedulerProcess) else None
+def _process(cluster: SpecCluster) -> SchedulerProcess:
+    scheduler: Any = cluster.scheduler
+    return scheduler
 
 
 def default_workers() -> int:

@@ -11,8 +11,9 @@ from typing import Literal, Self
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from modallab.jobs.address import Tls, check_address
 from modallab.jobs.attempt import Attempt
-from modallab.jobs.cluster import Cluster, Tls, check_address, default_workers
+from modallab.jobs.cluster import Cluster, default_workers
 from modallab.jobs.jobs import Jobs
 from modallab.jobs.kind import Kind
 from modallab.jobs.leases import LEASE_S, Leases, Taken
@@ -25,7 +26,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Runner:
-    """Computes jobs until it is stopped. Any number of runners share one table."""
+    """Computes jobs until it is stopped. Any number of runners share one table, each by a name of its own: `owner`."""
 
     def __init__(
         self,
@@ -56,8 +57,8 @@ class Runner:
             check_address(scheduler, tls)
         self._kinds = {kind.name: kind for kind in kinds}
         self._address = (scheduler, tls, workers or default_workers())
-        owner = f"{socket.gethostname()[:32]}-{os.getpid()}-{secrets.token_hex(4)}"
-        self._leases = Leases(jobs.engine, owner, lease_s)
+        self.owner = f"{socket.gethostname()[:32]}-{os.getpid()}-{secrets.token_hex(4)}"
+        self._leases = Leases(jobs.engine, self.owner, lease_s)
         self._attempts: dict[str, Attempt] = {}
         self._lock = threading.Lock()
         self._stop = threading.Event()

@@ -65,15 +65,24 @@ class SchedulerProcess(ProcessInterface):
         await super().start()
 
     async def close(self) -> None:
-        """Tell it to leave, and end it if it does not."""
+        """Tell it to leave, and see that it does."""
         if self._connection is not None:
             with suppress(OSError):
                 self._connection.send(None)
-        if self._process is not None:
-            await asyncio.to_thread(self._process.join, LEAVE_S)
-            self._process.kill()
-            await asyncio.to_thread(self._process.join)
+        await asyncio.to_thread(self.end)
         await super().close()
+
+    def end(self) -> None:
+        """Wait until the process has left, and end it if it does not."""
+        if self._process is not None:
+            self._process.join(LEAVE_S)
+            self.kill()
+
+    def kill(self) -> None:
+        """End the process, whatever it does."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
 
     def _heard(self) -> str:
         assert self._connection is not None

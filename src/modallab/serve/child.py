@@ -14,7 +14,8 @@ import psutil
 LOG = logging.getLogger(__name__)
 AGAIN_S = 0.2
 MOST_S = 10.0
-STEADY_S = 30.0
+STEADY_S = 10.0
+"""Whoever lives so long is started again without delay: that cannot happen more often than every `MOST_S`."""
 LEAVE_S = 10.0
 
 

@@ -2,6 +2,7 @@
 
 import signal
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
 from modallab.serve.log import set_up
@@ -10,8 +11,16 @@ from modallab.settings import Settings
 LOOK_S = 0.2
 
 
+@dataclass(frozen=True, slots=True)
+class Computing:
+    """What the process tells: the name its jobs are held under, and the processes that it has started, by name."""
+
+    owner: str
+    processes: dict[str, int]
+
+
 def run_jobs(connection: Connection, settings: Settings) -> None:
-    """Compute jobs until the supervisor is gone or says so; it is told which processes were started for that."""
+    """Compute jobs until the supervisor is gone or says so; it is told who holds them, and by which processes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     set_up(settings.log_level)
     # Imported here: the supervisor, which is the same program, needs none of it.
@@ -25,9 +34,13 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
         jobs = Jobs(store.catalogue.engine)
         known = kinds(campaigns_of(store), store.folder)
         runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
-        with runner, suppress(EOFError, OSError):
-            told: dict[str, int] | None = None
-            while not connection.poll(LOOK_S):
-                if told != runner.processes:
-                    told = runner.processes
-                    connection.send(told)
+        # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
+        told = Computing(runner.owner, {})
+        with suppress(EOFError, OSError):
+            connection.send(told)
+            with runner:
+                while not connection.poll(LOOK_S):
+                    now = Computing(runner.owner, runner.processes)
+                    if told != now:
+                        told = now
+                        connection.send(told)

@@ -10,7 +10,7 @@ from modallab.settings import Settings
 from modallab.storage.address import ADDRESS, database_of, name_database
 
 if TYPE_CHECKING:
-    from modallab.jobs.cluster import Tls
+    from modallab.jobs.address import Tls
 
 
 def settle_database(settings: Settings) -> None:
@@ -40,7 +40,7 @@ def tls_of(settings: Settings) -> "Tls | None":
     Raises:
         ServiceError: only some of the three files are named.
     """
-    from modallab.jobs.cluster import Tls
+    from modallab.jobs.address import Tls
 
     ca, cert, key = settings.scheduler_ca, settings.scheduler_cert, settings.scheduler_key
     if ca is not None and cert is not None and key is not None:
@@ -63,7 +63,7 @@ def require_scheduler(settings: Settings) -> None:
     """
     if settings.scheduler is None:
         return
-    from modallab.jobs.cluster import Tls, check_address
+    from modallab.jobs.address import Tls, check_address
 
     tls = tls_of(settings) or Tls.configured()
     check_address(settings.scheduler, tls)

@@ -26,7 +26,7 @@ from modallab.jobs import Jobs
 from modallab.schema.rig import Rig
 from modallab.serve.api_process import run_api
 from modallab.serve.child import Child
-from modallab.serve.job_process import run_jobs
+from modallab.serve.job_process import Computing, run_jobs
 from modallab.serve.silence import Silence
 from modallab.serve.stop_listener import StopListener
 from modallab.serve.wire import Counter
@@ -73,7 +73,7 @@ class Supervisor:
         boot = secrets.token_hex(8)
         log = EventLog(self.store.catalogue.engine)
         diary = Diary(self.store, log)
-        jobs = Jobs(self.store.catalogue.engine)
+        jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._diary = diary
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
         self._recovery = Recovery(diary)
@@ -135,10 +135,21 @@ class Supervisor:
         Thread(target=self._hear_jobs, args=(connection,), name="jobs", daemon=True).start()
 
     def _hear_jobs(self, connection: Connection) -> None:
+        owner = ""
         with suppress(EOFError, OSError):
             while True:
-                self._computing = connection.recv()
+                told: Computing = connection.recv()
+                owner, self._computing = told.owner, told.processes
         self._computing = {}
+        if owner and not self._closing.is_set():
+            self._free_jobs(owner)
+
+    def _free_jobs(self, owner: str) -> None:
+        try:
+            self._queue.release(owner)
+        except ModallabError as error:
+            # Then its leases run out.
+            LOG.warning("jobs of %s: %s", owner, error)
 
     def _processes(self) -> dict[str, int]:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
