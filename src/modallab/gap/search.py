@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.bench import Bench, finish, misfit, on_all, short
+from modallab.gap.bench import COARSE, STRAIGHT, Bench, finish, misfit, on_all, short
 from modallab.gap.candidates import Candidate, chained, of_channel, structural, swaps
 from modallab.gap.fit import Fit, Problem, all_rows, softened
 from modallab.gap.forward import forward
@@ -89,6 +89,20 @@ def channel_share(fit: Fit) -> Array:
     return total / max(float(np.sum(total)), 1e-300)
 
 
+def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles tell of.
+
+    Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
+    """
+    there = finish(bench, fit, floor)
+    if there.gap <= bench.flat or bool(np.all(np.abs(there.u[:3]) < STRAIGHT)) or not len(bench.poles):
+        return there
+    candidates = there.problem.candidates
+    u = start(candidates, there.u[bench.free.size :], bench.free, bench.poles).u
+    again = finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    return min(there, again, key=lambda f: f.cost)
+
+
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
     floor = misfit(base.problem, base.u)
@@ -103,7 +117,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
 
     def to_the_end(f: Fit) -> Fit:
-        return finish(bench, f, screen.floor / 12)
+        return ended(bench, f, screen.floor / 12)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)

@@ -1,0 +1,34 @@
+"""A fit whose beam has strayed far outside its tolerances finds its way back."""
+
+import numpy as np
+import pytest
+
+from modallab.gap.bench import COARSE, finish
+from modallab.gap.before import TOP_HZ, bench_of
+from modallab.gap.candidates import structural
+from modallab.gap.fit import Fit, Problem
+from modallab.gap.nuisances import nuisances
+from modallab.gap.prepare import prepare
+from modallab.gap.search import ended
+from modallab.schema.effects import Effect
+
+
+def strayed(rig, make, beam):
+    prepared = prepare(make(Effect(effect="sensor_mass", parameters={"mass_each": 0.02}, place={"x": "all"})))
+    free = nuisances(rig, TOP_HZ)
+    bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
+    (candidate,) = (c for c in structural(rig) if c.effect == "sensor_mass")
+    u = np.concatenate([np.zeros(free.size), [candidate.slots[0].coordinate(0.013)]])
+    u[:3] = beam
+    problem = Problem(bench.thin, free, (candidate,))
+    r = problem.residual(u)
+    return bench, Fit(problem, u, float(r @ r), r, np.eye(len(u)))
+
+
+@pytest.mark.parametrize("beam", [(8.9, 13.4, 4.8), (-40.0, -28.0, -2.6)])
+def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, make, beam):
+    bench, fit = strayed(rig, make, beam)
+    assert finish(bench, fit, COARSE / 12).gap > 1.5
+    found = ended(bench, fit, COARSE / 12)
+    assert found.gap < 1.1
+    np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)
