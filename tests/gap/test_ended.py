@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from modallab.gap.bench import COARSE, finish
 from modallab.gap.before import TOP_HZ, bench_of
+from modallab.gap.bench import COARSE, finish
 from modallab.gap.candidates import structural
 from modallab.gap.fit import Fit, Problem
 from modallab.gap.nuisances import nuisances
