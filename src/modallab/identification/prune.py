@@ -10,6 +10,8 @@ MIN_SIGNIFICANCE = 5.0
 MAX_ZETA = 0.2
 MAX_FREQUENCY_SIGMA = 2e-3
 MAX_DAMPING_SIGMA = 0.5
+MUCH_WORSE = 3.0
+"""Times the sigma of the better known."""
 ALIKE = 0.5
 """MAC of two poles' modal constants, over responses and forces, from which they may be one mode."""
 
@@ -27,22 +29,29 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
     constants, constant_sigma = modal_constants(fit)
     seen = np.max(np.abs(constants) / np.maximum(constant_sigma, 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
-    return inside & stable & known & seen & ~_doubles(fit, constants)
+    good = stable & known & seen
+    double, host = _doubles(fit, constants, good)
+    # Beside its double a mode is hardly known; without it, it will be.
+    return inside & stable & (good | host) & ~double
 
 
-def _doubles(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """Poles that stand on a better known one: nearer than both half-widths together, with shapes that cancel.
+def _doubles(
+    fit: Fit, constants: NDArray[np.complex128], good: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Poles that stand on a better known one, and those they stand on.
 
-    One force sees one shape at a frequency. From several, two modes there have modal constants that differ.
+    They are nearer than half a half-width, with shapes that cancel, and much worse known or not known at all. One force
+    sees one shape at a frequency. From several, two modes there have modal constants that differ.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
     alike = (likeness > ALIKE) | (len(fit.input_points) == 1)
-    double = np.zeros(at.omega.size, bool)
+    double, host = np.zeros(at.omega.size, bool), np.zeros(at.omega.size, bool)
     order = np.argsort(sigma[:, 0] / at.omega)
     for place, i in enumerate(order):
         for j in order[:place]:
             near = abs(at.omega[i] - at.omega[j]) < 0.5 * abs(at.zeta[i] * at.omega[i])
-            if near and sigma[i, 0] > 3 * sigma[j, 0] and alike[i, j]:
-                double[i] = True
-    return double
+            worse = sigma[i, 0] > MUCH_WORSE * sigma[j, 0] or not good[i]
+            if near and worse and alike[i, j]:
+                double[i] = host[j] = True
+    return double, host & ~double
