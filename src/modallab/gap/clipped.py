@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ Array = NDArray[np.float64]
 
 SHARE = 0.02
 """Smallest share of a record's samples that counts as a flat top."""
+MORE, FEW = 3.0, 4
+"""Times a sine's own share at its top, and how many of its phases besides may stand there by chance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +55,22 @@ def _level(block: Block, row: int, peak: float, near: float) -> float:
 
 
 def _is_flat(block: Block, row: int, peak: float, near: float) -> bool:
-    """Whether runs of samples stay at the top longer than a sine of this frequency could."""
+    """Whether more samples, or longer runs of them, stay at the top than a sine of this frequency could."""
     volts = np.abs(block.samples[row]) * block.scale[row]
     top = volts > peak - near
     share = float(np.mean(top))
     if block.test == "impact" or not block.frequency_hz or share < SHARE:
         return False
+    own = 2 / np.pi * np.arccos(1 - min(near / peak, 1.0))
+    if share > MORE * own + FEW / _phases(block.frequency_hz / block.rate_hz, block.n_samples):
+        return True
     arc = 2 * np.arccos(1 - min(near / peak, 1.0)) / (2 * np.pi * block.frequency_hz) * block.rate_hz
     edges = np.diff(np.concatenate([[0], top.astype(int), [0]]))
     runs = np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
     return float(np.mean(runs)) > 1.8 * arc + 1
+
+
+def _phases(per_sample: float, n: int) -> int:
+    """How many different phases the samples of a sine see: few, where it repeats after some samples."""
+    periods = round(per_sample * n)
+    return n // gcd(periods, n) if periods and abs(per_sample * n - periods) < 0.02 else n
