@@ -19,11 +19,14 @@ from sdypy_sep005 import Sep005Data
 
 from modallab.errors import DataError, FormatError, ModallabError
 from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.exchange.csv_frf import read_csv_modes
 from modallab.exchange.export import Format, write_export
 from modallab.exchange.importer import import_sources
+from modallab.exchange.modes import ModeShapes
 from modallab.exchange.rig_file import read_rig
 from modallab.exchange.sep005 import to_sep005
 from modallab.exchange.tdms_read import read_tdms_objects
+from modallab.exchange.uff_shapes import read_uff_shapes
 from modallab.schema.block import Block, Campaign
 from modallab.schema.frf import Frf
 from modallab.schema.model import ModalModel
@@ -130,14 +133,30 @@ def test_counts_stay_counts(format_: Format, tmp_path: Path) -> None:
         np.testing.assert_array_equal(other.scale, one.scale)
 
 
-@pytest.mark.parametrize("format_", ["hdf5", "uff"])
+@pytest.mark.parametrize("format_", ["hdf5", "uff", "csv"])
 def test_frfs_come_back_bit_for_bit_with_their_coherence(format_: Format, tmp_path: Path) -> None:
     source = Campaign(RIG, (), (frf(),))
-    (found,) = back(written(source, format_, tmp_path)).frfs
+    out = written(source, format_, tmp_path)
+    (found,) = back(out / "frf_1.csv" if format_ == "csv" else out).frfs
     np.testing.assert_array_equal(found.values, frf().values)
     np.testing.assert_array_equal(found.coherence, frf().coherence)
     np.testing.assert_allclose(found.frequency_hz, frf().frequency_hz, rtol=1e-15)
     assert (found.quantity, found.outputs, found.input_points) == ("mobility", ("a01", "a02", "a03"), (1, 2))
+    assert found.output_points == (1, 2, 3)
+
+
+def test_a_table_of_frfs_that_is_not_whole_is_refused(tmp_path: Path) -> None:
+    path = written(Campaign(RIG, (), (frf(),)), "csv", tmp_path) / "frf_1.csv"
+    text = path.read_text(encoding="utf-8")
+    for old, new, said in (
+        ("# mobility", "# motion", "none of an FRF"),
+        ("im a02/p2", "im a09/p2", "a09 is no response channel"),
+        ("im a02/p2", "im a02/p9", "no column 're a01/p9'"),
+        ("re a01/p1", "a01", "column 'a01' is none of an FRF"),
+    ):
+        path.write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(ModallabError, match=said):
+            back(path)
 
 
 def test_another_program_reads_the_universal_file(tmp_path: Path) -> None:
@@ -177,6 +196,77 @@ def test_complex_shapes_carry_their_pole(tmp_path: Path) -> None:
     assert -pole.real / abs(pole) == pytest.approx(0.0061, rel=1e-4)
     assert shape["modal_a"] == pytest.approx(2j * pole.imag, rel=1e-5)
     np.testing.assert_allclose(shape["r3"], [0.1 + 0.25j, 0.4 + 0.25j, 1.2 + 0.25j])
+
+
+@pytest.mark.parametrize("is_complex", [False, True])
+def test_modes_come_back_from_a_universal_file_with_its_six_digits(is_complex: bool, tmp_path: Path) -> None:
+    source = model(is_complex=is_complex)
+    out = written(visit(), "uff", tmp_path, source, source.model_copy(update={"test": "sine"}))
+    found = read_uff_shapes(out, RIG)
+    assert [one.title for one in found] == ["elastic link, impact, plscf", "elastic link, sine, plscf"]
+    for one in found:
+        _same_modes(one, source, rtol=1e-5)
+        np.testing.assert_allclose(one.modal_mass_kg, 1.0, rtol=1e-5)
+    assert read_uff_shapes(written(visit(), "uff", tmp_path), RIG) == ()
+
+
+def test_modes_come_back_from_a_table_bit_for_bit(tmp_path: Path) -> None:
+    source = model(is_complex=True)
+    found = read_csv_modes(written(visit(), "csv", tmp_path, source) / "modes_impact.csv", RIG)
+    _same_modes(found, source, rtol=0)
+    assert found.title == "plscf"
+    with pytest.raises(FormatError, match="none of a table of modes"):
+        read_csv_modes(tmp_path / "c" / "impact_p01_1.csv", RIG)
+
+
+def _same_modes(found: ModeShapes, source: ModalModel, rtol: float) -> None:
+    assert source.shapes is not None
+    assert (found.outputs, found.output_points) == (source.outputs, source.output_points)
+    np.testing.assert_allclose(found.frequency_hz, source.frequency_hz, rtol=rtol)
+    np.testing.assert_allclose(found.damping_ratio, source.damping_ratio, rtol=10 * rtol)
+    np.testing.assert_allclose(found.shapes, source.shapes, rtol=rtol)
+
+
+def test_shapes_follow_the_sense_of_the_channels_and_must_stand_where_the_rig_does(tmp_path: Path) -> None:
+    out = written(visit(), "uff", tmp_path, model())
+    turned = RIG.model_copy(
+        update={
+            "channels": tuple(c.model_copy(update={"direction": "-z"}) if c.name == "a02" else c for c in RIG.channels)
+        }
+    )
+    (found,) = read_uff_shapes(out, turned)
+    np.testing.assert_allclose(found.shapes, model().shapes * [1, -1, 1], rtol=1e-5)
+    moved = RIG.model_copy(
+        update={"points": tuple(p.model_copy(update={"x_m": p.x_m + 0.01 * (p.id == 3)}) for p in RIG.points)}
+    )
+    with pytest.raises(DataError, match=r"nodes 1 and 3 are 0\.591333 m apart, the rig's points 0\.601333 m"):
+        read_uff_shapes(out, moved)
+    # Another origin is the same bench.
+    shifted = RIG.model_copy(update={"points": tuple(p.model_copy(update={"x_m": p.x_m - 0.1}) for p in RIG.points)})
+    assert len(read_uff_shapes(out, shifted)) == 1
+
+
+def test_shapes_of_another_program_are_read_with_their_modal_mass(tmp_path: Path) -> None:
+    """As pyuff writes them: a normal mode of 4 kg, and a forced response that is no mode."""
+    path = tmp_path / "other.uff"
+    file = pyuff.UFF(str(path))
+    for mode, analysis in ((1, 2), (2, 5)):
+        file.write_sets(_shape_of_pyuff(mode, analysis), "add")
+    (found,) = read_uff_shapes(path, RIG)
+    assert (found.title, found.modal_mass_kg.tolist()) == ("other bench", [4.0])
+    assert found.frequency_hz == pytest.approx([12.5])
+    assert found.damping_ratio == pytest.approx([0.02])
+    np.testing.assert_allclose(found.shapes, [[0.5, -1.0, 2.0]])
+
+
+def _shape_of_pyuff(mode: int, analysis: int) -> dict[str, object]:
+    zeros = np.zeros(3)
+    return pyuff.prepare_55(
+        model_type=1, id1="other bench", id2="NONE", id3="NONE", id4="NONE", id5="NONE",
+        analysis_type=analysis, data_ch=2, spec_data_type=8, data_type=2,
+        r1=zeros, r2=zeros, r3=np.array([0.5, -1.0, 2.0]), n_data_per_node=3, node_nums=np.array([1, 2, 3]),
+        load_case=1, mode_n=mode, freq=12.5, modal_m=4.0, modal_damp_vis=0.02, modal_damp_his=0.0, freq_step_n=1,
+    )  # fmt: skip
 
 
 def test_another_program_reads_the_tdms_file_in_units_and_in_counts(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""CSV files: a column of times and one column per channel, by the names of the rig."""
+"""CSV files: a column of times and one column per channel, by the names of the rig; or FRFs as they are exported."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.errors import DataError
 from modallab.exchange.block_facts import facts_or_options, read_facts
+from modallab.exchange.csv_frf import frf_of, is_frf
 from modallab.exchange.csv_table import Table, read_table
 from modallab.exchange.options import ImportOptions
 from modallab.exchange.unit_text import normal_unit
@@ -19,7 +20,7 @@ _FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "hz", "frequenz"}
 
 
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """Read one block.
+    """Read one block, or one matrix of FRFs.
 
     Columns are told by the names in the header, whatever their order; units stand in brackets after the name or in
     a line of their own, else numbers are in each channel's own unit (or volts, if the options say so). Without a
@@ -31,6 +32,8 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     where = str(path)
     table = read_table(path)
+    if is_frf(table):
+        return Campaign(rig, (), (frf_of(table, rig, where),), source=where)
     names = table.names or _names_by_place(table, rig, options, where)
     places = _places(names, rig, where)
     time = _time_column(names)
@@ -80,7 +83,7 @@ def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
     lowered = [name.lower() for name in names]
     if lowered[0] in _FREQUENCY_NAMES:
         raise DataError(
-            f"its first column is {names[0]!r}: CSV files hold time records here",
+            f"its first column is {names[0]!r}: of FRFs only those that modallab exported are read from CSV",
             where=where,
             remedy="give the time records, or the FRFs as a universal file (dataset 58)",
         )

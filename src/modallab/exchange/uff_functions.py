@@ -80,12 +80,7 @@ def read_functions(path: Path) -> UniversalFile:
     Raises:
         FormatError: no universal file, cut off, or with a set that does not hold what it announces.
     """
-    _check_frame(path)
-    try:
-        source = pyuff.UFF(str(path))
-        types = [int(kind) for kind in source.get_set_types()]
-    except Exception as error:  # pyuff raises plain Exception.
-        raise FormatError("cannot be divided into sets", where=str(path), remedy=_COPY_AGAIN) from error
+    source, types = _open(path)
     functions = [_function(source, k, str(path)) for k, kind in enumerate(types) if kind == FUNCTION_SET]
     units = [_read_set(source, k, str(path)).get("units_code") for k, kind in enumerate(types) if kind == UNITS_SET]
     return UniversalFile(
@@ -93,6 +88,25 @@ def read_functions(path: Path) -> UniversalFile:
         units_code=int(units[0]) if units and units[0] is not None else None,
         others=tuple(kind for kind in types if kind not in (FUNCTION_SET, UNITS_SET)),
     )
+
+
+def read_datasets(path: Path, kind: int) -> tuple[dict[str, Any], ...]:
+    """All sets of one type, as pyuff decodes them.
+
+    Raises:
+        FormatError: no universal file, cut off, or with a set that cannot be decoded.
+    """
+    source, types = _open(path)
+    return tuple(_read_set(source, k, str(path)) for k, found in enumerate(types) if found == kind)
+
+
+def _open(path: Path) -> tuple[Any, list[int]]:
+    _check_frame(path)
+    try:
+        source: Any = pyuff.UFF(str(path))
+        return source, [int(kind) for kind in source.get_set_types()]
+    except Exception as error:  # pyuff raises plain Exception.
+        raise FormatError("cannot be divided into sets", where=str(path), remedy=_COPY_AGAIN) from error
 
 
 def _check_frame(path: Path) -> None:
