@@ -40,7 +40,8 @@ def watch(service: ServiceProcess, minutes: float) -> tuple[int, int]:
                 asked += 1
             if view.state in ENDED:
                 alarms += 1
-                print(f"{view.state}: {view.reason}")
+                trip = lab.rig(service.rig).trip
+                print(f"{view.state}: {view.reason}; {trip.reason if trip else 'not tripped'}", flush=True)
                 lab.reset(service.rig, lease, "false alarm")
                 lab.wait_until_idle(service.rig)
             else:

@@ -71,11 +71,24 @@ def test_a_body_that_is_not_valid_names_every_field(lab: Lab) -> None:
     with lab.client() as client:
         found = problem(client.post(f"{API}/campaigns", json={"name": "", "colour": 1}), 422, "not-valid")
         assert {"body.name", "body.rig", "body.colour"} == {one["where"] for one in found["errors"]}
+        assert "/docs" in found["remedy"]
+        without_kind = client.post(f"{API}/campaigns/c1/runs", json={"plan": {"points": [10]}})
+        (one,) = problem(without_kind, 422, "not-valid")["errors"]
+        assert one["what"] == "needs a field 'kind' that says what it is"
         problem(
             client.post(f"{API}/campaigns", content=b"{", headers={"Content-Type": "application/json"}),
             422,
             "not-valid",
         )
+
+
+def test_who_types_the_address_alone_or_opens_a_problem_s_page_can_read_on(lab: Lab) -> None:
+    with lab.client(token=None) as client:
+        assert client.get("/").headers["location"] == "/docs"
+        page = client.get("/problems/lease-needed")
+        assert page.status_code == 200
+        assert "<code>Modallab-Lease</code>" in page.text
+        assert "`" not in page.text
 
 
 def test_the_same_key_makes_one_campaign(lab: Lab) -> None:

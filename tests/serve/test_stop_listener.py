@@ -35,7 +35,11 @@ def url(called: Called) -> Iterator[str]:
 
 
 def test_a_post_stops_and_a_look_does_not(url: str, called: Called) -> None:
-    assert httpx.get(url).status_code == 405
+    page = httpx.get(f"{url}?rig=link")
+    assert page.status_code == 200
+    assert page.headers["content-type"].startswith("text/html")
+    assert "<form method=post>" in page.text
+    assert httpx.get(url.removesuffix("emergency-stop")).status_code == 404
     assert called == []
     assert httpx.post(url).json() == {"stopped": ["link"]}
     assert httpx.post(f"{url}?rig=link&operator=Ada").status_code == 200
@@ -47,6 +51,12 @@ def test_what_could_not_be_stopped_is_said_with_what_to_do(url: str) -> None:
     assert failed.status_code == 500
     assert failed.json()["remedy"] == "switch the amplifier off"
     assert httpx.post(f"{url}?rig=none").status_code == 404
+
+
+def test_its_own_page_may_press_the_button(url: str, called: Called) -> None:
+    origin = url.removesuffix("/emergency-stop")
+    assert httpx.post(url, headers={"Origin": origin}, data={}).status_code == 200
+    assert called == [(None, "unknown")]
 
 
 def test_a_page_of_another_site_stops_nothing(url: str, called: Called) -> None:

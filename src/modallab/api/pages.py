@@ -1,5 +1,6 @@
 """Pages for people: the API's documentation, with nothing from elsewhere, and one page for every kind of problem."""
 
+import re
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -7,13 +8,20 @@ from pathlib import Path
 import fastapi_offline
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.docs import get_swagger_ui_html
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 
 from modallab.api.kinds import KINDS
 from modallab.campaign.errors import NotFoundError
 
 router = APIRouter(include_in_schema=False)
+_STYLE = "body{font:18px/1.5 system-ui,sans-serif;max-width:42em;margin:3em auto;padding:0 1em}code{font-size:.95em}"
+
+
+@router.get("/")
+def begin() -> RedirectResponse:
+    """Who types the address alone is led to what can be read."""
+    return RedirectResponse("/docs")
 
 
 @router.get("/docs")
@@ -35,10 +43,16 @@ def show_problem(code: str) -> HTMLResponse:
     if kind is None:
         raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(sorted(KINDS))}")
     return HTMLResponse(
-        f"<!doctype html><html lang=en><meta charset=utf-8><title>{escape(kind.title)}</title>"
+        f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+        f"<title>{escape(kind.title)}</title><style>{_STYLE}</style>"
         f"<h1>{escape(kind.title)}</h1><p><code>{escape(code)}</code>, status {kind.status}</p>"
-        f"<p>{escape(kind.meaning)}</p></html>"
+        f"<p>{_marked(kind.meaning)}</p><p><a href=/docs>The API</a></p></html>"
     )
+
+
+def _marked(text: str) -> str:
+    """What stands between backticks is code."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
 def mount_static(app: FastAPI) -> None:

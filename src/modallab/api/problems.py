@@ -11,12 +11,14 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match, Route
 
 from modallab.acquisition.states import IllegalTransitionError
+from modallab.acquisition.trip import TrippedError
 from modallab.api.kinds import KINDS, Kind, kind_of
 from modallab.errors import ModallabError
 from modallab.schema.service.pages import Problem
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
+RESET = "look at the bench, then POST to the rig's `reset`, with its lease"
 
 Responses = dict[int | str, dict[str, Any]]
 
@@ -53,7 +55,9 @@ def of_error(error: ModallabError) -> Response:
     legal = None
     if isinstance(error, IllegalTransitionError):
         legal = tuple(word for word in error.remedy.removeprefix("legal: ").split(", ") if " " not in word)
-    return problem(kind, error.what, headers, code=error.code, remedy=error.remedy, where=error.where, legal=legal)
+    # On the machine itself there is a command for it; whoever asks here has the lease.
+    remedy = RESET if isinstance(error, TrippedError) else error.remedy
+    return problem(kind, error.what, headers, code=error.code, remedy=remedy, where=error.where, legal=legal)
 
 
 async def _known(request: Request, error: Exception) -> Response:
@@ -65,10 +69,16 @@ async def _known(request: Request, error: Exception) -> Response:
 
 async def _not_valid(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found = tuple(
-        {"where": ".".join(str(part) for part in one["loc"]), "what": str(one["msg"])} for one in error.errors()
-    )
-    return problem(KINDS["not-valid"], f"{len(found)} of its fields cannot be taken", errors=found)
+    found = tuple({"where": ".".join(str(part) for part in one["loc"]), "what": _said(one)} for one in error.errors())
+    remedy = "put right what `errors` names; every request and its fields stand at /docs"
+    return problem(KINDS["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found)
+
+
+def _said(error: Mapping[str, Any]) -> str:
+    if error["type"] == "union_tag_not_found":
+        # As pydantic says it, only its own users understand it.
+        return f"needs a field {error['ctx']['discriminator']} that says what it is"
+    return str(error["msg"])
 
 
 async def _http(request: Request, error: Exception) -> Response:

@@ -14,6 +14,17 @@ from modallab.errors import ModallabError
 LOG = logging.getLogger(__name__)
 PATH = "/emergency-stop"
 PATIENCE_S = 5.0
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+# The form goes to the page's own address, with the rig and the operator that may stand there.
+PAGE = """<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content="width=device-width">
+<title>Emergency stop</title>
+<style>body{font:18px/1.5 system-ui,sans-serif;text-align:center;margin:2em}
+button{font:bold 40px system-ui,sans-serif;width:7em;height:7em;border-radius:50%;border:12px solid #fc0;
+background:#c00;color:#fff;margin:1em}</style>
+<h1>Emergency stop</h1><form method=post><button>STOP</button></form>
+<p>Brings the outputs to 0 V and latches the rigs until they are reset.
+It is not a safety-rated stop: keep a switch in your hand.</p></html>
+"""
 Stop = Callable[[str | None, str, str], tuple[str, ...]]
 
 
@@ -65,8 +76,11 @@ class _Handler(BaseHTTPRequestHandler):
             self._stop(asked.get("rig", [None])[0], asked.get("operator", ["unknown"])[0][:80])
 
     def do_GET(self) -> None:
-        """Nothing is stopped by looking."""
-        self._say(405, {"detail": f"POST {PATH}"}, allow="POST")
+        """Nothing is stopped by looking; a browser gets the button for it."""
+        if urlsplit(self.path).path == PATH:
+            self._send(200, "text/html; charset=utf-8", PAGE.encode())
+        else:
+            self._say(404, {"detail": f"POST {PATH}"})
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
         """Into the service's log."""
@@ -88,13 +102,18 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self._say(200, {"stopped": list(stopped)})
 
-    def _say(self, status: int, content: dict[str, object], allow: str = "") -> None:
-        body = json.dumps(content).encode()
+    def _say(self, status: int, content: dict[str, object]) -> None:
+        self._send(status, "application/json", json.dumps(content).encode())
+
+    def _send(self, status: int, kind: str, body: bytes) -> None:
         self.send_response(status)
-        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        # No page of another site may lay its own content over the button.
+        self.send_header(
+            "Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+        )
         self.send_header("Connection", "close")
-        if allow:
-            self.send_header("Allow", allow)
         self.end_headers()
         self.wfile.write(body)
