@@ -40,9 +40,10 @@ class Lab:
         boot = secrets.token_hex(4)
         self.store = Store(folder)
         engine = self.store.catalogue.engine
-        diary = Diary(self.store, EventLog(engine))
+        diary = self.diary = Diary(self.store, EventLog(engine))
         after = AfterRun(self.store, Jobs(engine))
-        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after, self._show)
+        # On a busy machine the rig's process takes minutes to open its bench.
+        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after, self._show, begin_s=240.0)
         self.desks = Desks([self.desk], Leases(engine, boot))
         self.service: Service = open_service(folder, self.desks, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)

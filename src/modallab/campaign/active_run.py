@@ -10,6 +10,7 @@ from modallab.acquisition.process import RigProcess
 from modallab.campaign import audit
 from modallab.campaign.book import Book, RunEntry
 from modallab.campaign.control import StartRun
+from modallab.campaign.ends import Ends
 from modallab.campaign.event_log import EventLog, Topic
 from modallab.errors import ModallabError, StorageError
 from modallab.schema.events import Event, Failed, RunState, StateChanged
@@ -28,6 +29,7 @@ class Diary:
         self.log = log
         self.engine: Engine = store.catalogue.engine
         self.book = Book(self.engine)
+        self.ends = Ends()
 
     def rig_state(self, rig: str, state: str, error: str) -> None:
         """The rig's process is in another state."""
@@ -69,8 +71,12 @@ class ActiveRun:
         """What its events are about."""
         return Topic(self._rig, self._order.campaign, self.run)
 
-    def follow(self, process: RigProcess, begun: "Future[str]") -> None:
-        """Run the plan to its end. `begun` gets the run's name, or what kept it from beginning; nothing is raised."""
+    def follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
+        """Run the plan to its end. `begun` gets the run's name; what kept it from beginning is returned, not raised."""
+        with self.diary.ends.following(self):
+            return self._follow(process, begun)
+
+    def _follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         try:
             events = process.run(self.plan)
             try:
@@ -81,11 +87,11 @@ class ActiveRun:
             finally:
                 events.close()
         except StopIteration:
-            begun.set_exception(ModallabError("the rig's process began no run", remedy="look at the log"))
+            return ModallabError("the rig's process began no run", remedy="look at the log")
         except ModallabError as error:
-            if not begun.done():
-                begun.set_exception(error)
             self._ended_by(error)
+            return None if begun.done() else error
+        return None
 
     def _begin(self, first: Event) -> None:
         self.run = first.run
@@ -97,6 +103,8 @@ class ActiveRun:
     def _note(self, event: Event) -> None:
         if isinstance(event, StateChanged):
             self.state = event.state
+            if event.state in ENDED:
+                self.diary.ends.tell(self.run)
         self.diary.log.append(event.kind, self.topic, event.model_dump(mode="json"))
         if isinstance(event, Failed):
             self._keep_code(event.code)

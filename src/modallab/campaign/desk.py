@@ -3,7 +3,6 @@
 import logging
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -18,6 +17,7 @@ from modallab.campaign.commands import tell
 from modallab.campaign.control import DeskState, StartRun
 from modallab.campaign.errors import ConflictError, NotFoundError, RigUnavailableError
 from modallab.campaign.live_frame import frame
+from modallab.campaign.wanted import Wanted
 from modallab.errors import ModallabError
 from modallab.schema.rig import Rig
 from modallab.schema.service.rigs import RigState
@@ -42,18 +42,16 @@ class Bench:
     folder: Path
 
 
-@dataclass(frozen=True, slots=True)
-class _Wanted:
-    order: StartRun
-    operator: str
-    begun: "Future[str]"
-
-
 class Desk:
     """One rig. Its thread opens the bench, keeps it open, and runs one plan after the other."""
 
     def __init__(
-        self, bench: Bench, diary: Diary, ended: Callable[[str], None], live: Callable[[bytes], None] | None = None
+        self,
+        bench: Bench,
+        diary: Diary,
+        ended: Callable[[str], None],
+        live: Callable[[bytes], None] | None = None,
+        begin_s: float = BEGIN_S,
     ) -> None:
         """Begin to open the bench.
 
@@ -62,7 +60,9 @@ class Desk:
             diary: where it writes.
             ended: called with the name of every run that has ended.
             live: called with a frame of samples now and then, while a run is on.
+            begin_s: until a run must have begun.
         """
+        self._begin_s = begin_s
         self._live = live
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
@@ -73,7 +73,8 @@ class Desk:
         self._active: ActiveRun | None = None
         self._process: RigProcess | None = None
         self._info: BenchInfo | None = None
-        self._wanted: SimpleQueue[_Wanted] = SimpleQueue()
+        self._wanted: SimpleQueue[Wanted] = SimpleQueue()
+        self._kept: Wanted | None = None
         self._starting = Lock()
         self._closing = Flag()
         self._thread = Thread(target=self._work, name=f"desk {bench.id}", daemon=True)
@@ -126,9 +127,9 @@ class Desk:
                     where=self.bench.id,
                     remedy="wait until it is idle; look at its cables and its address",
                 )
-            wanted = _Wanted(order, operator, Future())
+            wanted = Wanted(order, operator)
             self._wanted.put(wanted)
-            return wanted.begun.result(BEGIN_S)
+            return wanted.wait(self._begin_s)
 
     def command(self, run: str, command: Command, operator: str) -> None:
         """Pass a command on to the active run.
@@ -181,6 +182,7 @@ class Desk:
                 self._open_and_serve()
             except ModallabError as error:
                 self._is("unavailable", str(error))
+                self._refuse_kept(error)
                 LOG.warning("rig %s: %s", self.bench.id, error)
             except Exception:
                 self._is("unavailable", "unexpected error, see the log")
@@ -196,27 +198,49 @@ class Desk:
             self._info = process.info
             self._is("idle")
             while not self._closing.is_set() and process.process.is_alive():
-                try:
-                    wanted = self._wanted.get(timeout=LOOK_S)
-                except Empty:
-                    continue
-                self._run(process, wanted)
+                wanted = self._next()
+                if wanted is not None and wanted.claim() and not self._run(process, wanted):
+                    break
         finally:
             self._process = None
             self._is("starting")
             process.close()
 
-    def _run(self, process: RigProcess, wanted: _Wanted) -> None:
+    def _next(self) -> Wanted | None:
+        kept, self._kept = self._kept, None
+        try:
+            return kept or self._wanted.get(timeout=LOOK_S)
+        except Empty:
+            return None
+
+    def _run(self, process: RigProcess, wanted: Wanted) -> bool:
+        """Whether the process is of use for another run."""
         active = ActiveRun(self.bench.id, wanted.order, wanted.operator, self._diary)
         self._active = active
         self._is("running")
         try:
-            active.follow(process, wanted.begun)
+            kept_from_it = active.follow(process, wanted.begun)
         finally:
             self._active = None
             self._is("idle" if process.process.is_alive() else "starting")
         if active.run:
             self._ended(active.run)
+        return kept_from_it is None or self._refuse(wanted, kept_from_it)
+
+    def _refuse(self, wanted: Wanted, error: ModallabError) -> bool:
+        if wanted.again or not isinstance(error.__cause__, EOFError | OSError):
+            wanted.refuse(error)
+            return True
+        # The pipe broke: it had left while nothing was on, as it does when a busy machine lets nobody speak to it for
+        # long, and may still be about to end.
+        wanted.put_back()
+        self._kept = wanted
+        return False
+
+    def _refuse_kept(self, error: ModallabError) -> None:
+        kept, self._kept = self._kept, None
+        if kept is not None:
+            kept.refuse(error)
 
     def _is(self, state: RigState, error: str = "") -> None:
         if (state, error) != (self._state, self._error):

@@ -1,12 +1,18 @@
-"""Runs whose recorder is gone and could not say how they ended: marked, told, and never resumed by themselves."""
+"""Runs whose end nobody told: the recorder died, or the service did before it heard. Told once, and never resumed."""
 
 import time
+from collections.abc import Callable
 from contextlib import suppress
 
+from sqlalchemy import Engine, func, select
+
 from modallab.campaign.active_run import Diary
+from modallab.campaign.database import reading
 from modallab.campaign.event_log import Topic
 from modallab.errors import StorageError
 from modallab.schema.events import StateChanged
+from modallab.storage.records import ENDED
+from modallab.storage.service_tables import CAMPAIGN_RUNS, EVENTS
 
 CODE = "interrupted"
 LOOK_S = 2.0
@@ -15,27 +21,65 @@ LOOK_S = 2.0
 class Recovery:
     """Looks now and then: a rig's process that outlived its service may die late, and a full disk may take no row."""
 
-    def __init__(self, diary: Diary) -> None:
+    def __init__(self, diary: Diary, ended: Callable[[str], None] | None = None, look_s: float = LOOK_S) -> None:
+        """Begin with the runs whose end is not in the log of events.
+
+        Args:
+            diary: where it writes.
+            ended: called with the name of every run whose end is told here.
+            look_s: between two looks at least.
+
+        Raises:
+            StorageError: the log cannot be read.
+        """
         self._diary = diary
+        self._ended = ended
+        self._look_s = look_s
+        self._untold = untold(diary.engine)
         self._looked_s = float("-inf")
 
     def look(self) -> None:
-        """Mark what is there to be marked.
+        """Mark what is there to be marked, and tell what is there to be told.
 
         Raises:
             StorageError: it could not be kept; the next look tries again.
         """
         now = time.monotonic()
-        if now - self._looked_s < LOOK_S:
+        if now - self._looked_s < self._look_s:
             return
         self._looked_s = now
-        for run in self._diary.store.recover():
-            self._tell(run)
+        self._untold |= set(self._diary.store.recover())
+        for run in sorted(self._untold):
+            # Who follows a run hears of its recorder's death at the same moment, and tells it himself.
+            if self._diary.ends.left_alone(run):
+                self._tell(run)
 
     def _tell(self, run: str) -> None:
+        record = self._diary.store.catalogue.run(run)
+        if record.state not in ENDED:
+            return
+        self._untold.discard(run)
+        if not self._diary.ends.tell(run):
+            return
         entry = self._diary.book.entry(run)
-        reason = self._diary.store.catalogue.run(run).reason
         topic = Topic(run=run) if entry is None else Topic(entry.rig, entry.campaign, run)
-        self._diary.log.append("state", topic, StateChanged(run=run, state="failed", reason=reason).model_dump())
-        with suppress(StorageError):
-            self._diary.book.set_code(run, CODE)
+        if record.state == "failed" and entry is not None and not entry.code:
+            with suppress(StorageError):
+                self._diary.book.set_code(run, CODE)
+        said = StateChanged(run=run, state=record.state, reason=record.reason)
+        self._diary.log.append("state", topic, said.model_dump())
+        if self._ended is not None:
+            self._ended(run)
+
+
+def untold(engine: Engine) -> set[str]:
+    """Runs of the book whose last state in the log of events is not their end.
+
+    Raises:
+        StorageError: the tables cannot be read.
+    """
+    of_a_run = select(func.max(EVENTS.c.seq)).where(EVENTS.c.kind == "state", EVENTS.c.run != "").group_by(EVENTS.c.run)
+    query = select(EVENTS.c.run, EVENTS.c.content).where(EVENTS.c.seq.in_(of_a_run))
+    with reading(engine) as connection:
+        told = {row.run for row in connection.execute(query) if row.content["state"] in ENDED}
+        return set(connection.scalars(select(CAMPAIGN_RUNS.c.run))) - told

@@ -6,6 +6,8 @@ from modallab.campaign.service import Service
 from modallab.errors import StorageError
 from modallab.jobs import Job
 
+_NOUN = {"diagnose": "diagnosis", "identify": "model"}
+
 
 def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
     """The file of the newest job of a kind that is done.
@@ -14,10 +16,19 @@ def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
         NotFoundError: no such campaign, or no such job is done.
         StorageError: the file cannot be read.
     """
-    for job in campaign_jobs(service, campaign, kind):
+    jobs = campaign_jobs(service, campaign, kind)
+    for job in jobs:
         if job.state == "done":
             return job_file(service, job, name)
-    raise NotFoundError(f"campaign {campaign} has no {kind} that is done", where=campaign, remedy="order one, and wait")
+    raise _none_yet(campaign, _NOUN.get(kind, kind), next(iter(jobs), None))
+
+
+def _none_yet(campaign: str, noun: str, newest: Job | None) -> NotFoundError:
+    if newest is None:
+        return NotFoundError(f"campaign {campaign} has no {noun}", where=campaign, remedy="order one, and wait")
+    why = f": {newest.error}" if newest.error else ""
+    remedy = "order it again" if newest.ended else f"wait until job {newest.id} has ended"
+    return NotFoundError(f"the {noun} of campaign {campaign} is {newest.state}{why}", where=campaign, remedy=remedy)
 
 
 def job_file(service: Service, job: Job, name: str) -> bytes:

@@ -76,10 +76,10 @@ class Supervisor:
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._diary = diary
         self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
-        self._recovery = Recovery(diary)
+        after = AfterRun(self.store, jobs)
+        self._recovery = Recovery(diary, after)
         self._recovery.look()
         listener = _bound(settings.host, settings.port)
-        after = AfterRun(self.store, jobs)
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.desks = Desks(
