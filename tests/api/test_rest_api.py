@@ -4,6 +4,8 @@ import httpx
 import pytest
 from lab import RIG, TOKEN, Lab
 
+from modallab.campaign.remember import remember
+
 API = "/api/v1"
 
 
@@ -80,6 +82,20 @@ def test_a_body_that_is_not_valid_names_every_field(lab: Lab) -> None:
             422,
             "not-valid",
         )
+
+
+def test_who_asks_for_a_report_that_is_not_there_learns_how_its_job_stands(lab: Lab) -> None:
+    campaign, service = lab.campaign("no report"), lab.service
+    with lab.client() as client:
+        at = f"{API}/campaigns/{campaign}"
+        assert "has no diagnosis" in problem(client.get(f"{at}/diagnosis"), 404, "not-found")["detail"]
+        job = service.jobs.submit("diagnose", {"for": campaign}, [])
+        remember(service.engine, campaign, job, "Ada")
+        waits = problem(client.get(f"{at}/diagnosis"), 404, "not-found")
+        assert ("is queued" in waits["detail"], job.id in waits["remedy"]) == (True, True)
+        service.jobs.cancel(job.id)
+        gone = problem(client.get(f"{at}/diagnosis"), 404, "not-found")
+        assert ("is cancelled" in gone["detail"], gone["remedy"]) == (True, "order it again")
 
 
 def test_who_types_the_address_alone_or_opens_a_problem_s_page_can_read_on(lab: Lab) -> None:

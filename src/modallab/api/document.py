@@ -11,6 +11,11 @@ from modallab.schema.service.pages import Problem
 OPEN: dict[str, Any] = {"security": []}
 """For routes that need no token."""
 
+SUMMARY = "Modal tests on a bench."
+ABOUT = """To try a request here, press Authorize and paste the token; it stands in the file that the service named when
+it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/lease`, and send its `id` as
+`Modallab-Lease`. An emergency stop needs no lease."""
+
 METHODS = ("get", "put", "post", "patch", "delete")
 
 
@@ -18,7 +23,7 @@ def document_of(app: FastAPI) -> dict[str, Any]:
     """The document of an application, made once."""
     if app.openapi_schema:
         return app.openapi_schema
-    document = get_openapi(title=app.title, version="1", routes=app.routes, summary="Modal tests on a bench.")
+    document = get_openapi(title=app.title, version="1", routes=app.routes, summary=SUMMARY, description=ABOUT)
     parts: dict[str, Any] = document["components"]
     parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
     for unused in ("HTTPValidationError", "ValidationError"):
