@@ -22,6 +22,8 @@ SIGMAS = 5.0
 """A second rank stands above what noise alone gives by this many sigmas."""
 SHARE = 0.02
 """And is this share of the first at least: less is what the model of the pole leaves over."""
+MORE = 2.0
+"""And, where sensors stand at two driven points or more, so many times what is not reciprocal there."""
 ALIKE = 1e3
 """Condition from which the driven points move alike in all modes of a pole, and cannot tell how to share the plane."""
 
@@ -46,6 +48,9 @@ def split_repeated(
 ) -> Split:
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
+    An error of the model raises the rank too, but is not what modes are: reciprocal, with positive constants at the
+    driving points. Where sensors stand at two of them or more, only such a rank counts.
+
     Where sensors stand at as many driven points, the parts are reciprocal, A_k = phi_k phi_k^T at the driven points,
     with phi_k orthogonal to one another; else they are the terms of a singular value decomposition.
 
@@ -62,8 +67,9 @@ def split_repeated(
     pole: list[int] = []
     parts: list[Complex] = []
     for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
-        rank = _rank(a, s)
-        found = [a] if rank == 1 else _parts(a, rank, _driven(output_points, input_points))
+        driven = _driven(output_points, input_points)
+        rank = _reciprocal_rank(a, _rank(a, s), driven)
+        found = [a] if rank == 1 else _parts(a, rank, driven)
         pole += [r] * len(found)
         parts += found
     index = np.array(pole, dtype=np.int64)
@@ -77,6 +83,18 @@ def _rank(a: Complex, sigma: Real) -> int:
     values = np.linalg.svd(a, compute_uv=False)
     noise = float(np.sqrt(np.mean(sigma**2))) * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
     return max(1, int(np.sum((values > noise) & (values > SHARE * values[0]))))
+
+
+def _reciprocal_rank(a: Complex, rank: int, driven: list[tuple[int, int]]) -> int:
+    """As many of them as positive eigenvalues stand clear of what is not reciprocal among the driven points."""
+    if rank == 1 or len(driven) < 2:
+        return rank
+    at = a[[o for o, _ in driven]][:, [k for _, k in driven]]
+    values = np.linalg.eigvalsh((at.real + at.real.T) / 2)
+    # Sensors that all look the other way turn every sign.
+    values = values * np.sign(values[np.argmax(np.abs(values))])
+    odd = float(np.linalg.norm(at - at.T, 2)) / 2
+    return max(1, min(rank, int(np.sum(values > max(MORE * odd, 1e-9 * values.max())))))
 
 
 def _driven(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> list[tuple[int, int]]:

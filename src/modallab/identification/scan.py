@@ -32,23 +32,28 @@ def with_missing(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, 
     zeta = np.tile(ZETAS, GRID)
     candidates = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
     found = poles
-    left = float(_misfit(frf, found[None])[0])
+    left = float(misfit(frf, found[None])[0])
     for _ in range(MOST):
         apart = np.abs(candidates.imag[:, None] / found.imag - 1).min(axis=1, initial=np.inf) > APART
         free = candidates[apart]
         if free.size == 0:
             break
         trials = np.concatenate([np.broadcast_to(found, (free.size, found.size)), free[:, None]], axis=1)
-        misfit = _misfit(frf, trials)
-        best = int(np.argmin(misfit))
-        if misfit[best] * GAIN > left:
+        each = misfit(frf, trials)
+        best = int(np.argmin(each))
+        if each[best] * GAIN > left:
             break
-        found, left = trials[best], float(misfit[best])
+        found, left = trials[best], float(each[best])
     return found
 
 
-def _misfit(frf: Frf, trials: NDArray[np.complex128]) -> Real:
-    """Squared misfit (trials,) of each set of poles (trials, modes), residues and residual terms solved for."""
+def misfit(frf: Frf, trials: NDArray[np.complex128]) -> Real:
+    """Squared misfit (trials,) of each set of poles, residues and residual terms solved for.
+
+    Args:
+        frf: few lines, one or more inputs.
+        trials: (trials, modes) rad/s.
+    """
     s = 2j * np.pi * frf.frequency_hz
     p = DERIVATIVES[frf.quantity]
     up, down = s**p / (s - trials[..., None]), s**p / (s - trials.conj()[..., None])

@@ -21,6 +21,7 @@ from modallab.identification.half_power import reading_near, summed_amplitude
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.poles import poles_of
+from modallab.identification.polish import polished
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
 from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
@@ -113,8 +114,10 @@ def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArr
     estimate = estimate_poles(frf, options.method, options.max_order or highest_order(frf), START)
     found = estimate.poles
     inside = found[(np.abs(found) > 2 * np.pi * band[0]) & (np.abs(found) < 2 * np.pi * band[1])]
-    # What a rough start has missed is looked for only where the start is to be refined.
-    start = start_poles(with_missing(frf, inside, band) if options.refined else inside, estimate.orders, options)
+    if options.refined:
+        # Only a start that is to be refined is moved, and looked at for what it has missed.
+        inside = with_missing(frf, polished(frf, inside, band), band)
+    start = start_poles(inside, estimate.orders, options)
     if start.size == 0:
         raise IdentificationError(
             f"no stable pole among {frf.frequency_hz.size} drive frequencies from {band[0]:.4g} to {band[1]:.4g} Hz",

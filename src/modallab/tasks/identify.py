@@ -22,6 +22,7 @@ from modallab.spectra.scale import to_signals_of
 from modallab.spectra.stepped import stepped_frf
 from modallab.tasks.assess import assess_frf, assess_impact, assess_sine
 from modallab.verification.assessment import Assessment
+from modallab.verification.doubts import doubts
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 Source = Literal["impact", "sine", "frf"]
@@ -126,6 +127,10 @@ def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
     return model.model_copy(update={"notes": (*notes, *model.notes)})
 
 
+def _with_doubts(model: ModalModel, assessment: Assessment) -> ModalModel:
+    return model.model_copy(update={"notes": (*model.notes, *doubts(model, assessment.confidence))})
+
+
 def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = usable(campaign, blocks)
     groups = group_by_point(signals)
@@ -133,12 +138,9 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
         return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
     model, fit = identify_impact(signals, campaign.rig, options)
-    return Identified(
-        "impact",
-        _with_notes(model, notes),
-        verify_impact(model, fit, groups, campaign.rig),
-        assess_impact(model, fit, groups, campaign.rig),
-    )
+    assessment = assess_impact(model, fit, groups, campaign.rig)
+    told = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("impact", told, verify_impact(model, fit, groups, campaign.rig), assessment)
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
@@ -150,12 +152,9 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
         frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
         return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
-    return Identified(
-        "sine",
-        _with_notes(model, notes),
-        verify_sine(model, fit, signals, campaign.rig),
-        assess_sine(model, fit, signals, campaign.rig),
-    )
+    assessment = assess_sine(model, fit, signals, campaign.rig)
+    told = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("sine", told, verify_sine(model, fit, signals, campaign.rig), assessment)
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
@@ -163,4 +162,5 @@ def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     if options.as_in_the_paper:
         return Identified("frf", identify_peaks(frf, None), None, index=index)
     model, fit = identify_frf(frf, campaign.rig, options)
-    return Identified("frf", model, verify_frf(model, frf), assess_frf(model, fit, frf), index)
+    assessment = assess_frf(model, fit, frf)
+    return Identified("frf", _with_doubts(model, assessment), verify_frf(model, frf), assessment, index)
