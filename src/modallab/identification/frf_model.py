@@ -16,7 +16,7 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.projection import Parameters, Problem, solve_at
 from modallab.identification.rows import stack, unstack
-from modallab.identification.search import search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, search
 from modallab.identification.unrefined import CALLED, without_sigma
 from modallab.schema.check import check_frf
 from modallab.schema.frf import DERIVATIVES, Frf
@@ -26,6 +26,8 @@ from modallab.spectra.frf import convert
 
 MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""
+NEARER = 6
+"""Steps with the mixed ones: poles that fit noise would wander on for long."""
 LINES = 20
 """Lines per column of the model that tell how to mix them."""
 
@@ -58,9 +60,9 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
             f"no pole of {CALLED[options.method]} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
             remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
         )
-    fit = _refined(used, poles, refine=options.refined)
+    fit = _refined(used, poles, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
-    if options.refined and np.any(keep) and not np.all(keep):
+    if options.refined and np.any(keep) and not (np.all(keep) and fit.refined.settled):
         at = fit.point.parameters
         fit = _refined(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
         keep = chosen(fit, band, options, first=False)
@@ -71,13 +73,16 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     amplitude = summed_amplitude(convert(used, "mobility"))
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = np.array([reading_near(used.frequency_hz, amplitude, f) for f in found])
-    notes = ("Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",)
+    notes = (
+        "Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",
+        *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
+    )
     floor = np.full(found.size, np.nan)
     model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method)
     return model if options.refined else without_sigma(model), fit
 
 
-def _refined(frf: Frf, poles: NDArray[np.complex128], *, refine: bool = True) -> Fit:
+def _refined(frf: Frf, poles: NDArray[np.complex128], max_iterations: int = MAX_ITERATIONS) -> Fit:
     grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
     # Every FRF is a channel of its own: all share the columns, whatever the input.
     channels = frf.values.reshape(-1, frf.frequency_hz.size)
@@ -96,8 +101,8 @@ def _refined(frf: Frf, poles: NDArray[np.complex128], *, refine: bool = True) ->
         np.zeros((1, omega.size), complex),
         np.zeros(1, complex),
     )
-    refined = search(problem, _nearer(problem, start)) if refine else search(problem, start, 0)
-    return Fit(problem, refined, frf.input_points, frf.values.shape[:2])
+    begin = _nearer(problem, start) if max_iterations else start
+    return Fit(problem, search(problem, begin, max_iterations), frf.input_points, frf.values.shape[:2])
 
 
 def _nearer(problem: Problem, start: Parameters) -> Parameters:
@@ -117,4 +122,4 @@ def _nearer(problem: Problem, start: Parameters) -> Parameters:
     mix, _ = np.linalg.qr((point.groups[0].coefficients / point.noise).T)
     few = unstack(stack(response) @ (mix / point.noise[:, None]))
     small = replace(problem, blocks=[LineBlock(excitation, few, 0)])
-    return search(small, start).point.parameters
+    return search(small, start, NEARER).point.parameters

@@ -15,7 +15,7 @@ from modallab.identification.fit import Fit
 from modallab.identification.impact_search import again, as_estimated, refined
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
-from modallab.identification.search import FIRST_LOOK
+from modallab.identification.search import FIRST_LOOK, NOT_SETTLED
 from modallab.identification.silence import model_error, model_error_notes
 from modallab.identification.stray import stray
 from modallab.identification.unrefined import without_sigma
@@ -35,7 +35,6 @@ ANTI_ALIAS_SHARE = 0.4
 """Up to this share of the rate the chain's anti-alias filters are flat."""
 FORCE_DROP_DB = 40.0
 """Default upper edge: where the blow's spectrum has fallen by this much for good."""
-NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
 
 
 def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:

@@ -14,6 +14,7 @@ Real = NDArray[np.float64]
 MAX_ITERATIONS = 40
 FIRST_LOOK = 12
 """Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
+NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
 LEAST_DAMPING = 1e-6
 """Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
 MAX_ZETA = 0.5

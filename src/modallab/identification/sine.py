@@ -24,7 +24,7 @@ from modallab.identification.poles import poles_of
 from modallab.identification.polish import polished
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
-from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, search
 from modallab.identification.stabilisation import Tolerance
 from modallab.identification.tone import tone
 from modallab.identification.tones import Tone, clock_notes, default_band, fit_tone
@@ -47,7 +47,6 @@ SETTLED_FROM = 1.2
 STATES_FIRST = 4
 START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
-NOT_SETTLED = "The search for the poles had not settled when it ended; the uncertainties may be too small."
 START = Tolerance(frequency=0.02, damping=0.03, max_zeta=0.06, min_zeta=2e-4, min_run=2, min_share=0.15)
 """Few frequencies and decaying blocks: the start poles are rough."""
 
