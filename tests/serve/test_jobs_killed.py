@@ -8,7 +8,8 @@ from service_process import ServiceProcess
 from modallab.schema.plan import ImpactPlan
 from modallab.schema.service.results import JobView
 
-PATIENCE_S = 240.0
+PATIENCE_S = 600.0
+"""On a busy machine three processes that begin one after the other, and their imports, take minutes."""
 
 
 def _wait_for(service: ServiceProcess, job: str, state: str) -> JobView:

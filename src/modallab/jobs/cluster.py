@@ -3,9 +3,11 @@
 import logging
 import os
 import time
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
+import psutil
 from dask import config
 from distributed import Client, Nanny, SpecCluster
 
@@ -13,6 +15,7 @@ from modallab.jobs.address import Tls
 from modallab.jobs.ask import ASK_S, SchedulerLostError, ask
 from modallab.jobs.scheduler_process import HOST, SchedulerProcess
 
+LOG = logging.getLogger(__name__)
 CONNECT_S = 10.0
 CLOSE_S = 10.0
 MEND_S = 30.0
@@ -100,6 +103,11 @@ class Cluster:
         if self._own is not None and _process(self._own).pid is None:
             # Nobody is there to be told, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
+            # Nor do its workers have anything to bring any more; Dask would wait four seconds for what they compute.
+            for name, pid in self.processes.items():
+                with suppress(psutil.Error):
+                    LOG.info("%s is ended with its scheduler", name)
+                    psutil.Process(pid).kill()
         for part in (self.client, self._own):
             try:
                 if part is not None:
