@@ -17,7 +17,6 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.search import FIRST_LOOK, NOT_SETTLED
 from modallab.identification.silence import model_error, model_error_notes
-from modallab.identification.stray import stray
 from modallab.identification.unrefined import without_sigma
 from modallab.schema.block import Signals
 from modallab.schema.frf import Frf
@@ -135,8 +134,7 @@ def _without_errors(
     Where the operator has picked or dropped modes, nothing more is taken away.
     """
     ratio = model_error(fit, signals)
-    strengths, least = strength(fit), least_strength(fit, ratio)
-    doubtful = keep & ((strengths < least) | stray(fit, strengths, least, ratio))
+    doubtful = keep & (strength(fit) < least_strength(fit, ratio))
     by_hand = bool(options.pick_hz or options.drop_hz)
     if by_hand or not np.any(doubtful) or np.array_equal(doubtful, keep):
         return fit, keep, ratio

@@ -54,6 +54,7 @@ class Problem:
         drive_sigma: (blocks,) prior of each part of the drive's relative error; None where there is none.
         zeta_prior: (modes, 2) centre and sigma of a prior on zeta, sigma inf for none.
         force_sigma: (blocks, width) prior of the error of each sample of the blow; None if none is searched.
+        fixed: (modes,) poles that stay where they are; None where all move.
     """
 
     blocks: Sequence[LineBlock]
@@ -63,6 +64,7 @@ class Problem:
     drive_sigma: Real | None
     zeta_prior: Real
     force_sigma: Real | None = None
+    fixed: NDArray[np.bool_] | None = None
 
     @property
     def n_local(self) -> int:

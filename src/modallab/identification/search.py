@@ -88,6 +88,8 @@ def _descend(
     matrix, gradient = equations
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scale[:held] = 0
+    if problem.fixed is not None:
+        scale[: 2 * problem.fixed.size][np.repeat(problem.fixed, 2)] = 0
     scaled, pull = matrix * np.outer(scale, scale), scale * gradient
     factor = 4.0
     for _ in range(10):

@@ -6,6 +6,7 @@ weighs more than the responses', is estimated along.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +43,6 @@ Real = NDArray[np.float64]
 LOWEST_LINE = 2
 STAND_INS = (2.0,)
 """A pole that begins at this multiple of the upper edge stands for all modes above the band."""
-SETTLED_FROM = 1.2
-"""Modes above this multiple of the upper edge have died out before a block begins."""
 STATES_FIRST = 4
 START_ZETA, ANY_ZETA = (1e-3, 0.05), (1e-6, 0.5)
 """Damping ratios that a search may begin at, and those that an estimator may have found."""
@@ -136,8 +135,8 @@ def _refined(
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
-    settled = 2 * np.pi * SETTLED_FROM * band[1]
-    excitations = [tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0]), settled) for t in tones]
+    # What stands for the modes above has died out before a block begins.
+    excitations = [tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0]), len(STAND_INS)) for t in tones]
     blocks = [
         LineBlock(e, np.fft.rfft(t.signals.responses)[:, chosen], 0) for e, t in zip(excitations, tones, strict=True)
     ]
@@ -159,9 +158,12 @@ def _refined(
     poles = poles_of(begin.omega, begin.zeta)
     steady = np.stack([e.steady_state(poles)[0] for e in excitations])
     parameters = Parameters(begin.omega, begin.zeta, steady, np.zeros(len(blocks), complex))
-    return Fit(
-        problem, search(problem, parameters, max_iterations, states_first=STATES_FIRST), (first.block.drive_point,)
-    )
+    if max_iterations:
+        # Free from the beginning, what stands in for the modes above may take the place of a mode whose start is rough.
+        held = replace(problem, fixed=np.arange(begin.omega.size) >= start.size)
+        parameters = search(held, parameters, FIRST_LOOK, states_first=STATES_FIRST).point.parameters
+    found = search(problem, parameters, max_iterations, states_first=0 if max_iterations else STATES_FIRST)
+    return Fit(problem, found, (first.block.drive_point,))
 
 
 def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:

@@ -20,14 +20,15 @@ class ToneExcitation:
         grid: the block's lines.
         frequency_hz: of the sine, which need not stand on a line.
         amplitude: complex peak force in N: f(t) = Re(amplitude exp(j omega t)), t from the block's start.
-        settled_from: rad/s; modes above respond with their steady state.
+        settled: so many of the last poles respond with their steady state, wherever they stand: those that stand for
+            modes above the band, which have died out before a block begins.
         shapes: (2, lines) spectra of exp(j omega t) / 2 and exp(-j omega t) / 2; see `tone`.
     """
 
     grid: Grid
     frequency_hz: float
     amplitude: complex
-    settled_from: float
+    settled: int
     shapes: Lines
 
     def _tones(self) -> tuple[tuple[complex, Lines], tuple[complex, Lines]]:
@@ -51,7 +52,7 @@ class ToneExcitation:
         """State (modes,) of the steady response at the block's start, and its derivative by the pole."""
         s = 2j * np.pi * self.frequency_hz
         first, second = 1 / (s - poles), 1 / (-s - poles)
-        rings = np.abs(poles.imag) < self.settled_from
+        rings = np.arange(poles.size) < poles.size - self.settled
         half = self.amplitude / 2
         other = np.conj(half)
         return rings * (half * first + other * second), rings * (half * first**2 + other * second**2)
@@ -76,11 +77,11 @@ class ToneExcitation:
         return replace(self, amplitude=self.amplitude * factor)
 
 
-def tone(grid: Grid, frequency_hz: float, amplitude: complex, settled_from: float) -> ToneExcitation:
+def tone(grid: Grid, frequency_hz: float, amplitude: complex, settled: int) -> ToneExcitation:
     """A steady sine in a block; see ToneExcitation."""
     s = 2j * np.pi * frequency_hz
     shapes = np.stack([_geometric(s, grid), _geometric(-s, grid)]) / 2
-    return ToneExcitation(grid, frequency_hz, amplitude, settled_from, shapes)
+    return ToneExcitation(grid, frequency_hz, amplitude, settled, shapes)
 
 
 def _geometric(s: complex, grid: Grid) -> Lines:

@@ -52,7 +52,7 @@ def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
         raise TypeError(f"a block driven by {type(excitation).__name__} has no time record")
     grid = replace(excitation.grid, omega=2 * np.pi * every * rate / n)
     if isinstance(excitation, ToneExcitation):
-        whole = tone(grid, excitation.frequency_hz, excitation.amplitude, excitation.settled_from)
+        whole = tone(grid, excitation.frequency_hz, excitation.amplitude, excitation.settled)
     else:
         whole = replace(excitation, grid=grid)
     spectrum = np.zeros((signals.responses.shape[0], n // 2 + 1), complex)
