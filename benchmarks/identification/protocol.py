@@ -74,7 +74,10 @@ def _hit(
     width = rng.uniform(2e-3, 3e-3)
     force = rng.uniform(40, 60) * np.where(np.abs(t) < width / 2, np.cos(np.pi * t / width) ** 2, 0)
     accelerations = _thinned(_accelerations(force, frequency, zeta, phi, 1 / rate))
-    samples = np.vstack([_thinned(force[None], straight=True), accelerations]) * np.array([FORCE_V_PER_N, *[ACCELERATION_V_PER_MS2] * 10])[:, None]
+    samples = (
+        np.vstack([_thinned(force[None], straight=True), accelerations])
+        * np.array([FORCE_V_PER_N, *[ACCELERATION_V_PER_MS2] * 10])[:, None]
+    )
     samples += NOISE_V * rng.standard_normal(samples.shape)
     channels = ("force", *(f"a{i:02d}" for i in range(1, 11)))
     return Block(
