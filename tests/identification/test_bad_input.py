@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.errors import ModallabError
+from modallab.errors import DataError, ModallabError
 from modallab.identification import assumptions, criteria, half_power, mode_indicators
 from modallab.identification.bands import split_bands
 from modallab.identification.circle_fit import circle_fit
@@ -272,3 +272,6 @@ def test_blows_without_a_rate_or_a_band_have_no_frf(blows):
         impact_frf([], RIG, (3.0, 100.0))
     with pytest.raises(ModallabError):
         impact_frf([blows], RIG, (3.0, 100.0), damping_shift=np.nan)
+    few = RIG.model_copy(update={"channels": RIG.channels[:-1]})
+    with pytest.raises(DataError, match="are not the rig's"):
+        impact_frf([blows], few, (3.0, 100.0))

@@ -13,7 +13,7 @@ from modallab.schema.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.schema.rig import Rig
 from modallab.schema.units import Quantity
 from modallab.spectra.blow import find_blow, windowed_force
-from modallab.spectra.border import check_test
+from modallab.spectra.border import check_outputs, check_test
 
 Estimator = Literal["H1", "H2", "Hv"]
 
@@ -177,10 +177,12 @@ def impact_frf(
         damping_shift: sigma in 1/s.
 
     Raises:
-        DataError: no blocks, blocks that differ or that no bench records, a block without a blow, a band without lines.
+        DataError: no blocks, blocks that differ or that no bench records, other outputs than the rig's, a block without
+            a blow, a band without lines.
     """
     check_test([s for group in groups for s in group])
     first = groups[0][0]
+    check_outputs(first, rig)
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)
     window = np.exp(-damping_shift * np.arange(n) / rate)
