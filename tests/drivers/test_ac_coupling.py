@@ -88,8 +88,9 @@ def apart(one: ModalModel, other: ModalModel) -> float:
     )
 
 
-def test_the_impact_model_is_that_of_dc_coupled_channels() -> None:
-    rng = np.random.default_rng(4)
+def impact_models(seed: int) -> tuple[float, float]:
+    """How far the models of AC-coupled channels are from that of DC-coupled ones, with the corner told and not told."""
+    rng = np.random.default_rng(seed)
     blocks = impact_blocks(modes(rng), rng, hits=3)
     read = [coupled(block, offset=0.02) for block in blocks]
 
@@ -97,8 +98,16 @@ def test_the_impact_model_is_that_of_dc_coupled_channels() -> None:
         return identify_impact(to_signals_of(of, rig), rig, Options(band_hz=(3.0, 250.0)))[0]
 
     clean = model(blocks, coupled_rig(0.0, 0.0))
-    assert apart(clean, model(read, coupled_rig(0.0, CORNER_HZ))) < 0.5
-    assert apart(clean, model(read, coupled_rig(0.0, 0.0))) > 3
+    told, untold = model(read, coupled_rig(0.0, CORNER_HZ)), model(read, coupled_rig(0.0, 0.0))
+    return apart(clean, told), apart(clean, untold)
+
+
+def test_the_impact_model_is_that_of_dc_coupled_channels() -> None:
+    # What differs is the constant before the blow, which is known as well as the noise lets it: a matter of chance.
+    told, untold = np.array([impact_models(seed) for seed in (4, 5, 6, 7)]).T
+    assert np.median(told) < 0.5
+    assert told.max() < 1
+    assert untold.min() > 3
 
 
 def settled_blocks(system: Modes, frequencies: np.ndarray, corner_hz: float) -> list[Block]:
