@@ -12,7 +12,7 @@ from modallab.gap.course import with_course
 from modallab.gap.fit import Fit, Problem
 from modallab.gap.minimise import minimise
 from modallab.gap.nuisances import Nuisances
-from modallab.gap.prefit import starts
+from modallab.gap.prefit import start, starts
 from modallab.gap.reduce import Reduced
 from modallab.gap.screen import OUTLIER
 
@@ -80,6 +80,12 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
         fit = minimise(problem, fit.u, 3, 3e-2)
     u = bench.free.straightened(fit.u)
     return with_course(minimise(Problem(bench.data, bench.free, candidates), u, 15, 2e-4))
+
+
+def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A fit brought to its end from these coordinates of the effects and the beam that the poles tell of."""
+    u = start(candidates, own, bench.free, bench.poles).u
+    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:

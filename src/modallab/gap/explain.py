@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.bench import COARSE, Bench, baseline, excess, finish, on_all, short
+from modallab.gap.bench import Bench, baseline, excess, from_poles, on_all
 from modallab.gap.candidates import chained
 from modallab.gap.fit import Fit
-from modallab.gap.prefit import start
 from modallab.gap.search import Level, round_of
 
 WORTH = 0.9
@@ -61,8 +60,7 @@ def with_clock(bench: Bench) -> Fit | None:
         return None
     (candidate,) = (c for c in chained(bench.data.rig) if c.effect == "clock_error")
     own = np.array([candidate.slots[0].coordinate(1 / sines.ratio - 1)])
-    u = start((candidate,), own, bench.free, bench.poles).u
-    return finish(bench, short(bench, (candidate,), u, COARSE), COARSE / 6)
+    return from_poles(bench, (candidate,), own)
 
 
 def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:

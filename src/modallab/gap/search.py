@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.bench import COARSE, STRAIGHT, Bench, finish, misfit, on_all, short
+from modallab.gap.bench import STRAIGHT, Bench, finish, from_poles, misfit, on_all, short
 from modallab.gap.candidates import Candidate, chained, of_channel, structural, swaps
 from modallab.gap.fit import Fit, Problem, all_rows, softened
 from modallab.gap.forward import forward
@@ -97,9 +97,7 @@ def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
     there = finish(bench, fit, floor)
     if there.gap <= bench.flat or bool(np.all(np.abs(there.u[:3]) < STRAIGHT)) or not len(bench.poles):
         return there
-    candidates = there.problem.candidates
-    u = start(candidates, there.u[bench.free.size :], bench.free, bench.poles).u
-    again = finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    again = from_poles(bench, there.problem.candidates, there.u[bench.free.size :])
     return min(there, again, key=lambda f: f.cost)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from modallab.identification.excitation import BlowExcitation, Excitation
 from modallab.identification.poles import poles_of
 from modallab.identification.projection import GroupSolution, Point, Problem
+from modallab.identification.rows import stack_lines
 
 Real = NDArray[np.float64]
 
@@ -86,7 +87,7 @@ def _slopes(excitation: Excitation, width: int, structure: _Structure) -> Real:
     left = np.exp(np.outer(structure.poles, (grid.n - sample) * grid.dt))
     value = structure.frf[:, :, None] * turn[:, None, :]
     value -= (structure.tail.reshape(-1, len(left)) @ left).reshape(value.shape)
-    return np.stack([value.real, value.imag], axis=1).reshape(-1, *value.shape[1:])
+    return stack_lines(value)
 
 
 def _blow(excitation: Excitation) -> BlowExcitation:

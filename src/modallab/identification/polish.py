@@ -7,6 +7,7 @@ end in a valley of its own: the pole low by a percent, and what stands in for th
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.identification.poles import poles_of
 from modallab.identification.scan import GAIN, misfit
 from modallab.schema.frf import Frf
 
@@ -61,5 +62,4 @@ def _stepped(
 
 
 def _poles(at: Real) -> Complex:
-    omega, zeta = np.exp(at)
-    return -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
+    return poles_of(*np.exp(at))

@@ -13,6 +13,11 @@ def stack(values: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.moveaxis((values if lies else np.ascontiguousarray(values, np.complex128)).view(np.float64), -1, 0)
 
 
+def stack_lines(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """The same of complex (lines, ...), where the lines come first: (2 lines, ...)."""
+    return np.stack([values.real, values.imag], axis=1).reshape(-1, *values.shape[1:])
+
+
 def unstack(rows: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Real (2 lines, ...) back to complex (..., lines)."""
     return np.ascontiguousarray(np.moveaxis(rows, 0, -1)).view(np.complex128)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.identification.poles import poles_of
 from modallab.schema.frf import DERIVATIVES, Frf
 
 Real = NDArray[np.float64]
@@ -30,7 +31,7 @@ def with_missing(frf: Frf, poles: NDArray[np.complex128], band_hz: tuple[float, 
     frequency = np.geomspace(band_hz[0], band_hz[1], GRID)
     omega = 2 * np.pi * np.repeat(frequency, len(ZETAS))
     zeta = np.tile(ZETAS, GRID)
-    candidates = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
+    candidates = poles_of(omega, zeta)
     found = poles
     left = float(misfit(frf, found[None])[0])
     for _ in range(MOST):

@@ -13,12 +13,20 @@ from numpy.typing import NDArray
 from modallab.errors import DataError
 from modallab.schema.check_axis import check_frequencies, check_rate, check_time
 
-__all__ = ["check_frequencies", "check_frf", "check_rate", "check_signals", "check_time", "identical_channels"]
+__all__ = [
+    "LARGEST",
+    "check_frequencies",
+    "check_frf",
+    "check_rate",
+    "check_signals",
+    "check_time",
+    "identical_channels",
+]
 
 _QUIET_LEVELS = 4
 """A living channel that takes no more values than this is at the converter's last count."""
 
-_LARGEST = 1e30
+LARGEST = 1e30
 """No quantity on a bench is as large, in any unit: such a number comes from a damaged file."""
 
 
@@ -104,8 +112,8 @@ def check_frf(
 
 def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
     if not _within(frf):
-        bad = ~((np.abs(frf.real) <= _LARGEST) & (np.abs(frf.imag) <= _LARGEST))
-        what = f"beyond {_LARGEST:g}" if np.isfinite(frf).all() else "NaN or infinite"
+        bad = ~((np.abs(frf.real) <= LARGEST) & (np.abs(frf.imag) <= LARGEST))
+        what = f"beyond {LARGEST:g}" if np.isfinite(frf).all() else "NaN or infinite"
         return [_Finding(f"channel {name}: {int(bad.sum())} lines of its FRF are {what}", _RECORD_AGAIN)]
     if not frf.any():
         return [_Finding(f"channel {name}: its FRF is zero at every line", _MEND)]
@@ -118,7 +126,7 @@ def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
 def _within(frf: NDArray[np.complex128]) -> bool:
     # A largest and a smallest number tell it without an array for every step; NaN compares as false.
     parts = np.ascontiguousarray(frf, np.complex128).view(np.float64)
-    return float(parts.max()) <= _LARGEST and float(parts.min()) >= -_LARGEST
+    return float(parts.max()) <= LARGEST and float(parts.min()) >= -LARGEST
 
 
 def _real_kind(values: NDArray[Any]) -> str:
@@ -148,10 +156,10 @@ def _check_shape(samples: NDArray[Any], channels: Sequence[str], where: str) -> 
 def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding]:
     if samples.dtype.kind != "f":
         return []
-    bad = ~(np.abs(samples) <= _LARGEST)
+    bad = ~(np.abs(samples) <= LARGEST)
     findings: list[_Finding] = []
     for i in map(int, np.flatnonzero(bad.any(axis=1))):
-        what = f"beyond {_LARGEST:g}" if np.isfinite(samples[i]).all() else "NaN or infinite"
+        what = f"beyond {LARGEST:g}" if np.isfinite(samples[i]).all() else "NaN or infinite"
         count, first = int(bad[i].sum()), int(bad[i].argmax())
         found = f"channel {channels[i]}: {count} of {bad.shape[1]} samples are {what}, the first is sample {first}"
         findings.append(_Finding(found, _RECORD_AGAIN))

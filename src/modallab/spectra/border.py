@@ -8,12 +8,9 @@ from numpy.typing import NDArray
 
 from modallab.errors import DataError
 from modallab.schema.block import Block, Signals
-from modallab.schema.check import check_signals
+from modallab.schema.check import LARGEST, check_signals
 from modallab.schema.check_axis import check_rate
 from modallab.schema.rig import Rig
-
-LARGEST = 1e30
-"""No quantity on a bench is as large, in any unit: its square would not be a number any more."""
 
 
 def check_rows(values: NDArray[Any], what: str = "record") -> None:
