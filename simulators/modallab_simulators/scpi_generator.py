@@ -7,6 +7,7 @@ not there.
 
 import os
 import re
+import select
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -317,13 +318,14 @@ class PtyGenerator:
 
         self._device = device
         self._own, self._theirs = os.openpty()
+        self._plug, self._pull = os.pipe()
         # Raw at both ends, or the terminal would echo and translate; one end kept open, or it would hang up.
         tty.setraw(self._own)
         tty.setraw(self._theirs)
         self.port = os.ttyname(self._theirs)
         self._dead = False
-        self._closed = False
-        threading.Thread(target=self._serve, name="scpi", daemon=True).start()
+        self._thread = threading.Thread(target=self._serve, name="scpi", daemon=True)
+        self._thread.start()
 
     def fault(self, line: str) -> None:
         """Arm a fault: `clipped-set-point 0.1`, `dead-line`, `unplugged`.
@@ -341,19 +343,21 @@ class PtyGenerator:
 
     def close(self) -> None:
         """Pull the plug."""
-        if not self._closed:
-            self._closed = True
-            os.close(self._theirs)
-            os.close(self._own)
+        if self._pull < 0:
+            return
+        # The thread is gone before its descriptors are: else it could read from whatever gets their numbers next.
+        os.write(self._pull, b"x")
+        self._thread.join()
+        for descriptor in (self._theirs, self._own, self._plug, self._pull):
+            os.close(descriptor)
+        self._pull = -1
 
     def _serve(self) -> None:
-        pending = b""
-        while not self._closed:
-            try:
-                pending += os.read(self._own, 4096)
-            except OSError:
-                return
-            *lines, pending = pending.split(b"\n")
+        pending, waiting = b"", select.poll()
+        for descriptor in (self._own, self._plug):
+            waiting.register(descriptor, select.POLLIN)
+        while all(descriptor != self._plug for descriptor, _ in waiting.poll()):
+            *lines, pending = (pending + os.read(self._own, 4096)).split(b"\n")
             for line in lines:
                 answer = None if self._dead else self._device.ask(line.decode("ascii", "replace").strip())
                 if answer is not None:

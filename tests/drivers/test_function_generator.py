@@ -1,5 +1,6 @@
 """The generator driver with the real pyserial, against an instrument behind a pseudo-terminal, in every dialect."""
 
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -154,6 +155,16 @@ def test_a_dead_line_and_a_pulled_plug_are_devices_that_are_gone(
         generator.set("frequency", 10.0)
     with pytest.raises(DeviceGoneError, match=r"excitation\.output"):
         open_generator(driven(rig, "/dev/no-such-port", "keysight-33500"))
+
+
+def test_a_pulled_plug_leaves_nobody_who_reads(keysight: Instrument, rig: Rig):
+    """Its thread would read from, and write into, whatever is opened next under the same number."""
+    generator = open_generator(keysight.rig(rig))
+    keysight.pty.close()
+    assert "scpi" not in [thread.name for thread in threading.enumerate()]
+    keysight.pty.close()
+    with pytest.raises(DeviceGoneError):
+        generator.set("frequency", 10.0)
 
 
 def test_a_limit_above_the_generators_range_is_refused_naming_the_field(keysight: Instrument, rig: Rig):
