@@ -60,7 +60,7 @@ def test_what_failed_or_was_cancelled_may_be_ordered_again(jobs: Jobs, engine: E
 
 def test_many_who_order_the_same_at_once_get_one_job(jobs: Jobs) -> None:
     ids: list[str] = []
-    barrier = threading.Barrier(8)
+    barrier = threading.Barrier(8, timeout=60)
 
     def order() -> None:
         barrier.wait()

@@ -72,7 +72,7 @@ def test_of_two_who_saw_the_same_silence_one_takes_the_job(engine: Engine) -> No
     (dead,) = Leases(engine, "dead").take(["identify"], 1)
     heirs = [Leases(engine, name, lease_s=0.001) for name in ("one", "two")]
     found: list[Taken] = []
-    barrier = threading.Barrier(len(heirs))
+    barrier = threading.Barrier(len(heirs), timeout=60)
 
     def take(heir: Leases) -> None:
         for _ in range(12):

@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -88,6 +89,9 @@ def test_a_backup_while_a_run_is_recorded_is_of_one_moment(any_store: Store, tmp
     thread = threading.Thread(target=go_on)
     thread.start()
     try:
+        while len(kept) < 2:
+            assert thread.is_alive()
+            time.sleep(0.001)
         counts = [_check_backup(any_store, recorder.run, tmp_path / str(n), kept) for n in range(3)]
     finally:
         stop.set()
@@ -98,8 +102,6 @@ def test_a_backup_while_a_run_is_recorded_is_of_one_moment(any_store: Store, tmp
 
 
 def _check_backup(store: Store, run: str, out: Path, kept: list[int]) -> int:
-    while len(kept) < 2:
-        pass
     before = len(kept)
     back_up(store, out)
     # No SWMR, no marks of a writer: the copy is a closed file.

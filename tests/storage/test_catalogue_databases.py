@@ -46,7 +46,7 @@ def test_rows_of_blocks_are_never_changed_nor_deleted(any_store: Store) -> None:
 
 
 def test_many_who_open_a_new_server_database_at_once_all_find_its_tables(tmp_path: Path, postgresql: Server) -> None:
-    url, opened, barrier = postgresql.new_database(), list[int](), threading.Barrier(6)
+    url, opened, barrier = postgresql.new_database(), list[int](), threading.Barrier(6, timeout=60)
 
     def open_it(n: int) -> None:
         folder = tmp_path / str(n)
