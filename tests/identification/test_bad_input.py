@@ -28,7 +28,7 @@ from modallab.spectra.frf import combine, convert, impact_frf
 from modallab.spectra.local_polynomial import local_polynomial_frf
 from modallab.spectra.scale import to_signals_of
 from modallab.verification.frac import frac
-from modallab.verification.verify import synthesised, verify_frf
+from modallab.verification.verify import synthesised, verify_frf, verify_impact, verify_sine
 
 PHI = np.random.default_rng(0).standard_normal((2, 5))
 GOOD = replace(
@@ -130,6 +130,40 @@ def test_records_that_cannot_be_are_refused(identify, blows, sines):
     for bad in ([], [nothing], [cut], [backward], [silent]):
         with pytest.raises(ModallabError):
             identify(bad, RIG, Options())
+
+
+def _verifying(blows, kind):
+    """The records of a test, and what compares a model of them with others."""
+    if kind == "impact":
+        model, fit = identify_impact(blows, RIG, Options())
+        return blows, lambda it, of=fit: verify_impact(model, of, [it], RIG)
+    rng = np.random.default_rng(4)
+    steps = bench.sine_blocks(bench.modes(rng, 2), rng, np.arange(3.0, 30.0, 0.9), settle_s=1.0)
+    signals = to_signals_of(steps, RIG)
+    model, fit = identify_sine(signals, RIG, Options())
+    return signals, lambda it, of=fit: verify_sine(model, of, it, RIG)
+
+
+@pytest.mark.parametrize("kind", ["impact", "sine"])
+def test_a_model_is_compared_with_no_other_records_than_its_own(kind, blows):
+    good, verify = _verifying(blows, kind)
+    assert verify(good).frac.min() > 0.9
+    first, *rest = good
+    bad = (
+        [],
+        rest,
+        [*good, first],
+        [replace(first, responses=first.responses * np.nan), *rest],
+        [replace(first, responses=first.responses[:-1]), *rest],
+        [replace(s, force=s.force[:-8], responses=s.responses[:, :-8]) for s in good],
+        [replace(s, rate_hz=2 * s.rate_hz) for s in good],
+    )
+    for records in bad:
+        with pytest.raises(DataError):
+            verify(records)
+    of_frfs = identify_frf(GOOD, RIG, Options())[1]
+    with pytest.raises(DataError):
+        verify(good, of_frfs)
 
 
 @pytest.mark.parametrize("order", [0, -3, 10_000])

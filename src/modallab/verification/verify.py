@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.errors import DataError
 from modallab.identification.excitation import BlowExcitation
 from modallab.identification.fit import Fit
 from modallab.identification.model_of_fit import receptance
@@ -17,6 +18,7 @@ from modallab.schema.model import ModalModel
 from modallab.schema.rig import Rig
 from modallab.schema.verification import Verification
 from modallab.spectra.bandpass import bandpass
+from modallab.spectra.border import check_test
 from modallab.spectra.frf import convert, impact_frf
 from modallab.spectra.scale import remove_mean
 from modallab.spectra.stepped import stepped_frf
@@ -33,8 +35,12 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
         fit: the fit it came from.
         groups: the hits by point, in the order of the fit.
         rig: channels and points.
+
+    Raises:
+        DataError: records that cannot be, or not those of the fit.
     """
     flat = [s for group in groups for s in group]
+    _require_blocks(fit, flat)
     made = iter([_replayed(fit, i, s) for i, s in enumerate(flat)])
     regenerated = [[next(made) for _ in group] for group in groups]
     band = model.band_hz
@@ -43,13 +49,30 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
     return _verification(measured_frf, regenerated_frf, model)
 
 
+def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
+    check_test(signals)
+    blocks = fit.problem.blocks
+    if len(signals) != len(blocks):
+        found = f"there are {len(signals)} records, and the fit is of {len(blocks)} blocks"
+        raise DataError(found, remedy="give the records that the model was identified from, in their order")
+    for s, block in zip(signals, blocks, strict=True):
+        grid, wanted = block.excitation.grid, len(block.response)
+        if (len(s.responses), s.force.size, 1 / s.rate_hz) != (wanted, grid.n, grid.dt):
+            found = f"{len(s.responses)} outputs of {s.force.size} samples {1 / s.rate_hz:g} s apart"
+            raise DataError(
+                f"{found}, and the fit is of {wanted} outputs of {grid.n} samples {grid.dt:g} s apart",
+                where=f"record {s.block.name}",
+                remedy="give the records that the model was identified from, in their order",
+            )
+
+
 def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
     """The block as the model would have answered the measured force."""
     excitation = fit.problem.blocks[block].excitation
     n, rate = signals.force.size, signals.rate_hz
     every = np.arange(1, (n + 1) // 2)
     if not isinstance(excitation, BlowExcitation | ToneExcitation):
-        raise TypeError(f"a block driven by {type(excitation).__name__} has no time record")
+        raise DataError("the fit is of FRFs: it has no time records", remedy="compare it with FRFs by verify_frf")
     grid = replace(excitation.grid, omega=2 * np.pi * every * rate / n)
     if isinstance(excitation, ToneExcitation):
         whole = tone(grid, excitation.frequency_hz, excitation.amplitude, excitation.settled)
@@ -70,11 +93,23 @@ def _filtered(values: NDArray[np.float64], rate_hz: float, band: tuple[float, fl
 
 
 def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Verification:
-    """Both sides by the same sine fit of the same block, the decay in it included."""
+    """Both sides by the same sine fit of the same block, the decay in it included.
+
+    Args:
+        model: the identified model.
+        fit: the fit it came from.
+        signals: the blocks of the test; those outside the model's band are left out, as the fit left them out.
+        rig: channels and points.
+
+    Raises:
+        DataError: records that cannot be, or not those of the fit.
+    """
+    check_test(signals)
     low, high = model.band_hz
     fits = [fit_tone(s).fit for s in signals]
     used = [i for i, f in enumerate(fits) if low <= f.frequency_hz <= high]
     chosen, forces = [signals[i] for i in used], [fits[i] for i in used]
+    _require_blocks(fit, chosen)
     regenerated = [_replayed(fit, i, s) for i, s in enumerate(chosen)]
     measured_frf = convert(stepped_frf(chosen, forces, rig), "mobility")
     regenerated_frf = convert(stepped_frf(regenerated, forces, rig), "mobility")
