@@ -39,7 +39,7 @@ def one(name: str, seed: int) -> dict:
 def compared(
     truth_hz: NDArray[np.float64], zeta: NDArray[np.float64], phi: NDArray[np.float64], model: ModalModel | None
 ) -> dict:
-    """Each mode's relative errors of f and zeta, both in sigmas, and the modal constants' share inside 95 %."""
+    """Each mode's relative errors of f and zeta, both in sigmas, and the constants' shares inside 95 %: re, im."""
     pairs = matched(truth_hz, np.zeros(0) if model is None else model.frequency_hz)
     rows: list[list[float] | None] = []
     for f, z, shape, near in zip(truth_hz, zeta, phi, pairs, strict=True):
@@ -48,18 +48,20 @@ def compared(
             continue
         df, dz = model.frequency_hz[near] - f, model.damping_ratio[near] - z
         in_sigmas = [df / model.frequency_sigma_hz[near], dz / model.damping_sigma[near]]
-        rows.append([df / f, dz / z, *in_sigmas, constants_inside(shape, near, model)])
+        rows.append([df / f, dz / z, *in_sigmas, *constants_inside(shape, near, model)])
     return {"modes": rows, "spurious": 0 if model is None else model.n_modes - sum(p is not None for p in pairs)}
 
 
-CIRCLE = np.sqrt(-np.log(0.05))
-"""A circular complex number of E|d|^2 = sigma^2 lies within this many sigmas in 95 % of all cases."""
+INSIDE = 1.95996
+"""A normal number lies within this many sigmas in 95 % of all cases."""
 
 
-def constants_inside(shape: NDArray[np.float64], near: int, model: ModalModel) -> float:
-    """Share of a mode's modal constants, driven at the last output, whose 95 % circle holds the truth."""
-    away = np.abs(model.modal_constants[near][:, 0] - shape * shape[-1])
-    return float(np.mean(away < CIRCLE * model.modal_constant_sigma[near][:, 0]))
+def constants_inside(shape: NDArray[np.float64], near: int, model: ModalModel) -> tuple[float, float]:
+    """Shares of a mode's modal constants, driven at the last output, whose real and imaginary parts are inside 95 %."""
+    assert model.modal_constant_part_sigma is not None
+    away = model.modal_constants[near][:, 0] - shape * shape[-1]
+    sigma = model.modal_constant_part_sigma[near][:, 0]
+    return tuple(float(np.mean(np.abs(a) < INSIDE * s)) for a, s in ((away.real, sigma.real), (away.imag, sigma.imag)))
 
 
 def stored(out: Path | None, name: str) -> dict[int, dict]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 GOAL = (93.0, 97.0)
-PARAMETERS = ("f", "zeta")
+PARAMETERS = ("f", "zeta", "Re constants", "Im constants")
 
 
 def table(results: Sequence[dict], bound: NDArray[np.float64] | None) -> None:
@@ -26,8 +26,8 @@ def table(results: Sequence[dict], bound: NDArray[np.float64] | None) -> None:
     if not n_modes:
         return
     print(
-        "mode  worst f %   (bound)   worst zeta %  (bound)   in 95 %: f   zeta   const.   scatter/sigma: f  zeta"
-        "   mean/sigma: f  zeta"
+        "mode  worst f %   (bound)   worst zeta %  (bound)   in 95 %: f   zeta   constants: Re  Im   "
+        "scatter/sigma: f  zeta   mean/sigma: f  zeta"
     )
     rows = [np.array([r["modes"][k] for r in results if r["modes"][k] is not None]) for k in range(n_modes)]
     for mode, of_mode in enumerate(rows):
@@ -36,8 +36,8 @@ def table(results: Sequence[dict], bound: NDArray[np.float64] | None) -> None:
 
 
 def inside(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Percent of the 95 % intervals of f and zeta that hold the truth."""
-    return 100 * np.mean(np.abs(rows[:, 2:4]) < 1.96, axis=0)
+    """Percent of the 95 % intervals of f, zeta and the constants' real and imaginary parts that hold the truth."""
+    return 100 * np.mean(np.column_stack([np.abs(rows[:, 2:4]) < 1.96, rows[:, 4:6]]), axis=0)
 
 
 def _line(mode: int, rows: NDArray[np.float64], bound: NDArray[np.float64] | None) -> str:
@@ -48,7 +48,7 @@ def _line(mode: int, rows: NDArray[np.float64], bound: NDArray[np.float64] | Non
     scatter, mean = rows[:, 2:4].std(axis=0), rows[:, 2:4].mean(axis=0)
     return (
         f"{mode + 1:4d} {worst[0]:10.5f} {least[0]:>9s} {worst[1]:13.4f} {least[1]:>9s} "
-        f"{share[0]:12.1f} {share[1]:6.1f} {100 * rows[:, 4].mean():8.1f} {scatter[0]:14.2f} {scatter[1]:8.2f}"
+        f"{share[0]:12.1f} {share[1]:6.1f} {share[2]:12.1f} {share[3]:6.1f} {scatter[0]:14.2f} {scatter[1]:8.2f}"
         f" {mean[0]:12.2f} {mean[1]:6.2f}"
     )
 
@@ -66,4 +66,5 @@ def _outside(rows: Sequence[NDArray[np.float64]]) -> None:
     print(f"outside {GOAL[0]:.0f} to {GOAL[1]:.0f} %: {', '.join(out) or 'none'} (one sigma by chance: {chance:.2f} %)")
     if some:
         every = np.concatenate([r for _, r in some])
-        print(f"all modes together: f {inside(every)[0]:.2f} %, zeta {inside(every)[1]:.2f} %")
+        shares = zip(PARAMETERS, inside(every), strict=True)
+        print("all modes together: " + ", ".join(f"{name} {share:.2f} %" for name, share in shares))

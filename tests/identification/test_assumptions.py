@@ -58,10 +58,11 @@ def test_a_turned_sensor_at_the_driving_point_is_seen():
     assert not found.holds
 
 
-def model(constants, sigma=1e-4):
+def model(constants, sigma=1e-4, parts=None):
     return SimpleNamespace(
         modal_constants=constants,
         modal_constant_sigma=np.full(constants.shape, sigma),
+        modal_constant_part_sigma=parts,
         frequency_hz=np.arange(1, len(constants) + 1) * 10.0,
     )
 
@@ -78,6 +79,16 @@ def test_real_constants_are_proportional_and_a_travelling_wave_is_not():
 def test_phases_that_are_not_known_are_no_verdict_against():
     wave = (PHI[:, :, None] * PHI[:, None, [0, 3]]) * np.exp(1j * np.linspace(0, 0.4, 6))[:, None]
     assert proportional_damping(model(wave, sigma=2.0)).holds
+
+
+def test_only_what_is_not_known_across_a_constant_hides_its_phase():
+    wave = (PHI[:, :, None] * PHI[:, None, [0, 3]]) * np.exp(1j * np.linspace(-0.2, 0.2, 6))[:, None]
+    size_unknown, time_unknown = (np.full(wave.shape, part) for part in (0.2 + 1e-4j, 1e-4 + 0.2j))
+    turned = wave * 1j
+    assert not proportional_damping(model(wave, 0.2, size_unknown)).holds
+    assert proportional_damping(model(wave, 0.2, time_unknown)).holds
+    assert proportional_damping(model(turned, 0.2, size_unknown)).holds
+    assert not proportional_damping(model(turned, 0.2, time_unknown)).holds
 
 
 @pytest.mark.parametrize(

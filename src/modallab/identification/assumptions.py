@@ -89,10 +89,12 @@ def proportional_damping(model: ModalModel) -> Verdict:
     size = np.abs(model.modal_constants)
     best = np.argmax(np.sum(size, axis=1), axis=1)
     columns = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(best)])
-    sigma = np.stack([model.modal_constant_sigma[r, :, k] for r, k in enumerate(best)])
+    parts = model.modal_constant_part_sigma
+    of_parts = model.modal_constant_sigma * (1 + 1j) / np.sqrt(2) if parts is None else parts
+    sigma = _across(columns, np.stack([of_parts[r, :, k] for r, k in enumerate(best)]))
     deviation = mpd(columns)
-    # |A| dphi = sigma / sqrt(2) for each point; the mean of absolute values of a normal number is sqrt(2 / pi) of it.
-    noise = np.sum(np.nan_to_num(sigma), axis=1) / np.sum(np.abs(columns), axis=1) / np.sqrt(np.pi)
+    # |A| dphi = sigma for each point; the mean of absolute values of a normal number is sqrt(2 / pi) of it.
+    noise = np.sum(np.nan_to_num(sigma), axis=1) / np.sum(np.abs(columns), axis=1) * np.sqrt(2 / np.pi)
     worst = int(np.argmax(deviation - SIGMAS * noise))
     value, limit = float(deviation[worst]), max(PHASE_LIMIT_RAD, float(SIGMAS * noise[worst]))
     words = (
@@ -100,6 +102,12 @@ def proportional_damping(model: ModalModel) -> Verdict:
         f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
     )
     return Verdict("proportional damping", value <= limit, value, limit, words)
+
+
+def _across(values: NDArray[np.complex128], of_parts: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Sigma of complex numbers across their own direction, from that of their real and imaginary parts."""
+    turn = np.angle(values)
+    return np.hypot(np.sin(turn) * of_parts.real, np.cos(turn) * of_parts.imag)
 
 
 def driving_point(frf: Frf) -> Verdict:

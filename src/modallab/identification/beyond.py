@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-STAND_IN_ZETA, STAND_IN_SIGMA = 0.005, 0.001
-"""The stand-ins' damping, which the band's lines hardly tell: left to them it runs to zero, where a pole rings through
-the whole block."""
+STAND_IN_SHARE = 0.4
+"""The stand-ins are damped as the band's own modes are, give or take this share. The band's lines hardly tell: left to
+them a damping ratio runs to zero, where a pole rings through the whole block. But it turns the phase of all that lies
+below, so that a wrong one that is held too fast makes the upper modes' constants wrong."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,7 +43,9 @@ def with_stand_ins(
     """
     omega = np.concatenate([np.abs(poles), 2 * np.pi * top_hz * np.array(multiples)])
     low, high = zeta_range
-    zeta = np.append(np.clip(-poles.real / np.abs(poles), low, high), np.full(len(multiples), STAND_IN_ZETA))
+    zeta = np.clip(-poles.real / np.abs(poles), low, high)
+    like_them = float(np.median(zeta))
     prior = np.tile([0.0, np.inf], (omega.size, 1))
-    prior[poles.size :] = STAND_IN_ZETA, STAND_IN_SIGMA
+    prior[poles.size :] = like_them, STAND_IN_SHARE * like_them
+    zeta = np.append(zeta, np.full(len(multiples), like_them))
     return StartPoles(omega, zeta, prior, len(multiples))

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.fit import Fit, modal_constants
+from modallab.identification.fit import Fit
 from modallab.identification.prune import MIN_SIGNIFICANCE
 
 Real = NDArray[np.float64]
@@ -16,8 +16,8 @@ SHARE = 0.2
 
 def strength(fit: Fit) -> Real:
     """(modes,) the largest of a mode's modal constants in units of its sigma."""
-    constants, sigma = modal_constants(fit)
-    return np.max(np.abs(constants) / np.maximum(sigma, np.finfo(float).tiny), axis=(1, 2))
+    constants, sigma = fit.modal_constants
+    return np.max(np.abs(constants) / np.maximum(np.abs(sigma), np.finfo(float).tiny), axis=(1, 2))
 
 
 def least_strength(fit: Fit, misfit_ratio: float) -> float:

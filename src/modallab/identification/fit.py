@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from modallab.identification.search import Refined
 Real = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """The end of an identification, with what is needed to regenerate every block.
 
@@ -42,6 +43,17 @@ class Fit:
         n = 2 * self.point.parameters.omega.size
         return np.sqrt(np.diag(self.refined.covariance)[:n]).reshape(-1, 2)
 
+    @cached_property
+    def modal_constants(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """Modal constants A = 2 j omega_d R and their sigma, each (modes, outputs, inputs).
+
+        The receptance of a mode is R / (s - lambda) + conj(R) / (s - conj(lambda)): for a real A this is eq. 13 with
+        viscous damping. The sigma of the real part stands in the real part, that of the imaginary part in the
+        imaginary part; the absolute value is the sigma of the complex number. The two differ: a blow is known less
+        well in its size than in its time.
+        """
+        return _modal_constants(self)
+
     def regenerated(self, block: int, excitation: Excitation) -> NDArray[np.complex128]:
         """The model's response (outputs, lines) in a block, at the lines of `excitation`'s grid."""
         at, problem = self.point.parameters, self.problem
@@ -57,23 +69,20 @@ class Fit:
         return unstack(found.phi @ coefficients)
 
 
-def modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], Real]:
-    """Modal constants A = 2 j omega_d R and their sigma, each (modes, outputs, inputs).
-
-    The receptance of a mode is R / (s - lambda) + conj(R) / (s - conj(lambda)): for a real A this is eq. 13 with
-    viscous damping.
-    """
+def _modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     at = fit.point.parameters
     n = at.omega.size
-    values, sigmas = [], []
+    values: list[NDArray[np.complex128]] = []
+    sigmas: list[NDArray[np.complex128]] = []
     for group in fit.point.groups:
         parts = group.coefficients[: 2 * n].reshape(n, 2, -1)
         values.append(parts[:, 0] + 1j * parts[:, 1])
-        variance = _coefficient_variance(fit, group)
-        sigmas.append(np.sqrt(variance[: 2 * n].reshape(n, 2, -1).sum(axis=1)))
+        sigma = np.sqrt(_coefficient_variance(fit, group)[: 2 * n]).reshape(n, 2, -1)
+        # A stands a quarter turn off R.
+        sigmas.append(np.asarray(sigma[:, 1] + 1j * sigma[:, 0], dtype=np.complex128))
     scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
-    constants = np.asarray(1j * scale * _unfolded(fit, np.stack(values, axis=-1)), dtype=np.complex128)
-    return constants, scale * _unfolded(fit, np.stack(sigmas, axis=-1))
+    found = (1j * scale * _unfolded(fit, np.stack(values, axis=-1)), scale * _unfolded(fit, np.stack(sigmas, axis=-1)))
+    return found[0].astype(np.complex128), found[1].astype(np.complex128)
 
 
 def _unfolded(fit: Fit, values: NDArray[Any]) -> NDArray[Any]:

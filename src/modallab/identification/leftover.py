@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.excitation import Grid
-from modallab.identification.fit import Fit, modal_constants
+from modallab.identification.fit import Fit
 from modallab.identification.poles import poles_of
 
 Real = NDArray[np.float64]
@@ -29,7 +29,7 @@ def leftover_sigma(fit: Fit, grid: Grid, impulse: Real) -> Real:
     """
     at = fit.point.parameters
     poles = poles_of(at.omega, at.zeta)
-    constants, _ = modal_constants(fit)
+    constants, _ = fit.modal_constants
     residue = np.abs(constants) / (2 * poles.imag[:, None, None])
     # (modes, inputs): rms over outputs and time of the motion that a unit state is.
     motion = np.sqrt(2 * np.mean(residue**2, axis=1)) * np.abs(poles[:, None]) ** grid.p

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.errors import DataError
-from modallab.identification.fit import Fit, modal_constants, residuals
+from modallab.identification.fit import Fit, residuals
 from modallab.identification.modal_mass import unit_mass_shapes
 from modallab.identification.poles import poles_of
 from modallab.identification.repeated import Split, split_repeated
@@ -36,10 +36,10 @@ def model_of_fit(
         method: the estimator that gave the start.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    constants, constant_sigma = modal_constants(fit)
+    constants, of_parts = fit.modal_constants
     output_points = tuple(c.point for c in rig.responses)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
-    split = split_repeated(constants[ascending], constant_sigma[ascending], output_points, fit.input_points)
+    split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
     powers, terms = _residual_terms(fit, keep, constants)
@@ -56,6 +56,7 @@ def model_of_fit(
         input_points=fit.input_points,
         modal_constants=split.constants,
         modal_constant_sigma=split.sigma,
+        modal_constant_part_sigma=of_parts[order],
         residuals=terms,
         residual_powers=powers,
         shapes=shapes.phi,

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.criteria import mac
-from modallab.identification.fit import Fit, modal_constants
+from modallab.identification.fit import Fit
 
 MIN_SIGNIFICANCE = 5.0
 MAX_ZETA = 0.2
@@ -27,8 +27,8 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
     stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
-    constants, constant_sigma = modal_constants(fit)
-    seen = np.max(np.abs(constants) / np.maximum(constant_sigma, 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
+    constants, sigma_of_parts = fit.modal_constants
+    seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma_of_parts), 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
     good = stable & known & seen
     double, host = _doubles(fit, constants, good)
     # Beside its double a mode is hardly known; without it, it will be.

@@ -70,12 +70,12 @@ def search(
         equations = normal_equations(problem, point)
         trial, damping = _descend(problem, point, equations, damping, worth=tolerance)
         if trial is None:
-            return Refined(point, _covariance(equations[0]), done + 1, settled=True)
+            return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
         gain = point.cost - trial.cost
         point = with_own_noise(problem, trial)
         if gain < tolerance:
-            return Refined(point, _covariance(normal_equations(problem, point)[0]), done + 1, settled=True)
-    return Refined(point, _covariance(normal_equations(problem, point)[0]), max_iterations, settled=False)
+            return Refined(point, covariance_of(normal_equations(problem, point)[0]), done + 1, settled=True)
+    return Refined(point, covariance_of(normal_equations(problem, point)[0]), max_iterations, settled=False)
 
 
 def _descend(
@@ -143,7 +143,12 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     return Parameters(omega, zeta, state, drive, force)
 
 
-def _covariance(matrix: Real) -> Real:
+def covariance_of(matrix: Real) -> Real:
+    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even where some cannot be told."""
     # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    return linalg.pinvh(matrix * np.outer(scale, scale)) * np.outer(scale, scale)
+    values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))
+    # What rounding has made zero or less is not known at all, as between two poles that hardly differ.
+    least = len(values) * np.finfo(float).eps * values[-1]
+    root = vectors * (scale[:, None] / np.sqrt(np.maximum(values, least)))
+    return root @ root.T

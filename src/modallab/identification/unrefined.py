@@ -19,6 +19,7 @@ def without_sigma(model: ModalModel) -> ModalModel:
             "frequency_sigma_hz": np.full(model.n_modes, np.nan),
             "damping_sigma": np.full(model.n_modes, np.nan),
             "modal_constant_sigma": np.full(model.modal_constants.shape, np.nan),
+            "modal_constant_part_sigma": None,
             "shape_sigma": None,
             "notes": (
                 *model.notes,

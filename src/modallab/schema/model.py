@@ -31,6 +31,8 @@ class ModalModel(Frozen):
         input_points: (inputs,) drive points, None where unknown.
         modal_constants: (modes, outputs, inputs) complex, kg^-1; real for proportional damping.
         modal_constant_sigma: (modes, outputs, inputs) of the complex number.
+        modal_constant_part_sigma: (modes, outputs, inputs), the real part that of the real part, the imaginary part
+            that of the imaginary part; None where not known.
         residuals: (terms, outputs, inputs) real: what modes outside the band add to the receptance, as the
             coefficient of s^p for p in `residual_powers`, in m/N s^p.
         residual_powers: (terms,) powers of s.
@@ -56,6 +58,7 @@ class ModalModel(Frozen):
     input_points: tuple[int | None, ...]
     modal_constants: ComplexArray
     modal_constant_sigma: RealArray
+    modal_constant_part_sigma: ComplexArray | None = None
     residuals: RealArray
     residual_powers: tuple[int, ...] = ()
     shapes: ComplexArray | None = None

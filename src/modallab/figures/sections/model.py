@@ -46,6 +46,9 @@ def _fold(summary: str, *tables: Markup) -> Markup:
 
 
 def _constants(model: ModalModel) -> Markup:
+    sigma, parts = model.modal_constant_sigma, model.modal_constant_part_sigma
+    if parts is None:
+        parts = sigma * (1 + 1j)
     return join(
         table(
             f"Modal constants in kg⁻¹, {_force(model, k)}: value and sigma",
@@ -54,7 +57,7 @@ def _constants(model: ModalModel) -> Markup:
                 (
                     _point(model, j),
                     *(
-                        _complex(model.modal_constants[r, j, k], model.modal_constant_sigma[r, j, k])
+                        _complex(model.modal_constants[r, j, k], sigma[r, j, k], parts[r, j, k])
                         for r in range(model.n_modes)
                     ),
                 )
@@ -70,7 +73,13 @@ def _shapes(model: ModalModel) -> Markup:
     assert model.shapes is not None
     sigma = np.full(model.shapes.shape, np.nan) if model.shape_sigma is None else model.shape_sigma
     rows = [
-        (_point(model, j), *(_complex(complex(model.shapes[r, j]), float(sigma[r, j])) for r in range(model.n_modes)))
+        (
+            _point(model, j),
+            *(
+                _complex(complex(model.shapes[r, j]), float(sigma[r, j]), sigma[r, j] * (1 + 1j))
+                for r in range(model.n_modes)
+            ),
+        )
         for j in range(len(model.outputs))
     ]
     header = ("point", *(f"mode {r + 1}" for r in range(model.n_modes)))
@@ -95,11 +104,11 @@ def _residuals(model: ModalModel) -> Markup:
     )
 
 
-def _complex(value: complex, sigma: float) -> str:
+def _complex(value: complex, sigma: float, of_parts: complex) -> str:
     digits = 3
     text = plain(value.real, digits)
     # An imaginary part that its sigma hides is left out.
-    if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma:
+    if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * of_parts.imag:
         text += f" {'−' if value.imag < 0 else '+'} {plain(abs(value.imag), digits)}j"
     return text if not np.isfinite(sigma) else f"{text} ± {plain(sigma, 1)}"
 
