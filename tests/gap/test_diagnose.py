@@ -60,6 +60,11 @@ def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     assert [f.effect for f in found.effects] == ["gain_error"]
     assert found.where.channels == ["a07"]
     assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=1e-3)
+    # Bands stand as a reader expects them: 20-50 before 120-200.
+    lows = [float(band.partition("-")[0]) for band in found.gap.by_band]
+    assert lows == sorted(lows)
+    assert len(lows) > 2
+    assert sum(found.gap.by_band.values()) == pytest.approx(1)
 
 
 def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:

@@ -62,3 +62,19 @@ def test_what_holds_no_blow_is_refused(values, says):
 def test_zeros_hold_no_blow():
     with pytest.raises(DataError):
         find_blow(np.zeros(N))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_sample_that_stands_out_by_chance_does_not_lengthen_the_blow(seed):
+    raw = force((100, 80.0), seed=seed)
+    alone = raw.copy()
+    alone[1500] = 0.3 + 6.5 * 0.02
+    alone[[1499, 1501]] = 0.3 - 0.01, 0.3 + 0.02
+    whole, found = find_blow(raw), find_blow(alone)
+    assert (found.first, found.stop) == (whole.first, whole.stop)
+    contact = alone.copy()
+    contact[1501] = 0.3 + 5.5 * 0.02
+    assert find_blow(contact).stop > 1501
+    spike = raw.copy()
+    spike[1500] = 0.3 + 12 * 0.02
+    assert find_blow(spike).stop > 1500

@@ -118,15 +118,15 @@ def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
 
 
 def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
-    """Share of the squares in each group of frequencies."""
+    """Share of the squares in each group of frequencies, by rising frequency."""
+    frequency = np.abs(np.concatenate(list(all_hz(data))))
+    power = np.concatenate([np.sum(np.abs(r) ** 2, axis=0) for r in residuals(twin, data)])
     sums: dict[str, float] = {}
-    parts = residuals(twin, data)
-    for f, r in zip(all_hz(data), parts, strict=True):
-        power = np.sum(np.abs(r) ** 2, axis=0)
-        for frequency, value in zip(np.abs(f), power, strict=True):
-            sums[label(float(frequency))] = sums.get(label(float(frequency)), 0.0) + float(value)
+    for k in np.argsort(frequency):
+        name = label(float(frequency[k]))
+        sums[name] = sums.get(name, 0.0) + float(power[k])
     whole = max(sum(sums.values()), 1e-300)
-    return {k: v / whole for k, v in sorted(sums.items())}
+    return {k: v / whole for k, v in sums.items()}
 
 
 def band_of(hz: float) -> str:

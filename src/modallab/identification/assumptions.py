@@ -95,8 +95,9 @@ def proportional_damping(model: ModalModel) -> Verdict:
     deviation = mpd(columns)
     # |A| dphi = sigma for each point; the mean of absolute values of a normal number is sqrt(2 / pi) of it.
     noise = np.sum(np.nan_to_num(sigma), axis=1) / np.sum(np.abs(columns), axis=1) * np.sqrt(2 / np.pi)
-    worst = int(np.argmax(deviation - SIGMAS * noise))
-    value, limit = float(deviation[worst]), max(PHASE_LIMIT_RAD, float(SIGMAS * noise[worst]))
+    limits = np.maximum(PHASE_LIMIT_RAD, SIGMAS * noise)
+    worst = int(np.argmax(deviation - limits))
+    value, limit = float(deviation[worst]), float(limits[worst])
     words = (
         f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) stand off one phase by "
         f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."

@@ -17,6 +17,9 @@ from modallab.spectra.frf import lines, output_quantity, quiet_level
 MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
 
+TAILS = (0.5, 0.25)
+"""Of a blow's length, on each side."""
+
 Groups = Sequence[Sequence[Signals]]
 
 
@@ -59,9 +62,9 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Bl
     of_block = [index for index, group in enumerate(groups) for _ in group]
     ringing = [s.block.name for s in flat if _rings_before(s)]
     found = [find_blow(s.force) for s in flat]
-    wide = [_with_tails(b, n) for b in found]
-    by_sample = _width(wide, n) * len(flat) <= MOST_FORCE_SAMPLES
-    found = wide if by_sample else found
+    wide = _with_tails(found, n)
+    by_sample = wide is not None
+    found = found if wide is None else wide
     blocks: list[LineBlock] = []
     for signals, blow, group in zip(flat, found, of_block, strict=True):
         response = np.fft.rfft(signals.responses - quiet_level(signals)[:, None])[:, chosen]
@@ -74,14 +77,20 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Bl
     return Blows(blocks, grid, impulse, state_sigma, force_sigma), _ringing_notes(ringing)
 
 
-def _with_tails(blow: Blow, n: int) -> Blow:
-    """A quarter more on both sides.
+def _with_tails(blows: Sequence[Blow], n: int) -> list[Blow] | None:
+    """Half as much more on both sides, or a quarter if that is too much; None if that is too.
 
     A converter's steep filter rings on, as high as its edge, below the noise of one sample. Cut off, that is some
     tenths of a per cent of the force where the blow's own spectrum is weak.
     """
-    more = (blow.stop - blow.first) // 4
-    return replace(blow, first=max(0, blow.first - more), stop=min(n, blow.stop + more))
+    for share in TAILS:
+        more = [int(share * (b.stop - b.first)) for b in blows]
+        wide = [
+            replace(b, first=max(0, b.first - m), stop=min(n, b.stop + m)) for b, m in zip(blows, more, strict=True)
+        ]
+        if _width(wide, n) * len(wide) <= MOST_FORCE_SAMPLES:
+            return wide
+    return None
 
 
 def _width(blows: Sequence[Blow], n: int) -> int:

@@ -16,7 +16,7 @@ from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
 from modallab.identification.projection import Parameters, Problem, solve_at
 from modallab.identification.rows import stack, unstack
-from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
 from modallab.identification.unrefined import CALLED, without_sigma
 from modallab.schema.check import check_frf
 from modallab.schema.frf import DERIVATIVES, Frf
@@ -102,7 +102,7 @@ def _refined(frf: Frf, poles: NDArray[np.complex128], max_iterations: int = MAX_
         np.zeros(1, complex),
     )
     begin = _nearer(problem, start) if max_iterations else start
-    return Fit(problem, search(problem, begin, max_iterations), frf.input_points, frf.values.shape[:2])
+    return Fit(problem, search(problem, begin, Effort(max_iterations)), frf.input_points, frf.values.shape[:2])
 
 
 def _nearer(problem: Problem, start: Parameters) -> Parameters:
@@ -122,4 +122,4 @@ def _nearer(problem: Problem, start: Parameters) -> Parameters:
     mix, _ = np.linalg.qr((point.groups[0].coefficients / point.noise).T)
     few = unstack(stack(response) @ (mix / point.noise[:, None]))
     small = replace(problem, blocks=[LineBlock(excitation, few, 0)])
-    return search(small, start, NEARER).point.parameters
+    return search(small, start, Effort(NEARER)).point.parameters

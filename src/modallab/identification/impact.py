@@ -12,10 +12,10 @@ from modallab.identification.choice import chosen, start_poles
 from modallab.identification.confidence import least_strength, strength
 from modallab.identification.estimators import estimate_poles
 from modallab.identification.fit import Fit
-from modallab.identification.impact_search import again, as_estimated, refined
+from modallab.identification.impact_search import again, as_estimated, first_look
 from modallab.identification.model_of_fit import model_of_fit
 from modallab.identification.options import Options
-from modallab.identification.search import FIRST_LOOK, NOT_SETTLED
+from modallab.identification.search import NOT_SETTLED
 from modallab.identification.silence import model_error, model_error_notes
 from modallab.identification.unrefined import without_sigma
 from modallab.schema.block import Signals
@@ -113,9 +113,9 @@ def _searched(
     options: Options,
 ) -> tuple[Fit, NDArray[np.bool_], float]:
     """The fit at the maximum of the likelihood, the poles that are modes, and the misfit's ratio to the silence."""
-    fit = refined(unknown, poles, groups, band, FIRST_LOOK)
+    fit = first_look(unknown, poles, groups, band)
     keep = chosen(fit, band, options, first=True)
-    if np.any(keep) and (unknown.at_rest or not (np.sum(keep) == poles.size and fit.refined.settled)):
+    if np.any(keep):
         fit = again(unknown, fit, keep, band)
         keep = chosen(fit, band, options, first=False)
     return _without_errors(unknown, fit, keep, signals, band, options)

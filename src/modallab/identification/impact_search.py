@@ -8,7 +8,7 @@ from modallab.identification.blows import Blows, Groups
 from modallab.identification.fit import Fit
 from modallab.identification.leftover import LEAST, leftover_sigma
 from modallab.identification.projection import Parameters, Problem
-from modallab.identification.search import MAX_ITERATIONS, search
+from modallab.identification.search import FIRST_LOOK, Effort, search
 
 STAND_INS = (1.05,)
 """A pole that begins at this multiple of the upper edge stands for the modes above."""
@@ -22,38 +22,35 @@ STATES_FIRST = 4
 """Steps that move only what each block has to itself, where the poles are to stay as an estimator gave them."""
 
 
-def refined(
-    unknown: Blows,
-    poles: NDArray[np.complex128],
-    groups: Groups,
-    band: tuple[float, float],
-    max_iterations: int = MAX_ITERATIONS,
-) -> Fit:
-    """The fit after a search from these poles.
+def first_look(unknown: Blows, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+    """The fit after a search from these poles that tells modes from poles that fit noise, and goes no further.
+
+    It ends when a step gains less than one for each pole: on average they then stand within their sigmas. From there on
+    poles that fit noise would only wander.
 
     Args:
         unknown: the blocks, and what each has to itself.
         poles: (modes,) rad/s.
         groups: the hits by point.
         band: of the lines.
-        max_iterations: at most so many steps.
     """
-    return _from(unknown, with_stand_ins(poles, band[1], STAND_INS, START_ZETA), groups, max_iterations)
+    begin = with_stand_ins(poles, band[1], STAND_INS, START_ZETA)
+    return _from(unknown, begin, groups, Effort(FIRST_LOOK, float(begin.omega.size)))
 
 
 def as_estimated(unknown: Blows, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
     """The fit with the poles where the estimator has put them; all else by least squares."""
     begin = with_stand_ins(poles, band[1], STAND_INS, ANY_ZETA)
-    return _from(unknown, begin, groups, 0, 0 if unknown.at_rest else STATES_FIRST)
+    return _from(unknown, begin, groups, Effort(0, states_first=0 if unknown.at_rest else STATES_FIRST))
 
 
-def _from(unknown: Blows, begin: StartPoles, groups: Groups, max_iterations: int, states_first: int = 0) -> Fit:
+def _from(unknown: Blows, begin: StartPoles, groups: Groups, effort: Effort) -> Fit:
     known = unknown.state_sigma
     sigma = None if known is None else np.repeat(known[:, None], begin.omega.size, axis=1)
     points = tuple(g[0].block.drive_point for g in groups)
     force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
     state = np.zeros((len(unknown.blocks), begin.omega.size), complex)
-    return _searched(unknown, begin, sigma, (state, force), points, max_iterations, states_first)
+    return _searched(unknown, begin, sigma, (state, force), points, effort)
 
 
 def again(unknown: Blows, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, float]) -> Fit:
@@ -72,7 +69,7 @@ def again(unknown: Blows, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, 
         sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
     # The states found so far belong to the kept modes still; to begin at nothing again costs many steps.
     state = np.concatenate([at.state[:, keep], np.zeros((len(at.state), begin.stand_ins), np.complex128)], axis=1)
-    return _searched(unknown, begin, sigma, (state, at.force), fit.input_points, MAX_ITERATIONS)
+    return _searched(unknown, begin, sigma, (state, at.force), fit.input_points, Effort())
 
 
 def _searched(
@@ -81,8 +78,7 @@ def _searched(
     state_sigma: NDArray[np.float64] | None,
     local: tuple[NDArray[np.complex128], NDArray[np.float64]],
     points: tuple[int | None, ...],
-    max_iterations: int,
-    states_first: int = 0,
+    effort: Effort,
 ) -> Fit:
     problem = Problem(
         blocks=unknown.blocks,
@@ -95,4 +91,4 @@ def _searched(
     )
     state, force = local
     start = Parameters(begin.omega, begin.zeta, state, np.zeros(len(unknown.blocks), complex), force)
-    return Fit(problem, search(problem, start, max_iterations, states_first=states_first), points)
+    return Fit(problem, search(problem, start, effort), points)

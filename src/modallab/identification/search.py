@@ -36,46 +36,55 @@ class Refined:
     settled: bool
 
 
-def search(
-    problem: Problem,
-    start: Parameters,
-    max_iterations: int = MAX_ITERATIONS,
-    tolerance: float = 0.01,
-    states_first: int = 0,
-) -> Refined:
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How long a search goes on.
+
+    Attributes:
+        max_iterations: at most so many steps.
+        tolerance: it ends when a step would lower the cost, a sum of squares in noise units, by less than this: every
+            parameter then stands within sqrt(tolerance) of its sigma.
+        states_first: so many steps move only what each block has to itself, while the poles stay: rough poles would
+            else be led astray by states that are rougher still.
+    """
+
+    max_iterations: int = MAX_ITERATIONS
+    tolerance: float = 0.01
+    states_first: int = 0
+
+
+THOROUGH = Effort()
+
+
+def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Refined:
     """Minimise the cost from `start`.
 
-    The noise of each output is taken anew from the residuals at every step. It ends when a step would lower the
-    cost, a sum of squares in noise units, by less than `tolerance`: every parameter then stands within
-    sqrt(tolerance) of its sigma.
+    The noise of each output is taken anew from the residuals at every step.
 
     Args:
         problem: data and structure.
         start: where to begin.
-        max_iterations: at most so many steps.
-        tolerance: gain at which it ends.
-        states_first: so many steps move only what each block has to itself, while the poles stay: rough poles would
-            else be led astray by states that are rougher still.
+        effort: how long it goes on.
 
     Raises:
         IdentificationError: the model's columns cannot be told apart in these data.
     """
     point = solve_at(problem, start)
     held = 2 * start.omega.size
-    for _ in range(states_first):
+    for _ in range(effort.states_first):
         trial, _ = _descend(problem, point, normal_equations(problem, point), 1e-3, held)
         point = point if trial is None else with_own_noise(problem, trial)
     damping = 1e-3
-    for done in range(max_iterations):
+    for done in range(effort.max_iterations):
         equations = normal_equations(problem, point)
-        trial, damping = _descend(problem, point, equations, damping, worth=tolerance)
+        trial, damping = _descend(problem, point, equations, damping, worth=effort.tolerance)
         if trial is None:
             return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
         gain = point.cost - trial.cost
         point = with_own_noise(problem, trial)
-        if gain < tolerance:
+        if gain < effort.tolerance:
             return Refined(point, covariance_of(normal_equations(problem, point)[0]), done + 1, settled=True)
-    return Refined(point, covariance_of(normal_equations(problem, point)[0]), max_iterations, settled=False)
+    return Refined(point, covariance_of(normal_equations(problem, point)[0]), effort.max_iterations, settled=False)
 
 
 def _descend(

@@ -25,7 +25,7 @@ from modallab.identification.poles import poles_of
 from modallab.identification.polish import polished
 from modallab.identification.projection import Parameters, Problem
 from modallab.identification.scan import with_missing
-from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, search
+from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
 from modallab.identification.stabilisation import Tolerance
 from modallab.identification.tone import tone
 from modallab.identification.tones import Tone, clock_notes, default_band, fit_tone
@@ -161,8 +161,8 @@ def _refined(
     if max_iterations:
         # Free from the beginning, what stands in for the modes above may take the place of a mode whose start is rough.
         held = replace(problem, fixed=np.arange(begin.omega.size) >= start.size)
-        parameters = search(held, parameters, FIRST_LOOK, states_first=STATES_FIRST).point.parameters
-    found = search(problem, parameters, max_iterations, states_first=0 if max_iterations else STATES_FIRST)
+        parameters = search(held, parameters, Effort(FIRST_LOOK, states_first=STATES_FIRST)).point.parameters
+    found = search(problem, parameters, Effort(max_iterations, states_first=0 if max_iterations else STATES_FIRST))
     return Fit(problem, found, (first.block.drive_point,))
 
 

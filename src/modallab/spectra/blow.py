@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 from modallab.errors import DataError
 from modallab.spectra.border import check_positive, check_rows
 
+BESIDE, FAR = 2.5, 8.0
+"""In sigmas of the noise: what a neighbour of a contact's sample reaches, and from where on it needs none."""
+
 
 @dataclass(frozen=True, slots=True)
 class Blow:
@@ -39,7 +42,7 @@ def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
     level = np.abs(force - offset)
     # Most of a block is silence, so the median of |force| is the noise's, blow or not.
     noise = float(1.4826 * np.median(level))
-    loud = np.flatnonzero(level > max(threshold * noise, 1e-3 * level[peak]))
+    loud = _loud(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
     if level[peak] < 2 * threshold * noise or loud.size == 0:
         raise DataError(
             f"no blow: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
@@ -53,6 +56,18 @@ def find_blow(force: NDArray[np.float64], threshold: float = 5.0) -> Blow:
         return Blow(first, stop, peak, offset, noise)
     # A median of few counts is coarse; the silence itself gives offset and noise.
     return Blow(first, stop, peak, float(quiet.mean()), float(quiet.std()))
+
+
+def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:
+    """Indices of the samples that belong to a contact: above `least`, and not alone.
+
+    Of thousands of samples one may stand five sigmas out of the noise by chance, and would make the blow last up to it.
+    It has no neighbour that leans to its side; a contact has, or stands out far more.
+    """
+    level = np.abs(force)
+    lean = force * np.sign(np.roll(force, 1)), force * np.sign(np.roll(force, -1))
+    beside = np.maximum(np.where(lean[0] > 0, np.roll(level, 1), 0), np.where(lean[1] > 0, np.roll(level, -1), 0))
+    return np.flatnonzero((level > least) & ((beside > BESIDE * noise) | (level > FAR * noise)))
 
 
 def windowed_force(force: NDArray[np.float64], blow: Blow) -> NDArray[np.float64]:
