@@ -18,6 +18,8 @@ NOT_SETTLED = "The search for the poles had not settled when it was ended; the u
 LEAST_DAMPING = 1e-6
 """Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
 MAX_ZETA = 0.5
+HIGHEST = 0.98
+"""Share of half the sampling rate that no pole goes beyond."""
 MIN_ZETA = 1e-7
 """A pole that grows would overflow before a long block ends; no structure has one."""
 MAX_MOVE = 0.1
@@ -140,6 +142,10 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     move = step[: 2 * n].reshape(n, 2)
     # Each pole is held back by itself: one that hardly matters must not slow the others down.
     omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
+    dt = problem.blocks[0].excitation.grid.dt
+    if dt > 0:
+        # What is sampled tells a pole beyond half the rate from nothing, or from its own alias.
+        omega = np.minimum(omega, HIGHEST * np.pi / dt)
     zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), MIN_ZETA, MAX_ZETA)
     local = step[2 * n :].reshape(n_blocks, problem.n_local)
     width = at.force.shape[1]
