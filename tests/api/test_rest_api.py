@@ -173,6 +173,29 @@ def test_one_holds_the_rig_and_the_next_has_a_higher_fence(lab: Lab) -> None:
         client.delete(f"{API}/rigs/{RIG}/lease", headers={"Modallab-Lease": later["id"]})
 
 
+def test_a_lease_whose_holder_is_gone_is_taken_over_when_no_run_is_on(lab: Lab) -> None:
+    with lab.client() as client:
+        lost = client.post(f"{API}/rigs/{RIG}/lease", json={"operator": "Ada", "ttl_s": 3600}).json()
+        refused = problem(client.post(f"{API}/rigs/{RIG}/lease", json={"operator": "Bob"}), 409, "lease-held")
+        assert "take_over" in refused["remedy"]
+        campaign = client.post(f"{API}/campaigns", json={"name": "x", "rig": RIG}).json()["id"]
+        plan = {"plan": {"kind": "impact", "points": [10], "hits": 60}}
+        old = {"Modallab-Lease": lost["id"]}
+        run = client.post(f"{API}/campaigns/{campaign}/runs", json=plan, headers=old).json()["id"]
+        over = {"operator": "Bob", "take_over": True}
+        busy = problem(client.post(f"{API}/rigs/{RIG}/lease", json=over), 409, "lease-held")
+        assert run in busy["detail"]
+        client.post(f"{API}/runs/{run}/commands", json={"kind": "stop"}, headers=old)
+        lab.wait_for_state(run, "done")
+        lab.wait_until_idle()
+        mine = client.post(f"{API}/rigs/{RIG}/lease", json=over).json()
+        assert (mine["operator"], mine["fence"]) == ("Bob", lost["fence"] + 1)
+        problem(client.post(f"{API}/campaigns/{campaign}/runs", json=plan, headers=old), 403, "lease-needed")
+        noted = client.get(f"{API}/audit").json()["items"][0]
+        assert (noted["action"], noted["detail"]["taken_from"]) == ("take-lease", "Ada")
+        client.delete(f"{API}/rigs/{RIG}/lease", headers={"Modallab-Lease": mine["id"]})
+
+
 def test_a_run_over_http_with_its_illegal_step_and_the_list_of_legal_ones(lab: Lab) -> None:
     with lab.client() as client:
         lease = client.post(f"{API}/rigs/{RIG}/lease", json={"operator": "Ada"}).json()

@@ -114,7 +114,8 @@ OF_ERROR: dict[type[ModallabError], Kind] = {
         "lease-held",
         409,
         "Someone else holds the rig",
-        "Ask the holder to give it back, or wait until it is over. An emergency stop needs no lease.",
+        "Ask the holder to give it back, or wait until it is over; if the holder is gone and no run is on, ask with "
+        "`take_over`. An emergency stop needs no lease.",
     ),
     TrippedError: Kind(
         "tripped",

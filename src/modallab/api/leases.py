@@ -7,7 +7,7 @@ from modallab.api.context import LeaseId, ServiceOf
 from modallab.api.problems import documented
 from modallab.api.rigs import state_of
 from modallab.api.router import ONCE, make_router
-from modallab.campaign.errors import NotFoundError
+from modallab.campaign.errors import LeaseHeldError, NotFoundError
 from modallab.schema.service.rigs import Lease, LeaseHolder
 
 router = make_router("lease")
@@ -15,8 +15,15 @@ router = make_router("lease")
 
 @router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
 def take_lease(rig: str, new: NewLease, service: ServiceOf) -> Lease:
-    """Take the lease of a rig, if nobody holds it."""
-    return service.leases.take(state_of(service, rig).id, new.operator, new.ttl_s)
+    """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on."""
+    state = state_of(service, rig)
+    if new.take_over and state.run is not None:
+        raise LeaseHeldError(
+            f"run {state.run} is on, under the lease of another",
+            where=rig,
+            remedy="wait for its end, or stop it in an emergency, which needs no lease; then take over",
+        )
+    return service.leases.take(state.id, new.operator, new.ttl_s, take_over=new.take_over)
 
 
 @router.put("/rigs/{rig}/lease", responses=documented(404, 507))

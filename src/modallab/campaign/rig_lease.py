@@ -26,26 +26,29 @@ class Leases:
         self._engine = engine
         self._boot = boot
 
-    def take(self, rig: str, operator: str, ttl_s: float) -> Lease:
-        """Take the lease of a rig.
+    def take(self, rig: str, operator: str, ttl_s: float, *, take_over: bool = False) -> Lease:
+        """Take the lease of a rig; with `take_over` from its holder, whose lease commands nothing from then on.
 
         Raises:
             LeaseHeldError: someone holds it.
         """
         with writing(self._engine) as connection:
             row = _row(connection, rig)
-            if row is not None and self._remaining_s(row) > 0:
+            holder = row["operator"] if row is not None and self._remaining_s(row) > 0 else None
+            if holder is not None and not take_over:
                 raise LeaseHeldError(
-                    f"{row['operator']} holds {rig} for {self._remaining_s(row):.1f} s more",
+                    f"{holder} holds {rig} for {self._remaining_s(row):.1f} s more",
                     where=rig,
-                    remedy="ask the holder to give it back, or wait; an emergency stop needs no lease",
+                    remedy="ask the holder to give it back, or wait; if the holder's program is gone, ask with "
+                    "take_over; an emergency stop needs no lease",
                 )
             fence = 1 if row is None else int(row["fence"]) + 1
             connection.execute(delete(LEASES).where(LEASES.c.rig == rig))
             lease = Lease(id=secrets.token_urlsafe(18), rig=rig, operator=operator, fence=fence, ttl_s=ttl_s)
             values = lease.model_dump() | {"boot": self._boot, "expires_s": time.monotonic() + ttl_s}
             connection.execute(insert(LEASES).values(values))
-            audit.note(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s})
+            taken_from = {} if holder is None else {"taken_from": holder}
+            audit.note(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from})
         return lease
 
     def renew(self, rig: str, lease: str) -> Lease:

@@ -70,9 +70,13 @@ class Client:
         """Let a tripped rig be driven again."""
         return self._post(RigView, f"/rigs/{rig}/reset", StopReason(reason=reason), lease)
 
-    def lease(self, rig: str, operator: str, ttl_s: float = 30.0) -> HeldLease:
-        """Take the lease of a rig; it is renewed until it is closed."""
-        lease = self._post(Lease, f"/rigs/{rig}/lease", LeaseNew(operator=operator, ttl_s=ttl_s))
+    def lease(self, rig: str, operator: str, ttl_s: float = 30.0, *, take_over: bool = False) -> HeldLease:
+        """Take the lease of a rig; it is renewed until it is closed.
+
+        With `take_over` it is taken from whoever holds it, as long as no run is on.
+        """
+        new = LeaseNew(operator=operator, ttl_s=ttl_s, take_over=take_over)
+        lease = self._post(Lease, f"/rigs/{rig}/lease", new)
         return HeldLease(lease, self._renew, self._release)
 
     def create_campaign(self, name: str, rig: str, note: str = "") -> CampaignView:

@@ -57,10 +57,14 @@ class RigView(Frozen):
 
 
 class LeaseNew(Frozen):
-    """Ask for the right to command a rig; renew it before `ttl_s` is over."""
+    """Ask for the right to command a rig; renew it before `ttl_s` is over.
+
+    With `take_over` it is taken from whoever holds it, as long as no run is on: for when the holder's program is gone.
+    """
 
     operator: Operator
     ttl_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
+    take_over: bool = False
 
 
 class Lease(Frozen):
