@@ -17,8 +17,8 @@ from modallab.spectra.frf import lines, output_quantity, quiet_level
 MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
 
-TAILS = (0.5, 0.25)
-"""Of a blow's length, on each side."""
+TAILS = (30, 10)
+"""Samples on each side: a filter's ringing lasts as many, however long the blow."""
 
 Groups = Sequence[Sequence[Signals]]
 
@@ -78,16 +78,13 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Bl
 
 
 def _with_tails(blows: Sequence[Blow], n: int) -> list[Blow] | None:
-    """Half as much more on both sides, or a quarter if that is too much; None if that is too.
+    """The blows with tails, shorter ones if that is too much; None if that is too.
 
     A converter's steep filter rings on, as high as its edge, below the noise of one sample. Cut off, that is some
     tenths of a per cent of the force where the blow's own spectrum is weak.
     """
-    for share in TAILS:
-        more = [int(share * (b.stop - b.first)) for b in blows]
-        wide = [
-            replace(b, first=max(0, b.first - m), stop=min(n, b.stop + m)) for b, m in zip(blows, more, strict=True)
-        ]
+    for more in TAILS:
+        wide = [replace(b, first=max(0, b.first - more), stop=min(n, b.stop + more)) for b in blows]
         if _width(wide, n) * len(wide) <= MOST_FORCE_SAMPLES:
             return wide
     return None

@@ -20,6 +20,8 @@ LEAST_DAMPING = 1e-6
 MAX_ZETA = 0.5
 HIGHEST = 0.98
 """Share of half the sampling rate that no pole goes beyond."""
+PRIOR_REACH = 2.0
+"""Sigmas by which a damping ratio may leave its prior."""
 MIN_ZETA = 1e-7
 """A pole that grows would overflow before a long block ends; no structure has one."""
 MAX_MOVE = 0.1
@@ -146,7 +148,10 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     if dt > 0:
         # What is sampled tells a pole beyond half the rate from nothing, or from its own alias.
         omega = np.minimum(omega, HIGHEST * np.pi / dt)
-    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), MIN_ZETA, MAX_ZETA)
+    # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
+    centre, sigma = problem.zeta_prior.T
+    low, high = np.maximum(centre - PRIOR_REACH * sigma, MIN_ZETA), np.minimum(centre + PRIOR_REACH * sigma, MAX_ZETA)
+    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), low, high)
     local = step[2 * n :].reshape(n_blocks, problem.n_local)
     width = at.force.shape[1]
     force = at.force + local[:, problem.n_local - width :] if width else at.force
