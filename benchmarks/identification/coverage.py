@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from cases import CASES, NO_TRUTH
-from coverage_table import table
+from coverage_table import INSIDE, table
 from matching import matched
 from numpy.typing import NDArray
 from ours import cramer_rao, identified
@@ -50,10 +50,6 @@ def compared(
         in_sigmas = [df / model.frequency_sigma_hz[near], dz / model.damping_sigma[near]]
         rows.append([df / f, dz / z, *in_sigmas, *constants_inside(shape, near, model)])
     return {"modes": rows, "spurious": 0 if model is None else model.n_modes - sum(p is not None for p in pairs)}
-
-
-INSIDE = 1.95996
-"""A normal number lies within this many sigmas in 95 % of all cases."""
 
 
 def constants_inside(shape: NDArray[np.float64], near: int, model: ModalModel) -> tuple[float, float]:

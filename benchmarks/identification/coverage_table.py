@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 GOAL = (93.0, 97.0)
+INSIDE = 1.96
+"""A normal number lies within this many sigmas in 95 % of all cases."""
 PARAMETERS = ("f", "zeta", "Re constants", "Im constants")
 
 
@@ -37,7 +39,7 @@ def table(results: Sequence[dict], bound: NDArray[np.float64] | None) -> None:
 
 def inside(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     """Percent of the 95 % intervals of f, zeta and the constants' real and imaginary parts that hold the truth."""
-    return 100 * np.mean(np.column_stack([np.abs(rows[:, 2:4]) < 1.96, rows[:, 4:6]]), axis=0)
+    return 100 * np.mean(np.column_stack([np.abs(rows[:, 2:4]) < INSIDE, rows[:, 4:6]]), axis=0)
 
 
 def _line(mode: int, rows: NDArray[np.float64], bound: NDArray[np.float64] | None) -> str:

@@ -64,9 +64,8 @@ def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.
     Of thousands of samples one may stand five sigmas out of the noise by chance, and would make the blow last up to it.
     It has no neighbour that leans to its side; a contact has, or stands out far more.
     """
-    level = np.abs(force)
-    lean = force * np.sign(np.roll(force, 1)), force * np.sign(np.roll(force, -1))
-    beside = np.maximum(np.where(lean[0] > 0, np.roll(level, 1), 0), np.where(lean[1] > 0, np.roll(level, -1), 0))
+    level, side = np.abs(force), np.sign(force)
+    beside = np.maximum(side * np.roll(force, 1), side * np.roll(force, -1))
     return np.flatnonzero((level > least) & ((beside > BESIDE * noise) | (level > FAR * noise)))
 
 

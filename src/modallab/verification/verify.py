@@ -40,6 +40,7 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
         DataError: records that cannot be, or not those of the fit.
     """
     flat = [s for group in groups for s in group]
+    check_test(flat)
     _require_blocks(fit, flat)
     made = iter([_replayed(fit, i, s) for i, s in enumerate(flat)])
     regenerated = [[next(made) for _ in group] for group in groups]
@@ -50,7 +51,6 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
 
 
 def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
-    check_test(signals)
     blocks = fit.problem.blocks
     if len(signals) != len(blocks):
         found = f"there are {len(signals)} records, and the fit is of {len(blocks)} blocks"

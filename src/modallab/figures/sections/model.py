@@ -47,8 +47,7 @@ def _fold(summary: str, *tables: Markup) -> Markup:
 
 def _constants(model: ModalModel) -> Markup:
     sigma, parts = model.modal_constant_sigma, model.modal_constant_part_sigma
-    if parts is None:
-        parts = sigma * (1 + 1j)
+    imag = sigma if parts is None else parts.imag
     return join(
         table(
             f"Modal constants in kg⁻¹, {_force(model, k)}: value and sigma",
@@ -57,7 +56,7 @@ def _constants(model: ModalModel) -> Markup:
                 (
                     _point(model, j),
                     *(
-                        _complex(model.modal_constants[r, j, k], sigma[r, j, k], parts[r, j, k])
+                        _complex(model.modal_constants[r, j, k], sigma[r, j, k], imag[r, j, k])
                         for r in range(model.n_modes)
                     ),
                 )
@@ -73,14 +72,8 @@ def _shapes(model: ModalModel) -> Markup:
     assert model.shapes is not None
     sigma = np.full(model.shapes.shape, np.nan) if model.shape_sigma is None else model.shape_sigma
     rows = [
-        (
-            _point(model, j),
-            *(
-                _complex(complex(model.shapes[r, j]), float(sigma[r, j]), sigma[r, j] * (1 + 1j))
-                for r in range(model.n_modes)
-            ),
-        )
-        for j in range(len(model.outputs))
+        (_point(model, j), *(_complex(complex(v), float(s), float(s)) for v, s in zip(phi, own, strict=True)))
+        for j, (phi, own) in enumerate(zip(model.shapes.T, sigma.T, strict=True))
     ]
     header = ("point", *(f"mode {r + 1}" for r in range(model.n_modes)))
     return table("Shapes φ in kg⁻¹ᐟ²: value and sigma", header, rows, range(1, model.n_modes + 1))
@@ -104,11 +97,11 @@ def _residuals(model: ModalModel) -> Markup:
     )
 
 
-def _complex(value: complex, sigma: float, of_parts: complex) -> str:
+def _complex(value: complex, sigma: float, sigma_imag: float) -> str:
     digits = 3
     text = plain(value.real, digits)
     # An imaginary part that its sigma hides is left out.
-    if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * of_parts.imag:
+    if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma_imag:
         text += f" {'−' if value.imag < 0 else '+'} {plain(abs(value.imag), digits)}j"
     return text if not np.isfinite(sigma) else f"{text} ± {plain(sigma, 1)}"
 
