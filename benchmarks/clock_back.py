@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from kept import Follower, require_kept
 from service_process import ServiceProcess
 
-from modallab.schema.plan import ImpactPlan
+from modallab.core.plan import ImpactPlan
 
 SHIM = r"""
 #define _GNU_SOURCE

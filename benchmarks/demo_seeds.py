@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.campaign.session import record_campaign
 from modallab.cli.demo import demo_rig
+from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.identification.options import Options
-from modallab.schema.plan import ImpactPlan, SinePlan
-from modallab.tasks.identify import identify_campaign
-from modallab.tasks.report import truth_of
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.report import truth_of
+from modallab.service.campaigns.plain_session import record_campaign
 
 MODES = 3
 

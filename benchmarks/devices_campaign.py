@@ -1,6 +1,6 @@
 """The demo's campaign over devices gives the model the simulated bench gives.
 
-The same seed once as `sim://`, once behind a simulated NI device server in another process, with blows struck by an
+The same seed once as `sim://`, once behind a simulated NI device server in another process, with hits struck by an
 operator who types and, for the sine test, a serial generator. The models are compared mode by mode in joint sigmas.
 
     python benchmarks/devices_campaign.py                    # 9215: 2 kHz and 1 kHz as asked for
@@ -21,25 +21,25 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from ni_server import NiServer
 
-from modallab.acquisition.process import RigProcess
-from modallab.campaign.demo_plan import demo_plans
-from modallab.campaign.session import record_campaign
-from modallab.exchange.rig_file import parse_rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.block import Campaign
+from modallab.core.events import HitRejected, HitRequested
+from modallab.core.hardware import Excitation
+from modallab.core.model import ModalModel
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 from modallab.identification.options import Options
-from modallab.schema.block import Campaign
-from modallab.schema.events import HitRefused, HitWanted
-from modallab.schema.hardware import Excitation
-from modallab.schema.model import ModalModel
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
-from modallab.schema.rig import Rig
+from modallab.pipelines.identify import identify_campaign
+from modallab.service.campaigns.demo_plan import demo_plans
+from modallab.service.campaigns.plain_session import record_campaign
 from modallab.storage import Store, campaign_of
-from modallab.tasks.identify import identify_campaign
 
 MODES = 3
 
 
 def demo_rig() -> Rig:
-    return parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    return parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
 
 
 def rig_of(system: str, generator: str, dialect: str) -> Rig:
@@ -82,10 +82,10 @@ def over_devices(system: str, seed: int, dialect: str, plans: Sequence[Plan], fo
                 for event in process.run(plan):
                     if event.run not in runs:
                         runs.append(event.run)
-                    if isinstance(event, HitWanted):
+                    if isinstance(event, HitRequested):
                         server.say(f"strike {event.point}")
-                    elif isinstance(event, HitRefused):
-                        print(f"  refused: {event.reason}")
+                    elif isinstance(event, HitRejected):
+                        print(f"  rejected: {event.reason}")
     with Store(folder) as store:
         return campaign_of(store, runs)
 

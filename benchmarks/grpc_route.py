@@ -19,16 +19,16 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from ni_server import NiServer
 
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Request
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.rig import Rig
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Request
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 
 STEP_V = 1e-9
 
 
 def rig_of(channels: int) -> Rig:
-    rig = parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     more = [
         rig.channels[1].model_copy(update={"index": n, "name": f"c{n:02d}", "range_v": 5.0}) for n in range(1, channels)
     ]

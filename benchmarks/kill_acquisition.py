@@ -19,15 +19,15 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.acquisition.process import RigProcess
-from modallab.acquisition.run import record
-from modallab.backend.loader import open_bench
-from modallab.errors import BenchError
-from modallab.exchange.rig_file import read_rig
-from modallab.schema.block import Block
-from modallab.schema.events import BlockAcknowledged
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
+from modallab.core.block import Block
+from modallab.core.errors import BenchError
+from modallab.core.events import BlockAcknowledged
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import read_rig
 from modallab.storage import Store
 
 URL = "sim://cantilever?seed=1&zeta=0.01"
@@ -35,7 +35,7 @@ URL = "sim://cantilever?seed=1&zeta=0.01"
 PLANS: tuple[Plan, ...] = (
     ImpactPlan(points=(10, 6, 3)),
     # Hardly any rest: about a third of this run's time goes into writing, so many kills fall into a write.
-    SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(100)), ramp_s=0.2, settle_s=0.3, rest_s=0.1),
+    SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(100)), ramp_s=0.2, settle_s=0.3, wait_s=0.1),
 )
 
 
@@ -57,7 +57,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the moments")
     arguments = parser.parse_args()
     chance = random.Random(arguments.seed)
-    rig = read_rig(Path(str(resources.files("modallab.campaign") / "link_rig.yaml")))
+    rig = read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))
     tally = Tally()
     with tempfile.TemporaryDirectory() as folder:
         whole = [run_whole(rig, plan, Path(folder) / f"whole{n}") for n, plan in enumerate(PLANS)]
@@ -83,7 +83,7 @@ def run_whole(rig: Rig, plan: Plan, folder: Path) -> tuple[dict[str, Block], flo
         begin = time.monotonic()
         run = record(open_bench(URL, rig), rig, plan, store, lambda _: None)
         took_s = time.monotonic() - begin
-        return {block.name: block for block in store.iterate(run, refused=True)}, took_s
+        return {block.name: block for block in store.iterate(run, rejected=True)}, took_s
 
 
 def kill_once(
@@ -113,7 +113,7 @@ def compare(folder: Path, heard: list[BlockAcknowledged], whole: dict[str, Block
     with Store(folder) as store:
         for run in store.catalogue.runs():
             rows = {row.n: row for row in store.catalogue.blocks(run.id)}
-            kept = {block.order: block for block in store.iterate(run.id, refused=True)}
+            kept = {block.order: block for block in store.iterate(run.id, rejected=True)}
             tally.committed += len(kept)
             if run.state not in ("failed", "done"):
                 tally.wrong.append(f"{run.id} is {run.state}")

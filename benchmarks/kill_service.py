@@ -30,16 +30,16 @@ from kept import Follower, require_kept
 from ni_server import NiServer
 from service_process import ServiceProcess
 
-from modallab.exchange.rig_file import dump_rig, parse_rig
-from modallab.schema.plan import ImpactPlan, SinePlan
+from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.formats.rig.rig_file import dump_rig, parse_rig
 
 OUTPUT = "cDAQ1Mod4/ao0"
 LIMIT_S = {"rig": 0.5, "api": 1.5, "supervisor": 1.5, "frozen": 1.5}
 ENDED = ("done", "failed", "aborted")
 DRIVE = SinePlan(
-    frequencies_hz=tuple(19.0 + n / 4 for n in range(80)), settle_s=1.2, ramp_s=0.3, block_s=0.256, rest_s=0.2
+    frequencies_hz=tuple(19.0 + n / 4 for n in range(80)), settle_s=1.2, ramp_s=0.3, block_s=0.256, wait_s=0.2
 )
-BLOWS = ImpactPlan(points=(10, 3), hits=2)
+HITS = ImpactPlan(points=(10, 3), hits=2)
 
 
 class Bench:
@@ -149,7 +149,7 @@ def one_by_one(victim: str, kills: int, kill: Callable[[], float]) -> list[float
 
 
 def kill_drives(victim: str, kills: int, seed: int) -> int:
-    rig = parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     moment = random.Random(seed)
     with NiServer(rig, "9215", "--pace", virtual=False) as server, tempfile.TemporaryDirectory() as folder:
         server.say("preamplifiers sine")
@@ -177,7 +177,7 @@ def kill_jobs(victim: str, kills: int, seed: int) -> int:
         lab = service.client
         campaign = lab.create_campaign("jobs", service.rig).id
         with lab.lease(service.rig, "killer") as lease:
-            run = lab.start_run(campaign, BLOWS, lease).id
+            run = lab.start_run(campaign, HITS, lease).id
             list(lab.follow(run))
         work = Work(service, campaign, moment)
         took = one_by_one(victim, kills, lambda: work.kill(victim))

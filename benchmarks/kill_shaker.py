@@ -25,13 +25,13 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from ni_server import NiServer
 
-from modallab.acquisition.process import RigProcess
-from modallab.backend.loader import open_output
-from modallab.errors import ModallabError
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.hardware import Excitation
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.bench.loader import open_output
+from modallab.core.errors import ModallabError
+from modallab.core.hardware import Excitation
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 
 OUTPUT = "cDAQ1Mod4/ao0"
 LIMIT_S = 0.5
@@ -44,7 +44,7 @@ def long_burst(seconds: float) -> SinePlan:
     block, ramp = 0.128, 0.3
     return SinePlan(
         frequencies_hz=(19.53125,), ramp_s=ramp, settle_s=seconds - block - ramp - 0.11, block_s=block,
-        rest_s=0.2, rest_timeout_s=0.2,
+        wait_s=0.2, settle_timeout_s=0.2,
     )  # fmt: skip
 
 
@@ -134,7 +134,7 @@ def main() -> int:
     if arguments.own:
         own(arguments.own, arguments.folder)
         return 0
-    rig = parse_rig((files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     if arguments.also_supervisor and not arguments.no_watchdog:
         rig = rig.model_copy(update={"excitation": Excitation(watchdog_s=arguments.watchdog_s)})
     plan = long_burst(arguments.burst_s)

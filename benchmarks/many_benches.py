@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from postgresql_server import postgresql_server
 
-from modallab.backend.protocol import BenchInfo, Delivery
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Channel, Rig
+from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Channel, Rig
 from modallab.storage import BlockNote, Store
 from modallab.storage.address import name_database
 

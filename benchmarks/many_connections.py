@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from kept import Follower, require_kept
 from service_process import ServiceProcess
 
-from modallab.schema.plan import ImpactPlan
+from modallab.core.plan import ImpactPlan
 
 BENCH = "sim://cantilever?seed=1&zeta=0.15&bad_hits=0&pace=1&reaction_s=0.2,0.4"
 PLAN = ImpactPlan(points=(10, 6, 3), hits=100)

@@ -16,10 +16,10 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from service_process import ServiceProcess
 
-from modallab.schema.plan import SinePlan
-from modallab.schema.service.runs import Abort
+from modallab.core.documents.runs import Abort
+from modallab.core.plan import SinePlan
 
-DRIVE = SinePlan(frequencies_hz=tuple(19.0 + n / 4 for n in range(400)), settle_s=2.0, ramp_s=0.5, rest_s=0.5)
+DRIVE = SinePlan(frequencies_hz=tuple(19.0 + n / 4 for n in range(400)), settle_s=2.0, ramp_s=0.5, wait_s=0.5)
 ENDED = ("done", "failed", "aborted")
 
 

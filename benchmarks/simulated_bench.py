@@ -3,7 +3,7 @@
     OPENBLAS_NUM_THREADS=1 python benchmarks/simulated_bench.py
 
 Eleven channels, read in pieces of 100 ms as an acquisition does. `at rest` and `ringing`: nothing excites. `impact
-test`: a blow every 4 s. `driven`: the shaker never pauses. `sine test`: 1 kHz, bursts of 11 s, 10 s of rest between.
+test`: a hit every 4 s. `driven`: the shaker never pauses. `sine test`: 1 kHz, bursts of 11 s, 10 s of rest between.
 """
 
 import argparse
@@ -11,11 +11,11 @@ import time
 from collections.abc import Callable
 from importlib.resources import files
 
-from modallab.backend.protocol import Bench, Burst, Request
-from modallab.exchange.rig_file import parse_rig
+from modallab.bench.protocol import Bench, Burst, Request
+from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
 
-Visit = Callable[[Bench, float], None]
+LocalSession = Callable[[Bench, float], None]
 
 
 def read(bench: Bench, rate_hz: float, seconds: float) -> None:
@@ -49,7 +49,7 @@ def sine(bench: Bench, rate_hz: float, seconds: float) -> None:
         read(bench, rate_hz, 21)
 
 
-VISITS: dict[str, tuple[Visit, Request]] = {
+VISITS: dict[str, tuple[LocalSession, Request]] = {
     "at rest": (rest, Request("impact", 2000.0)),
     "ringing": (ring, Request("impact", 2000.0)),
     "impact test": (impact, Request("impact", 2000.0)),
@@ -62,14 +62,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=420.0, help="bench time a visit")
     seconds = parser.parse_args().seconds
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
-    for name, (visit, request) in VISITS.items():
+    for name, (session, request) in VISITS.items():
         bench = open_bench("sim://cantilever?seed=1", rig)
         bench.configure(request)
         bench.start()
         began = time.process_time()
-        visit(bench, request.rate_hz, seconds)
+        session(bench, request.rate_hz, seconds)
         print(f"{name:12} {request.rate_hz:6.0f} Hz  {seconds / (time.process_time() - began):7.0f} times real time")
         bench.close()
 

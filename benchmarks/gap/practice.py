@@ -23,10 +23,10 @@ import numpy as np
 import yaml
 
 from modallab.blind.score import Trial, parameter_errors, reliability, score
-from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.effects import CATALOGUE
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnose import diagnose
-from modallab.schema.diagnosis import Diagnosis
-from modallab.schema.effects import CATALOGUE
 
 SALT = "modallab-split-1:"
 

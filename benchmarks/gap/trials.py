@@ -24,12 +24,12 @@ import numpy as np
 import yaml
 from rigs import drawn_rig
 
-from modallab.exchange.rig_file import dump_rig
-from modallab.gap.before import gap_before
+from modallab.core.block import Campaign
+from modallab.core.effects import CATALOGUE, Effect
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import dump_rig
 from modallab.gap.diagnose import diagnose
-from modallab.schema.block import Campaign
-from modallab.schema.effects import CATALOGUE, Effect
-from modallab.schema.rig import Rig
+from modallab.gap.report.initial_gap import gap_before
 from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
 from modallab_simulators.cantilever.effects.kinds import KINDS
 from modallab_simulators.cantilever.trial import make_trial
@@ -81,20 +81,20 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
         return make_trial(rig, draw.seed)
     if draw.effect == PAIR:
         return make_trial(rig, draw.seed, pair(rig, draw.seed))
-    wanted = aim = draw_gap(draw.seed)
+    requested = aim = draw_gap(draw.seed)
     met: list[tuple[float, float, Campaign, dict[str, object]]] = []
     for _ in range(TRIES):
         drawn = draw_effect(rig, draw.seed, draw.effect, aim)
         campaign, truth = make_trial(rig, draw.seed, (drawn.effect,))
         gap = gap_before(campaign)
-        short = log(sqrt((wanted**2 - 1) / max(gap**2 - 1, 0.01)))
+        short = log(sqrt((requested**2 - 1) / max(gap**2 - 1, 0.01)))
         met.append((abs(short), gap, campaign, truth))
         # Some effects have no size, or none that is large or small enough.
         if abs(short) < CLOSE or abs(log(drawn.gap / aim)) > CLOSE:
             break
         aim *= exp(min(max(short, -FURTHER), FURTHER))
     _, gap, campaign, truth = min(met, key=lambda m: m[0])
-    return campaign, truth | {"gap_wanted": wanted, "gap": gap}
+    return campaign, truth | {"gap_requested": requested, "gap": gap}
 
 
 def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:

@@ -21,7 +21,7 @@ from matching import matched
 from numpy.typing import NDArray
 from ours import cramer_rao
 
-from modallab.identification.criteria import mac
+from modallab.identification.selection.criteria import mac
 
 HERE = Path(__file__).parent
 ORDER = {"A": 60, "B": 80, "close": 40}
@@ -33,8 +33,8 @@ def run(command: list[str], case: Case) -> dict:
     """What the command, given a file of the case, prints as JSON."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.npz"
-        wanted, drive = case.truth.frequency_hz, np.array(case.truth.drive)
-        np.savez(path, frequency_hz=case.frequency_hz, mobility=case.mobility, wanted_hz=wanted, drive=drive)
+        requested, drive = case.truth.frequency_hz, np.array(case.truth.drive)
+        np.savez(path, frequency_hz=case.frequency_hz, mobility=case.mobility, requested_hz=requested, drive=drive)
         done = subprocess.run(
             [part if part != "CASE" else str(path) for part in command],
             capture_output=True,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ours import cramer_rao, identified
 from protocol import paper
 
-from modallab.schema.model import ModalModel
+from modallab.core.model import ModalModel
 
 
 def one(name: str, seed: int) -> dict:

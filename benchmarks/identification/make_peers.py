@@ -19,8 +19,8 @@ def main() -> None:
     python = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
     subprocess.run([str(python), "-m", "pip", "install", "--quiet", "-r", str(HERE / "peers.txt")], check=True)
     listed = subprocess.run([str(python), "-m", "pip", "freeze"], check=True, capture_output=True, text=True).stdout
-    wanted = ("sdypy", "sdynpy", "pyoma", "pyyeti", "numpy", "scipy")
-    print(*[line for line in listed.splitlines() if line.lower().startswith(wanted)], sep="\n")
+    requested = ("sdypy", "sdynpy", "pyoma", "pyyeti", "numpy", "scipy")
+    print(*[line for line in listed.splitlines() if line.lower().startswith(requested)], sep="\n")
 
 
 if __name__ == "__main__":

@@ -4,16 +4,16 @@ import numpy as np
 from cases import Case, mobility
 from numpy.typing import NDArray
 
-from modallab.errors import IdentificationError
-from modallab.identification.basis import LineBlock
-from modallab.identification.excitation import Grid, UnitExcitation
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
-from modallab.identification.normal_matrix import normal_equations
+from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.excitation import Grid, UnitExcitation
+from modallab.identification.likelihood.normal_matrix import normal_equations
+from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
 from modallab.identification.options import Options
-from modallab.identification.projection import Parameters, Problem, solve_at
-from modallab.schema.frf import Frf
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Channel, Point, Rig
 
 
 def rig_of(n: int) -> Rig:

@@ -1,6 +1,6 @@
 """The paper's protocol: time records of 1.024 s with 0.3 mV of noise on every channel, five hits, modes up to 1 kHz.
 
-Responses are exact: each mode's state is carried from one fine sample to the next in closed form under a blow that is
+Responses are exact: each mode's state is carried from one fine sample to the next in closed form under a hit that is
 straight between them, band-limited and thinned out to the converter's rate.
 """
 
@@ -9,13 +9,13 @@ from cases import BETA, cantilever_shapes
 from numpy.typing import NDArray
 from scipy import signal
 
-from modallab.errors import IdentificationError
+from modallab.core.block import Block
+from modallab.core.errors import IdentificationError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.schema.block import Block
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Channel, Point, Rig
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.scaling import to_signals_of
 
 RATE_HZ, N, FINE = 2000.0, 2048, 16
 NOISE_V = 3e-4

@@ -14,7 +14,7 @@ from cases import Case, Structure
 from ours import identified
 from run_peer import peak_mib
 
-from modallab.schema.model import ModalModel
+from modallab.core.model import ModalModel
 
 
 def loudest(model: ModalModel) -> list[dict[str, list[float]]]:

@@ -5,7 +5,7 @@
 After so many seconds of processor it is ended.
 
 Each peer is used as its documentation shows. Where it asks its user to pick poles, the true frequencies are given to it
-(`wanted_hz`), which no user has: what is compared is its estimates, not the picking.
+(`requested_hz`), which no user has: what is compared is its estimates, not the picking.
 """
 
 import contextlib
@@ -21,23 +21,23 @@ from pathlib import Path
 import numpy as np
 
 
-def sdypy(frequency_hz, mobility, wanted_hz, order):
+def sdypy(frequency_hz, mobility, requested_hz, order):
     from sdypy import EMA
 
     model = EMA.Model(
         mobility.reshape(-1, frequency_hz.size),
         frequency_hz,
-        lower=max(1.0, 0.5 * wanted_hz.min()),
+        lower=max(1.0, 0.5 * requested_hz.min()),
         upper=frequency_hz[-1],
         pol_order_high=order,
         frf_form="mobility",
     )
     model.get_poles(method="lscf", show_progress=False)
-    model.select_closest_poles(list(wanted_hz), f_window=20)
+    model.select_closest_poles(list(requested_hz), f_window=20)
     return np.asarray(model.nat_freq), np.asarray(model.nat_xi)
 
 
-def sdynpy(frequency_hz, mobility, wanted_hz, order):
+def sdynpy(frequency_hz, mobility, requested_hz, order):
     import sdynpy as sdpy
     from sdynpy.modal import PolyPy
 
@@ -51,15 +51,15 @@ def sdynpy(frequency_hz, mobility, wanted_hz, order):
     fit.compute_poles(np.arange(2, order // n_in + 1) * n_in)
     stable = [p[p["freq_stable"] & p["damp_stable"]] for p in fit.pole_list]
     picked = []
-    for wanted in wanted_hz:
+    for requested in requested_hz:
         # The highest order that holds a stable pole there: the list begins with it.
-        near = [p[np.argmin(abs(p["omega"] - 2 * np.pi * wanted))] for p in stable if p.size]
-        near = [p for p in near if abs(p["omega"] / (2 * np.pi * wanted) - 1) < 0.01]
+        near = [p[np.argmin(abs(p["omega"] - 2 * np.pi * requested))] for p in stable if p.size]
+        near = [p for p in near if abs(p["omega"] / (2 * np.pi * requested) - 1) < 0.01]
         picked.append((near[0]["omega"] / (2 * np.pi), near[0]["zeta"]) if near else (np.nan, np.nan))
     return np.array(picked).T
 
 
-def pyyeti(frequency_hz, mobility, wanted_hz, order):
+def pyyeti(frequency_hz, mobility, requested_hz, order):
     from pyyeti import era
 
     n_lines = frequency_hz.size
@@ -68,7 +68,7 @@ def pyyeti(frequency_hz, mobility, wanted_hz, order):
     found = era.ERA(
         response.transpose(0, 2, 1),
         sr=rate,
-        svd_tol=2 * wanted_hz.size,
+        svd_tol=2 * requested_hz.size,
         auto=True,
         # Left to itself it takes half the record as block rows, and all singular vectors of a matrix of 20480 rows.
         alpha=BLOCK_ROWS,
@@ -80,7 +80,7 @@ def pyyeti(frequency_hz, mobility, wanted_hz, order):
     return np.asarray(found.freqs_hz), np.asarray(found.zeta)
 
 
-def pyoma(frequency_hz, mobility, wanted_hz, order):
+def pyoma(frequency_hz, mobility, requested_hz, order):
     from pyoma2.algorithms import SSI
     from pyoma2.setup import SingleSetup
 
@@ -91,7 +91,7 @@ def pyoma(frequency_hz, mobility, wanted_hz, order):
     setup = SingleSetup(response.T, fs=2 * frequency_hz[-1])
     setup.add_algorithms(SSI(name="SSI", method="cov", br=max(10, order // 2), ordmax=order))
     setup.run_by_name("SSI")
-    setup.mpe("SSI", sel_freq=list(wanted_hz), order_in=order - order % 2)
+    setup.mpe("SSI", sel_freq=list(requested_hz), order_in=order - order % 2)
     found = setup["SSI"].result
     return np.asarray(found.Fn), np.asarray(found.Xi)
 
@@ -136,7 +136,7 @@ def main() -> None:
     begin, wall = time.process_time(), time.monotonic()
     try:
         with contextlib.redirect_stdout(io.StringIO()):
-            f, zeta = PEERS[name](data["frequency_hz"], data["mobility"], data["wanted_hz"], order)
+            f, zeta = PEERS[name](data["frequency_hz"], data["mobility"], data["requested_hz"], order)
         result = {"f": np.asarray(f, float).tolist(), "zeta": np.asarray(zeta, float).tolist()}
     except Exception as error:  # a peer's failure is a result
         result = {"failed": f"{type(error).__name__}: {error}"[:300]}

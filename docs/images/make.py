@@ -11,20 +11,20 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.figures import style
-from modallab.figures.all_points import all_points
-from modallab.figures.compare import modes
-from modallab.figures.content import Outcome
-from modallab.figures.damping import damping
-from modallab.figures.mode_shapes import mode_shapes
-from modallab.figures.resolution import resolution
+from modallab.core.block import Campaign
+from modallab.core.frf import Frf
+from modallab.core.verification import Verification
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.identification.options import Options
-from modallab.schema.block import Campaign
-from modallab.schema.frf import Frf
-from modallab.schema.verification import Verification
-from modallab.tasks.identify import identify_campaign
-from modallab.tasks.report import report_content, truth_of
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.report import report_content, truth_of
+from modallab.reporting.compare import modes
+from modallab.reporting.content import Outcome
+from modallab.reporting.figures import style
+from modallab.reporting.figures.all_points import all_points
+from modallab.reporting.figures.damping import damping
+from modallab.reporting.figures.mode_shapes import mode_shapes
+from modallab.reporting.figures.resolution import resolution
 
 PAPER_BAND = (3.0, 110.0)
 SHOWN = (3, 6, 10)
@@ -54,12 +54,12 @@ def pictures(campaign: Campaign) -> dict[str, Figure]:
         "mobility": all_points(at_points(impact.verification, SHOWN)),
         "mode-shapes": shapes,
         "damping": damping(found),
-        "half-power": resolution(found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, blow_s(impact)),
+        "half-power": resolution(found[0], found[0].readings[0], campaign.of("impact")[0].duration_s, hit_s(impact)),
     }
 
 
-def blow_s(outcome: Outcome) -> float:
-    """Time before the blow in the test's example block."""
+def hit_s(outcome: Outcome) -> float:
+    """Time before the hit in the test's example block."""
     signals = outcome.example
     return 0.0 if signals is None else int(abs(signals.force).argmax()) / signals.rate_hz
 

@@ -7,19 +7,19 @@ import json
 import tempfile
 from pathlib import Path
 
-from modallab.api.app import create_app
-from modallab.api.kinds import KINDS
-from modallab.campaign.desks import Desks
-from modallab.campaign.rig_lease import Leases
-from modallab.campaign.service import open_service
-from modallab.settings import Settings
+from modallab.core.settings import Settings
+from modallab.service.api.app import create_app
+from modallab.service.api.problem_kinds import KINDS
+from modallab.service.context import open_service
+from modallab.service.records.leases import Leases
+from modallab.service.rigs.controllers import Controllers
 from modallab.storage import Store
 
 HERE = Path(__file__).parent
 
 PROBLEMS = """# Problems
 
-What the service refuses, it answers with `application/problem+json` (RFC 9457): `type` is the address of the kind's
+What the service rejects, it answers with `application/problem+json` (RFC 9457): `type` is the address of the kind's
 page on the service itself, `code` the kind for programs, `detail` what was wrong with its value, `remedy` what to do.
 `code` may be more exact than the kind: every code of [the errors](errors.md) can occur, under the kind of the nearest
 one in this list. `legal` lists the states that may follow where a run cannot do something now; `errors` names each
@@ -33,8 +33,8 @@ field of a request that is not valid.
 def main() -> None:
     """Write both."""
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder)) as store:
-        desks = Desks([], Leases(store.catalogue.engine, "none"))
-        service = open_service(Path(folder), desks, "none")
+        controllers = Controllers([], Leases(store.catalogue.engine, "none"))
+        service = open_service(Path(folder), controllers, "none")
         document = create_app(service, Settings(data=Path(folder)), "none").openapi()
         service.close()
     (HERE / "openapi.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

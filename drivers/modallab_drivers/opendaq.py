@@ -11,15 +11,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Found, Request
-from modallab.errors import (
+from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Found, Request
+from modallab.core.errors import (
     BenchTimeoutError,
     ConfigurationError,
     DeviceGoneError,
     SamplesLostError,
     UnsupportedError,
 )
-from modallab.schema.rig import Channel, Rig
+from modallab.core.rig import Channel, Rig
 from modallab_drivers.order import require, require_count
 
 State = Literal["open", "configured", "running", "stopped", "lost", "closed"]
@@ -134,10 +134,10 @@ class OpenDaqBench:
                 time.sleep(POLL_S)
         samples, self._left = self._left[:, :count].copy(), self._left[:, count:]
         first, self._position = self._position, self._position + count
-        return Chunk(first, samples, self._beyond(samples))
+        return Chunk(first, samples, self._out_of_band(samples))
 
     def play(self, burst: Burst) -> int:
-        """Refused: these devices have no output."""
+        """Rejected: these devices have no output."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"the device has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
@@ -184,18 +184,18 @@ class OpenDaqBench:
         self._reader = None
 
     def _fitting_channels(self) -> Sequence[Any]:
-        wanted = len(self._rig.channels)
-        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < wanted:
+        requested = len(self._rig.channels)
+        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < requested:
             # The reference device has as many channels as one asks for.
-            self._device.set_property_value(_COUNT, wanted)
+            self._device.set_property_value(_COUNT, requested)
         channels = list(self._device.channels_recursive)
-        if len(channels) < wanted:
+        if len(channels) < requested:
             raise ConfigurationError(
-                f"channels: the rig has {wanted}, the device {len(channels)}",
+                f"channels: the rig has {requested}, the device {len(channels)}",
                 where=self._url,
                 remedy="leave channels of the rig file out, or use a larger device",
             )
-        return channels[:wanted]
+        return channels[:requested]
 
     def _unit(self, channel: Channel, device: Any) -> str:
         unit = device.signals[0].descriptor.unit
@@ -206,7 +206,7 @@ class OpenDaqBench:
             )
         return symbol
 
-    def _beyond(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _out_of_band(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         limits = [device.signals[0].descriptor.value_range for device in self._channels]
         highest = np.array([np.inf if r is None else float(r.high_value) for r in limits])
         lowest = np.array([-np.inf if r is None else float(r.low_value) for r in limits])

@@ -5,13 +5,13 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Burst
-from modallab.errors import ConfigurationError
-from modallab.schema.rig import Limits
+from modallab.bench.protocol import Burst
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Limits
 
 
 def require(state: str, *legal: str, to: str, where: str) -> None:
-    """Refuse a call out of order.
+    """Reject a call out of order.
 
     Raises:
         ConfigurationError: the bench is in none of the legal states.
@@ -25,7 +25,7 @@ def require(state: str, *legal: str, to: str, where: str) -> None:
 
 
 def require_count(count: int, where: str) -> None:
-    """Refuse a read of nothing.
+    """Reject a read of nothing.
 
     Raises:
         ConfigurationError: `count` is below 1.
@@ -35,7 +35,7 @@ def require_count(count: int, where: str) -> None:
 
 
 def require_burst(burst: Burst, rate_hz: float, range_v: float, limits: Limits | None, where: str) -> None:
-    """Refuse a burst the output or the rig's limits do not allow.
+    """Reject a burst the output or the rig's limits do not allow.
 
     Raises:
         ConfigurationError: names every field that is wrong, and the field of the rig file where it is a limit.
@@ -49,12 +49,12 @@ def require_burst(burst: Burst, rate_hz: float, range_v: float, limits: Limits |
     if not all(isfinite(t) and t >= 0 for t in times) or burst.duration_s == 0:
         problems.append(f"ramp_s = {burst.ramp_s}, hold_s = {burst.hold_s}; allowed: from 0, not both 0")
     elif limits is not None:
-        problems += _beyond(burst, limits)
+        problems += _out_of_band(burst, limits)
     if problems:
         raise ConfigurationError("; ".join(problems), where=where, remedy="change the plan or the rig file's limits")
 
 
-def _beyond(burst: Burst, limits: Limits) -> list[str]:
+def _out_of_band(burst: Burst, limits: Limits) -> list[str]:
     slew = 2 * pi * burst.frequency_hz * burst.amplitude_v
     found = [
         ("limits.drive_v", burst.amplitude_v, limits.drive_v, "V"),

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from modallab.backend.protocol import Burst
+from modallab.bench.protocol import Burst
 
 
 class Output(Protocol):

@@ -14,11 +14,17 @@ from urllib.parse import parse_qsl, unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
-from modallab.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, SamplesLostError, UnsupportedError
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.schema.block import Block, Campaign
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import (
+    BenchTimeoutError,
+    ConfigurationError,
+    DeviceGoneError,
+    SamplesLostError,
+    UnsupportedError,
+)
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 State = Literal["open", "configured", "running", "stopped", "closed"]
 
@@ -128,7 +134,7 @@ class ReplayBench:
         return chunk
 
     def play(self, burst: Burst) -> int:
-        """Refused: what was recorded can't be driven."""
+        """Rejected: what was recorded can't be driven."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"a replay has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
@@ -137,7 +143,7 @@ class ReplayBench:
         )
 
     def prompt_hit(self, point: int) -> None:
-        """The blows are in the recording; the point must be one of the rig."""
+        """The hits are in the recording; the point must be one of the rig."""
         self._rig.x_of(point)
 
     def zero(self) -> None:
@@ -210,10 +216,10 @@ def _parse(url: str) -> tuple[Path, float]:
 
 
 def _same_channels(recorded: Rig, rig: Rig, url: str) -> None:
-    had, wanted = [c.name for c in recorded.channels], [c.name for c in rig.channels]
-    if had != wanted:
+    had, requested = [c.name for c in recorded.channels], [c.name for c in rig.channels]
+    if had != requested:
         raise ConfigurationError(
-            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(wanted)}",
+            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(requested)}",
             where=f"{url}, rig file field channels",
             remedy="replay it with the rig it was recorded on",
         )

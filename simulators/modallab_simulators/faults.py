@@ -1,7 +1,7 @@
 """What goes wrong on a bench, on purpose: each fault by its name, for the simulated devices.
 
 `apply` reads a line such as `unplugged -201003` and arms the fault in the simulated device; the names are the same
-whatever the device is, and a device refuses those it cannot have.
+whatever the device is, and a device rejects those it cannot have.
 """
 
 from collections import deque

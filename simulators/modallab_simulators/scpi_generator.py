@@ -264,7 +264,7 @@ class ScpiGenerator:
         if match is None:
             self._errors.append(f'-104,"Data type error; {value}"')
             return
-        wanted = float(match[1])
+        requested = float(match[1])
         low, high = {
             "frequency": (1e-6, 10e6),
             "amplitude": (self.dialect.min_vpp, self.dialect.max_vpp),
@@ -272,8 +272,8 @@ class ScpiGenerator:
             "cycles": (1.0, 1e6),
             "load": (1.0, 10e3),
         }[name]
-        applied = min(max(wanted, low), high)
-        if applied != wanted:
+        applied = min(max(requested, low), high)
+        if applied != requested:
             self._errors.append(f'-222,"Data out of range; value clipped to {applied:g}"')
         if name == "amplitude":
             applied = min(applied, self.clip_vpp)
@@ -288,8 +288,8 @@ class ScpiGenerator:
     @property
     def _amplitude_v(self) -> float:
         # The shown voltage is that at the load it was told of; at an open end there is twice as much.
-        told = self._settings.numbers["load"]
-        return self._settings.numbers["amplitude"] / 2 * (1.0 if np.isinf(told) else (told + 50) / told)
+        reported = self._settings.numbers["load"]
+        return self._settings.numbers["amplitude"] / 2 * (1.0 if np.isinf(reported) else (reported + 50) / reported)
 
     def _fire(self) -> None:
         words, numbers = self._settings.words, self._settings.numbers

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from modallab.exchange.rig_file import read_rig
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import read_rig
 from modallab.storage import Store
 
 
@@ -19,4 +19,4 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 @pytest.fixture(scope="session")
 def link_rig() -> Rig:
-    return read_rig(Path(str(resources.files("modallab.campaign") / "link_rig.yaml")))
+    return read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))

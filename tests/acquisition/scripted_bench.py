@@ -1,12 +1,12 @@
-"""A bench whose signals are known to the sample: noise, blows at given places after each prompt, bursts, and faults."""
+"""A bench whose signals are known to the sample: noise, hits at given places after each prompt, bursts, and faults."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, Request
-from modallab.errors import DeviceGoneError, SamplesLostError
-from modallab.schema.rig import Channel, Converter, Limits, Point, Rig
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.core.errors import DeviceGoneError, SamplesLostError
+from modallab.core.rig import Channel, Converter, Limits, Point, Rig
 
 SCALE = 0.01
 RING_HZ = 60.0
@@ -29,7 +29,7 @@ def scripted_rig(limits: Limits | None = None) -> Rig:
 
 @dataclass(frozen=True)
 class Strike:
-    """A blow `delay` samples after the prompt: sin^2, `width` samples, and the response it leaves."""
+    """A hit `delay` samples after the prompt: sin^2, `width` samples, and the response it leaves."""
 
     delay: int = 300
     peak_n: float = 100.0
@@ -71,7 +71,7 @@ class ScriptedBench:
 
     def __post_init__(self) -> None:
         self.noise = np.random.default_rng(5).normal(0, 2.0, (3, 1 << 16))
-        self.blows: list[tuple[int, Strike]] = []
+        self.hits: list[tuple[int, Strike]] = []
         self.bursts: list[tuple[int, Burst]] = []
         self.prompts: list[int] = []
         self.position = 0
@@ -88,7 +88,7 @@ class ScriptedBench:
 
     def start(self) -> None:
         self.position = 0
-        self.blows.clear()
+        self.hits.clear()
         self.bursts.clear()
 
     def read(self, count: int, timeout_s: float) -> Chunk:
@@ -105,7 +105,7 @@ class ScriptedBench:
         n = np.arange(first, first + count)
         counts = self.noise[:, n % self.noise.shape[1]]
         counts[1:] += self.hum * np.sin(2 * np.pi * 50 * n / self.rate_hz)
-        for start, strike in self.blows:
+        for start, strike in self.hits:
             counts[0] += strike.force(n - start) / SCALE
             counts[1:] += strike.motion(n - start, self.rate_hz) / SCALE
         for start, burst in self.bursts:
@@ -120,7 +120,7 @@ class ScriptedBench:
     def prompt_hit(self, point: int) -> None:
         strike = self.strikes[min(len(self.prompts), len(self.strikes) - 1)]
         self.prompts.append(self.position)
-        self.blows.append((self.position + strike.delay, strike))
+        self.hits.append((self.position + strike.delay, strike))
 
     def zero(self) -> None:
         self.done.append("zero")

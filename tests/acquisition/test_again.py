@@ -1,10 +1,10 @@
-"""Repeating one frequency of a recorded run: the plan of it, and what is refused."""
+"""Repeating one frequency of a recorded run: the plan of it, and what is rejected."""
 
 import pytest
 
-from modallab.acquisition.again import repeat_plan, require_recorded
-from modallab.errors import PlanError
-from modallab.schema.plan import ImpactPlan, SinePlan
+from modallab.acquisition.process.repeat_part import repeat_plan, require_recorded
+from modallab.core.errors import PlanError
+from modallab.core.plan import ImpactPlan, SinePlan
 
 PLAN = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5, "high": 2.0}, settle_s=3.0)
 
@@ -26,7 +26,7 @@ def test_the_plan_holds_one_frequency_and_everything_else_as_it_was() -> None:
         (ImpactPlan(points=(1,)), 60.0, "", "an impact test has no frequencies"),
     ],
 )
-def test_what_the_plan_does_not_hold_is_refused(
+def test_what_the_plan_does_not_hold_is_rejected(
     plan: SinePlan | ImpactPlan, frequency: float, level: str, said: str
 ) -> None:
     with pytest.raises(PlanError, match=said) as caught:

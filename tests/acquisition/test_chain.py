@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from modallab.acquisition.chain import chain_of, peaks
-from modallab.backend.protocol import Delivery
-from modallab.errors import DataError, RigError
-from modallab.schema.rig import Channel, Converter, Rig
+from modallab.acquisition.monitor.chain import chain_of, peaks
+from modallab.bench.protocol import Delivery
+from modallab.core.errors import DataError, RigError
+from modallab.core.rig import Channel, Converter, Rig
 
 
 def rig(**response: object) -> Rig:
@@ -32,7 +32,7 @@ def test_volts_are_scaled_by_the_sensitivity_of_the_test_and_the_unit() -> None:
 def test_millivolts_and_engineering_units_are_understood() -> None:
     chain = chain_of(rig(), delivery(("mV", "m/s^2"), 1.0), "impact")
     np.testing.assert_allclose(chain.si_per_count, [1e-3 / 0.02, 1.0])
-    assert chain.rail[1] == np.inf
+    assert chain.full_scale[1] == np.inf
 
 
 def test_both_ends_of_the_converter_are_overload_and_nothing_else() -> None:
@@ -43,7 +43,7 @@ def test_both_ends_of_the_converter_are_overload_and_nothing_else() -> None:
 
 def test_a_channels_own_range_counts_before_the_converters() -> None:
     chain = chain_of(rig(range_v=5.0), delivery(), "impact")
-    assert chain.rail[1] == pytest.approx(2**14, rel=1e-3)
+    assert chain.full_scale[1] == pytest.approx(2**14, rel=1e-3)
 
 
 def test_the_most_negative_count_has_its_magnitude() -> None:

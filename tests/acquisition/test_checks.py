@@ -1,14 +1,14 @@
-"""A plan that must not be run is refused before anything moves, with all its problems at once."""
+"""A plan that must not be run is rejected before anything moves, with all its problems at once."""
 
 import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.checks import require_possible
-from modallab.acquisition.run import record
-from modallab.backend.protocol import BenchInfo
-from modallab.errors import PlanError
-from modallab.schema.plan import HitAcceptance, ImpactPlan, SinePlan
-from modallab.schema.rig import Limits
+from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.acquisition.process.run import record
+from modallab.bench.protocol import BenchInfo
+from modallab.core.errors import PlanError
+from modallab.core.plan import HitAcceptance, ImpactPlan, SinePlan
+from modallab.core.rig import Limits
 from modallab.storage import Store
 
 LIMITS = Limits(drive_v=1.0, slew_v_per_s=335.0, force_n=20.0, acceleration_m_s2=50.0, max_burst_s=11.0)
@@ -54,7 +54,7 @@ def test_without_limits_or_output_nothing_is_driven() -> None:
     assert "no excitation output" in caught.value.what
 
 
-def test_a_refused_plan_touches_the_output_only_to_zero_it(store: Store) -> None:
+def test_a_rejected_plan_touches_the_output_only_to_zero_it(store: Store) -> None:
     bench = ScriptedBench()
     with pytest.raises(PlanError):
         record(bench, scripted_rig(), SinePlan(), store, lambda _: None)

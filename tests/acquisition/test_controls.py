@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.acquisition.process import RigProcess
-from modallab.acquisition.states import IllegalTransitionError
-from modallab.errors import PlanError, StorageError
-from modallab.schema.plan import ImpactPlan, SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.monitor.run_states import IllegalTransitionError
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.errors import PlanError, StorageError
+from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.rig import Rig
 from modallab.storage import Store, campaign_of
 
 URL = "sim://cantilever?seed=2&zeta=0.01&bad_hits=0"
 IMPACT = ImpactPlan(points=(10,), hits=3)
-SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, rest_s=2.0)
+SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, wait_s=2.0)
 
 
 def test_a_run_is_paused_and_goes_on(link_rig: Rig, tmp_path: Path) -> None:
@@ -37,9 +37,9 @@ def test_a_run_is_paused_and_goes_on(link_rig: Rig, tmp_path: Path) -> None:
 
 def test_what_cannot_be_done_now_is_a_typed_error(link_rig: Rig, tmp_path: Path) -> None:
     with RigProcess(URL, link_rig, tmp_path) as process:
-        for wish in (process.pause, process.resume):
+        for request in (process.pause, process.resume):
             with pytest.raises(IllegalTransitionError):
-                wish()
+                request()
         with pytest.raises(PlanError, match="no block 'impact_p10_1' counts"):
             process.drop("impact_p10_1")
         with pytest.raises(PlanError, match="no run is going on"):
@@ -89,8 +89,8 @@ def test_progress_and_the_last_block_are_there_while_the_run_goes_on(link_rig: R
     with RigProcess(URL, link_rig, tmp_path) as process:
         assert process.last_block() is None
         for event in process.run(IMPACT):
-            if event.kind == "hit_wanted":
-                assert process.view.wanted == event
+            if event.kind == "hit_requested":
+                assert process.view.requested == event
             if event.kind == "block":
                 block = process.last_block()
                 assert block is not None

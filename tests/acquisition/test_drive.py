@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.drive import HEADROOM, MAX_GROWTH, Drive, Measured
-from modallab.acquisition.run import record
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Burst
-from modallab.errors import PlanError
-from modallab.schema.plan import ForceControl, SinePlan
-from modallab.schema.rig import Limits, Rig
+from modallab.acquisition.procedures.drive import HEADROOM, MAX_GROWTH, Drive, Measured
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Burst
+from modallab.core.errors import PlanError
+from modallab.core.plan import ForceControl, SinePlan
+from modallab.core.rig import Limits, Rig
 from modallab.storage import Store
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=20.0)
@@ -20,7 +20,7 @@ RIG = scripted_rig(LIMITS)
 
 
 def sine(**fields: object) -> SinePlan:
-    plain = {"frequencies_hz": (27.34375, 60.0), "levels_v": {"low": 0.5}, "settle_s": 1.5, "rest_s": 1.0}
+    plain = {"frequencies_hz": (27.34375, 60.0), "levels_v": {"low": 0.5}, "settle_s": 1.5, "wait_s": 1.0}
     return SinePlan.model_validate(plain | fields)
 
 
@@ -46,7 +46,7 @@ def test_a_constant_drive_takes_one_burst_a_frequency_whatever_the_force(store: 
     assert found == pytest.approx([0.5, 0.1], rel=0.02)
 
 
-def test_the_force_is_brought_to_what_is_wanted_between_bursts(store: Store) -> None:
+def test_the_force_is_brought_to_what_is_requested_between_bursts(store: Store) -> None:
     bench = Dropping()
     plan = sine(force=ForceControl(levels_n={"low": 0.8}))
     run = record(bench, RIG, plan, store, lambda _: None)
@@ -56,9 +56,9 @@ def test_the_force_is_brought_to_what_is_wanted_between_bursts(store: Store) -> 
     rows = store.catalogue.blocks(run)
     assert [r.note.name for r in rows if r.note.accepted] == ["sine_low_027.344", "sine_low_060.000"]
     first = rows[0]
-    assert first.note.name == "sine_low_027.344_refused_1"
+    assert first.note.name == "sine_low_027.344_rejected_1"
     assert "force 0.4982 N" in first.note.reason
-    assert "0.8 N +- 5 % was wanted" in first.note.reason
+    assert "0.8 N +- 5 % was requested" in first.note.reason
     # The next frequency begins with no more than the plan's drive, though more was needed here.
     assert next(r.note.facts["drive_v"] for r in rows if r.note.frequency_hz == 60.0) == 0.5
 
@@ -82,12 +82,14 @@ def test_at_the_rigs_limit_there_is_no_other_drive_to_try(store: Store) -> None:
     assert bench.done.count("play") == 1
     (only,) = store.catalogue.blocks(run)
     assert only.note.accepted
-    assert "was wanted" in only.note.reason
+    assert "was requested" in only.note.reason
 
 
 @given(st.floats(0.01, 5.0), st.floats(1e-3, 100.0), st.floats(0.0, 1.0), st.floats(1.0, 400.0), st.floats(0.1, 40.0))
-def test_no_correction_leads_beyond_a_limit(volts: float, force: float, used: float, hz: float, wanted: float) -> None:
-    drive = Drive(sine(force=ForceControl(levels_n={"low": wanted})), LIMITS)
+def test_no_correction_leads_beyond_a_limit(
+    volts: float, force: float, used: float, hz: float, requested: float
+) -> None:
+    drive = Drive(sine(force=ForceControl(levels_n={"low": requested})), LIMITS)
     found = drive.next_v("low", hz, Measured(volts, force, used))
     if found is None:
         return
@@ -105,7 +107,7 @@ def test_no_correction_leads_beyond_a_limit(volts: float, force: float, used: fl
         (ForceControl(levels_n={"low": 45.0}), "low is 45 N; allowed: up to 0.8 of the rig's limit, 40 N"),
     ],
 )
-def test_a_force_the_rig_does_not_allow_is_refused(store: Store, force: ForceControl, said: str) -> None:
+def test_a_force_the_rig_does_not_allow_is_rejected(store: Store, force: ForceControl, said: str) -> None:
     with pytest.raises(PlanError, match=said):
         record(ScriptedBench(), RIG, sine(force=force), store, lambda _: None)
 
@@ -113,7 +115,7 @@ def test_a_force_the_rig_does_not_allow_is_refused(store: Store, force: ForceCon
 def test_on_the_beam_the_force_is_reached_and_what_was_right_stays_right(store: Store, link_rig: Rig) -> None:
     bench = open_bench("sim://cantilever?seed=4&zeta=0.02", link_rig)
     plan = SinePlan(
-        frequencies_hz=(20 / 1.024, 31 / 1.024), settle_s=3.0, rest_s=2.0, force=ForceControl(levels_n={"low": 0.2})
+        frequencies_hz=(20 / 1.024, 31 / 1.024), settle_s=3.0, wait_s=2.0, force=ForceControl(levels_n={"low": 0.2})
     )
     run = record(bench, link_rig, plan, store, lambda _: None)
     found = [float(r.note.facts["force_n"]) for r in store.catalogue.blocks(run) if r.note.accepted]

@@ -1,12 +1,12 @@
-"""Blows are measured as closed forms say, and refused with the number that decided."""
+"""Hits are measured as closed forms say, and rejected with the number that decided."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.acquisition.hits import blow_of, refusals
-from modallab.schema.plan import HitAcceptance
+from modallab.acquisition.procedures.hit_acceptance import hit_of, rejections
+from modallab.core.plan import HitAcceptance
 
 RATE, BEFORE, N = 2000.0, 100, 2048
 T = np.arange(N) / RATE
@@ -25,34 +25,34 @@ def force(width_s: float = 0.004, peak_n: float = 100.0, second: float = 0.0, af
 
 def reasons(signal: np.ndarray, **limits: float) -> list[str]:
     acceptance = HitAcceptance(**limits)
-    return refusals(blow_of(signal, RATE, BEFORE, acceptance.min_band_hz), acceptance)
+    return rejections(hit_of(signal, RATE, BEFORE, acceptance.min_band_hz), acceptance)
 
 
-def test_a_good_blow_has_no_reason_against_it() -> None:
+def test_a_good_hit_has_no_reason_against_it() -> None:
     assert reasons(force()) == []
 
 
 @given(st.floats(0.002, 0.012), st.floats(20, 400))
 def test_peak_and_contact_are_those_of_the_pulse(width_s: float, peak_n: float) -> None:
-    blow = blow_of(force(width_s, peak_n), RATE, BEFORE, 110.0)
+    hit = hit_of(force(width_s, peak_n), RATE, BEFORE, 110.0)
     # At worst the peak lies in the middle between two samples.
-    assert peak_n * np.cos(np.pi / (2 * RATE * width_s)) ** 2 - 0.1 < blow.peak_n < peak_n + 0.1
+    assert peak_n * np.cos(np.pi / (2 * RATE * width_s)) ** 2 - 0.1 < hit.peak_n < peak_n + 0.1
     # Above 5 % of the peak for 1 - 2 asin(sqrt(0.05)) / pi = 86 % of the width.
-    assert blow.contact_s == pytest.approx(0.856 * width_s, abs=2.1 / RATE)
+    assert hit.contact_s == pytest.approx(0.856 * width_s, abs=2.1 / RATE)
 
 
 @pytest.mark.parametrize("width_s", [0.004, 0.006, 0.008])
 def test_the_drop_is_that_of_a_raised_cosine(width_s: float) -> None:
     x = 110.0 * width_s
     expected_db = -20 * np.log10(np.sinc(x) / (1 - x**2))
-    assert blow_of(force(width_s), RATE, BEFORE, 110.0).drop_db == pytest.approx(expected_db, abs=0.3)
+    assert hit_of(force(width_s), RATE, BEFORE, 110.0).drop_db == pytest.approx(expected_db, abs=0.3)
 
 
 @given(st.floats(0.08, 1.0), st.floats(0.012, 0.4))
 def test_a_second_contact_is_found_wherever_it_is(ratio: float, after_s: float) -> None:
-    blow = blow_of(force(second=ratio, after_s=after_s), RATE, BEFORE, 110.0)
-    assert blow.second_ratio == pytest.approx(ratio, rel=0.1)
-    assert "double hit" in " ".join(refusals(blow, HitAcceptance()))
+    hit = hit_of(force(second=ratio, after_s=after_s), RATE, BEFORE, 110.0)
+    assert hit.second_ratio == pytest.approx(ratio, rel=0.1)
+    assert "double hit" in " ".join(rejections(hit, HitAcceptance()))
 
 
 @pytest.mark.parametrize("width_s", [0.0006, 0.0012, 0.002])
@@ -77,7 +77,7 @@ def test_the_ripple_of_a_sharp_filter_is_no_second_contact(centre_s: float, widt
         (force(width_s=0.016), {}, "force spectrum too narrow: down"),
     ],
 )
-def test_each_refusal_names_its_number(signal: np.ndarray, limits: dict[str, float], reason: str) -> None:
+def test_each_rejection_names_its_number(signal: np.ndarray, limits: dict[str, float], reason: str) -> None:
     found = reasons(signal, **limits)
     assert any(text.startswith(reason) for text in found), found
 
@@ -87,7 +87,7 @@ def test_all_reasons_are_given_at_once() -> None:
 
 
 def test_an_offset_of_the_force_channel_does_not_matter() -> None:
-    with_offset = blow_of(force() + 3.0, RATE, BEFORE, 110.0)
-    without = blow_of(force(), RATE, BEFORE, 110.0)
+    with_offset = hit_of(force() + 3.0, RATE, BEFORE, 110.0)
+    without = hit_of(force(), RATE, BEFORE, 110.0)
     assert with_offset.peak_n == pytest.approx(without.peak_n)
     assert with_offset.contact_s == without.contact_s

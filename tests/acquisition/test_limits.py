@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import SCALE, scripted_rig
 
-from modallab.acquisition.chain import chain_of
-from modallab.acquisition.limits import LimitWatch, watch_of
-from modallab.backend.protocol import Chunk, Delivery
-from modallab.errors import SafetyError
-from modallab.schema.rig import Limits
+from modallab.acquisition.monitor.chain import chain_of
+from modallab.acquisition.monitor.limits import LimitWatch, watch_of
+from modallab.bench.protocol import Chunk, Delivery
+from modallab.core.errors import SafetyError
+from modallab.core.rig import Limits
 
 LIMITS = Limits(drive_v=1.0, slew_v_per_s=1.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=1.0)
 
@@ -29,17 +29,17 @@ def chunk(samples: np.ndarray) -> Chunk:
 def test_it_trips_exactly_beyond_the_limit(peaks: list[int]) -> None:
     samples = np.zeros((3, 20), dtype=np.int16)
     samples[:, 7] = peaks
-    beyond = [
+    out_of_band = [
         name
         for name, peak, limit in zip(("force", "a01", "a02"), peaks, (5000, 6000, 6000), strict=True)
         if abs(peak) > limit
     ]
-    if not beyond:
+    if not out_of_band:
         watch()(chunk(samples))
         return
     with pytest.raises(SafetyError) as caught:
         watch()(chunk(samples))
-    assert [name for name in ("force", "a01", "a02") if name in caught.value.what] == beyond
+    assert [name for name in ("force", "a01", "a02") if name in caught.value.what] == out_of_band
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

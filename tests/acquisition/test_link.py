@@ -3,10 +3,10 @@
 import multiprocessing
 import time
 
-from modallab.acquisition.link import Link
-from modallab.acquisition.messages import Abort, Beat, Close, Ended, RunPlan, Stop
-from modallab.acquisition.run import Order
-from modallab.schema.plan import ImpactPlan
+from modallab.acquisition.process.link import Link
+from modallab.acquisition.process.messages import Abort, Beat, Close, Ended, RunPlan, Stop
+from modallab.acquisition.process.run import Order
+from modallab.core.plan import ImpactPlan
 
 
 def waited_for(link: Link, order: Order, within_s: float = 5.0) -> bool:
@@ -41,7 +41,7 @@ def test_a_broken_pipe_is_a_lost_owner() -> None:
 
 def test_silence_is_a_lost_owner_and_a_heartbeat_is_none() -> None:
     mine, theirs = multiprocessing.Pipe()
-    link = Link(theirs, silence_s=0.5)
+    link = Link(theirs, timeout_s=0.5)
     for _ in range(8):
         mine.send(Beat())
         time.sleep(0.1)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from modallab.acquisition.process import RigProcess
-from modallab.errors import BenchError
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.errors import BenchError
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Rig
 from modallab.storage import Store
 
 WITNESS = Path(__file__).parent / "witness"
@@ -19,13 +19,13 @@ WITNESS = Path(__file__).parent / "witness"
 OWNER = """
 import sys
 from pathlib import Path
-from modallab.acquisition.process import RigProcess
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Rig
 
 if __name__ == "__main__":
     rig = Rig.model_validate_json(Path(sys.argv[1]).read_text())
-    rest = {{"rest_s": 0.1, "rest_timeout_s": 0.1}}
+    rest = {{"wait_s": 0.1, "settle_timeout_s": 0.1}}
     long = SinePlan(frequencies_hz=(10.0, 20.0), block_s=0.064, ramp_s=0.02, settle_s={settle}, **rest)
     with RigProcess("witness://bench", rig, Path(sys.argv[2])) as process:
         for event in process.run(long):
@@ -91,7 +91,7 @@ def test_when_the_rigs_process_is_killed_its_owner_zeroes_the_output(
 ) -> None:
     monkeypatch.syspath_prepend(str(WITNESS))
     monkeypatch.setenv("WITNESS_LOG", str(tmp_path / "witness.log"))
-    plan = SinePlan(frequencies_hz=(10.0,), block_s=0.064, ramp_s=0.02, settle_s=20.0, rest_s=0.1, rest_timeout_s=0.1)
+    plan = SinePlan(frequencies_hz=(10.0,), block_s=0.064, ramp_s=0.02, settle_s=20.0, wait_s=0.1, settle_timeout_s=0.1)
     with RigProcess(f"witness://{url}", link_rig, tmp_path / "data") as process:
         events = process.run(plan)
         next(e for e in events if e.kind == "state" and e.state == "acquiring")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from modallab.schema.plan import ForceControl, HitAcceptance, ImpactPlan, KnownMode, SinePlan
+from modallab.core.plan import ForceControl, HitAcceptance, ImpactPlan, KnownMode, SinePlan
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "plan.md"
 

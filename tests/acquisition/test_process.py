@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
-from modallab.acquisition.process import RigProcess
-from modallab.errors import BenchError, ConfigurationError, PlanError
-from modallab.schema.events import Event
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.errors import BenchError, ConfigurationError, PlanError
+from modallab.core.events import Event
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig
 from modallab.storage import Store, campaign_of
 
 URL = "sim://cantilever?seed=2&zeta=0.01"
 IMPACT = ImpactPlan(points=(10,), hits=2)
-SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, rest_s=2.0)
+SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, wait_s=2.0)
 
 
 def run_of(events: list[Event]) -> str:
@@ -104,4 +104,4 @@ def test_a_killed_process_is_reported_and_its_blocks_are_kept(link_rig: Rig, tmp
     with Store(tmp_path) as store:
         (run,) = store.catalogue.runs()
         assert (run.state, run.reason) == ("failed", "interrupted")
-        assert {b.name for b in store.blocks(run.id, refused=True)} >= set(acknowledged)
+        assert {b.name for b in store.blocks(run.id, rejected=True)} >= set(acknowledged)

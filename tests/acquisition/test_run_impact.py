@@ -1,4 +1,4 @@
-"""The impact test on a bench whose blows are known to the sample, and on the simulated cantilever."""
+"""The impact test on a bench whose hits are known to the sample, and on the simulated cantilever."""
 
 import numpy as np
 import pytest
@@ -6,12 +6,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.run import Order, record, run_plan
-from modallab.backend.loader import open_bench
-from modallab.errors import BenchError, BenchTimeoutError, DeviceGoneError, SamplesLostError
-from modallab.schema.events import Event
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.run import Order, record, run_plan
+from modallab.bench.loader import open_bench
+from modallab.core.errors import BenchError, BenchTimeoutError, DeviceGoneError, SamplesLostError
+from modallab.core.events import Event
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Rig
 from modallab.storage import BlockRecord, Store
 
 BLOCK = 512
@@ -82,13 +82,13 @@ def test_events_tell_the_run_in_order(store: Store) -> None:
     events: list[Event] = []
     record(ScriptedBench(), scripted_rig(), PLAN.model_copy(update={"points": (1,)}), store, events.append)
     assert kinds(events) == [
-        *["created", "arming", "armed", "hit_wanted", "acquiring", "block", "hit_wanted", "block"],
+        *["created", "arming", "armed", "hit_requested", "acquiring", "block", "hit_requested", "block"],
         *["processing", "done"],
     ]
-    wanted = [e for e in events if e.kind == "hit_wanted"]
-    assert [(e.point, e.hit, e.of) for e in wanted] == [(1, 1, 2), (1, 2, 2)]
-    told = [e for e in events if e.kind == "progress"]
-    assert [(e.done, e.total) for e in told] == [(1, 2), (2, 2)]
+    requested = [e for e in events if e.kind == "hit_requested"]
+    assert [(e.point, e.hit, e.of) for e in requested] == [(1, 1, 2), (1, 2, 2)]
+    reported = [e for e in events if e.kind == "progress"]
+    assert [(e.done, e.total) for e in reported] == [(1, 2), (2, 2)]
 
 
 @pytest.mark.parametrize(
@@ -101,19 +101,19 @@ def test_events_tell_the_run_in_order(store: Store) -> None:
         (Strike(response=400.0), "overload: a01, a02 beyond the range"),
     ],
 )
-def test_a_bad_blow_is_kept_with_its_reason_and_asked_for_again(store: Store, strike: Strike, reason: str) -> None:
+def test_a_bad_hit_is_kept_with_its_reason_and_asked_for_again(store: Store, strike: Strike, reason: str) -> None:
     bench = ScriptedBench([strike, Strike()])
     events: list[Event] = []
     run = record(bench, scripted_rig(), ImpactPlan(points=(1,), hits=1, block_s=BLOCK / 2000), store, events.append)
     bad, good = store.catalogue.blocks(run)
-    assert (bad.note.name, bad.note.accepted, good.note.name) == ("impact_p01_1_refused_1", False, "impact_p01_1")
+    assert (bad.note.name, bad.note.accepted, good.note.name) == ("impact_p01_1_rejected_1", False, "impact_p01_1")
     assert bad.note.reason.startswith(reason)
-    (refused,) = [e for e in events if e.kind == "hit_refused"]
-    assert refused.reason == bad.note.reason
+    (rejected,) = [e for e in events if e.kind == "hit_rejected"]
+    assert rejected.reason == bad.note.reason
     assert [b.name for b in store.blocks(run)] == ["impact_p01_1"]
 
 
-def test_no_blow_is_asked_for_before_the_last_has_rung_down(store: Store) -> None:
+def test_no_hit_is_asked_for_before_the_last_has_rung_down(store: Store) -> None:
     bench = ScriptedBench()
     first, second = rows(store, bench, ImpactPlan(points=(1,), hits=2, block_s=BLOCK / 2000))
     assert second.note.facts["residual_ratio"] == 0
@@ -123,19 +123,23 @@ def test_no_blow_is_asked_for_before_the_last_has_rung_down(store: Store) -> Non
 
 
 class KnockedBench(ScriptedBench):
-    """Somebody knocks against the beam just after each prompt, before the blow."""
+    """Somebody knocks against the beam just after each prompt, before the hit."""
 
     def prompt_hit(self, point: int) -> None:
         super().prompt_hit(point)
-        start = self.blows[-1][0]
-        self.blows.append((start - 400, Strike(peak_n=0.0, response=5.0)))
+        start = self.hits[-1][0]
+        self.hits.append((start - 400, Strike(peak_n=0.0, response=5.0)))
 
 
-def test_a_blow_on_a_beam_that_moves_is_refused_with_the_line_that_rings(store: Store) -> None:
+def test_a_hit_on_a_beam_that_moves_is_rejected_with_the_line_that_rings(store: Store) -> None:
     bench = KnockedBench([Strike(delay=1000)])
-    with pytest.raises(BenchError, match="3 blows at point 1 were refused"):
+    with pytest.raises(BenchError, match="3 hits at point 1 were rejected"):
         record(
-            bench, scripted_rig(), ImpactPlan(points=(1,), hits=1, max_refusals=2, block_s=0.256), store, lambda _: None
+            bench,
+            scripted_rig(),
+            ImpactPlan(points=(1,), hits=1, max_rejections=2, block_s=0.256),
+            store,
+            lambda _: None,
         )
     (run,) = store.catalogue.runs()
     for row in store.catalogue.blocks(run.id):
@@ -143,9 +147,9 @@ def test_a_blow_on_a_beam_that_moves_is_refused_with_the_line_that_rings(store: 
         assert float(row.note.reason.split(" Hz")[0].split()[-1]) == pytest.approx(60, abs=4)
 
 
-def test_no_blow_in_time_ends_the_run_and_keeps_what_there_was(store: Store) -> None:
+def test_no_hit_in_time_ends_the_run_and_keeps_what_there_was(store: Store) -> None:
     bench = ScriptedBench([Strike(), Strike(peak_n=0.5, response=0.0)])
-    with pytest.raises(BenchTimeoutError, match="no blow above 2 N at point 2 within 5 s"):
+    with pytest.raises(BenchTimeoutError, match="no hit above 2 N at point 2 within 5 s"):
         record(bench, scripted_rig(), PLAN, store, lambda _: None)
     (run,) = store.catalogue.runs()
     assert run.state == "failed"
@@ -157,8 +161,8 @@ def test_lost_samples_cost_one_hit_and_are_never_spliced(store: Store) -> None:
     events: list[Event] = []
     run = record(bench, scripted_rig(), PLAN, store, events.append)
     assert [b.name for b in store.blocks(run)] == ["impact_p02_1", "impact_p02_2", "impact_p01_1", "impact_p01_2"]
-    (refused,) = [e for e in events if e.kind == "hit_refused"]
-    assert "samples were lost: overrun at 8000" in refused.reason
+    (rejected,) = [e for e in events if e.kind == "hit_rejected"]
+    assert "samples were lost: overrun at 8000" in rejected.reason
     assert bench.done.count("stop") == 2
 
 
@@ -190,7 +194,7 @@ def test_stop_keeps_the_data_valid_and_abort_marks_them(store: Store, order: Ord
 
 def test_a_plan_whose_patience_is_over_arms_all_the_same(store: Store) -> None:
     bench = ScriptedBench([Strike(zeta=0.002)])
-    plan = ImpactPlan(points=(1,), hits=2, block_s=0.128, pre_trigger_s=0.02, hit_timeout_s=0.3, max_refusals=1)
+    plan = ImpactPlan(points=(1,), hits=2, block_s=0.128, pre_trigger_s=0.02, hit_timeout_s=0.3, max_rejections=1)
     with pytest.raises(BenchError):
         record(bench, scripted_rig(), plan, store, lambda _: None)
     (run,) = store.catalogue.runs()

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from scripted_bench import SCALE, ScriptedBench, Strike, burst_volts, scripted_rig
 
-from modallab.acquisition.burst import burst_of
-from modallab.acquisition.run import Order, record
-from modallab.backend.protocol import Burst
-from modallab.errors import DeviceGoneError, SafetyError
-from modallab.schema.events import Event
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Limits
+from modallab.acquisition.procedures.burst import burst_of
+from modallab.acquisition.process.run import Order, record
+from modallab.bench.protocol import Burst
+from modallab.core.errors import DeviceGoneError, SafetyError
+from modallab.core.events import Event
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Limits
 from modallab.storage import Store
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=20.0)
 RIG = scripted_rig(LIMITS)
-PLAN = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5, "high": 2.0}, settle_s=2.0, rest_s=3.0)
+PLAN = SinePlan(frequencies_hz=(27.34375, 60.0), levels_v={"low": 0.5, "high": 2.0}, settle_s=2.0, wait_s=3.0)
 
 
 def test_names_levels_and_frequencies_are_those_of_the_campaign_format(store: Store) -> None:
@@ -27,7 +27,7 @@ def test_names_levels_and_frequencies_are_those_of_the_campaign_format(store: St
         ("sine_high_027.344", "high", 27.34375, 2),
         ("sine_high_060.000", "high", 60.0, 2),
     ]
-    assert all(r.count == 1024 and r.note.facts["at_rest_before"] == "yes" for r in found)
+    assert all(r.count == 1024 and r.note.facts["settled_before"] == "yes" for r in found)
 
 
 def test_a_block_lies_in_the_settled_part_and_the_burst_has_ended_before_the_next(store: Store) -> None:
@@ -37,7 +37,7 @@ def test_a_block_lies_in_the_settled_part_and_the_burst_has_ended_before_the_nex
     for row, start in zip(store.catalogue.blocks(run), starts, strict=True):
         assert row.note.first_sample == start + 2000
     duration = burst_of(PLAN, 60.0, 1.0).duration_s
-    assert np.diff(starts).min() >= (duration + PLAN.rest_s) * 1000
+    assert np.diff(starts).min() >= (duration + PLAN.wait_s) * 1000
     block = store.blocks(run)[3]
     t = (PLAN.settle_s * 1000 + np.arange(1024)) / 1000
     expected = 100 * SCALE * 2.0 * np.sin(2 * np.pi * 60 * t)
@@ -84,10 +84,10 @@ def test_the_trip_comes_within_one_chunk_of_the_excess(store: Store) -> None:
     bench = ScriptedBench(gain=4000.0)
     tripped(store, bench)
     (run,) = store.catalogue.runs()
-    last = store.blocks(run.id, refused=True)[-1]
-    beyond = np.flatnonzero(np.abs(last.samples[0] * last.scale[0]) > 50.0)
-    assert beyond.size
-    assert last.n_samples - beyond[0] <= 500
+    last = store.blocks(run.id, rejected=True)[-1]
+    out_of_band = np.flatnonzero(np.abs(last.samples[0] * last.scale[0]) > 50.0)
+    assert out_of_band.size
+    assert last.n_samples - out_of_band[0] <= 500
 
 
 def test_a_limit_beyond_the_range_trips_at_the_end_of_the_range(store: Store) -> None:
@@ -156,13 +156,13 @@ def knocked(store: Store, **fields: float) -> tuple[list[str], list[int]]:
     assert bench.prompts
     found = store.catalogue.blocks(run)
     return (
-        [str(r.note.facts["at_rest_before"]) for r in found],
+        [str(r.note.facts["settled_before"]) for r in found],
         [int(r.note.facts["burst_first_sample"]) for r in found],
     )
 
 
 def test_a_burst_waits_until_the_beam_is_at_rest(store: Store) -> None:
-    notes, starts = knocked(store, rest_s=10.0, rest_timeout_s=60.0)
+    notes, starts = knocked(store, wait_s=10.0, settle_timeout_s=60.0)
     assert notes == ["yes"] * 4
     # 60 Hz at 0.5 % takes longer than the rest of 10 s to fade from 30 m/s^2 to the noise.
     apart = np.diff(starts)
@@ -171,7 +171,7 @@ def test_a_burst_waits_until_the_beam_is_at_rest(store: Store) -> None:
 
 
 def test_past_the_patience_a_burst_begins_and_the_motion_is_noted(store: Store) -> None:
-    notes, starts = knocked(store, rest_s=10.0, rest_timeout_s=0.1)
+    notes, starts = knocked(store, wait_s=10.0, settle_timeout_s=0.1)
     assert notes == ["yes", "no", "yes", "yes"]
     assert len(set(np.diff(starts))) == 1
 

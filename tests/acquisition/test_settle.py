@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.run import record
-from modallab.acquisition.settle import amplitude_at, fit_settling
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Burst
-from modallab.errors import PlanError
-from modallab.schema.plan import KnownMode, SinePlan
-from modallab.schema.rig import Limits, Rig
+from modallab.acquisition.procedures.settling import amplitude_at, fit_settling
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Burst
+from modallab.core.errors import PlanError
+from modallab.core.plan import KnownMode, SinePlan
+from modallab.core.rig import Limits, Rig
 from modallab.storage import Store
 
 RATE = 1000.0
@@ -99,12 +99,12 @@ class RingingBench(ScriptedBench):
 
     def play(self, burst: Burst) -> int:
         start = super().play(burst)
-        self.blows.append((start, Strike(peak_n=0.0, response=1.0, zeta=RINGS.damping_ratio)))
+        self.hits.append((start, Strike(peak_n=0.0, response=1.0, zeta=RINGS.damping_ratio)))
         return start
 
 
 def sine(**fields: object) -> SinePlan:
-    plain = {"frequencies_hz": (27.34375,), "levels_v": {"low": 2.0}, "settle_s": 2.0, "rest_s": 2.0}
+    plain = {"frequencies_hz": (27.34375,), "levels_v": {"low": 2.0}, "settle_s": 2.0, "wait_s": 2.0}
     return SinePlan.model_validate(plain | fields)
 
 
@@ -115,7 +115,7 @@ def test_a_block_that_has_not_settled_is_recorded_again_from_a_longer_burst(stor
     first, second = store.catalogue.blocks(run)
     share = 0.5 * np.exp(-2.0 * 2 * np.pi * 60 * 0.002)
     assert first.note.facts["decay_ratio"] == pytest.approx(share, rel=0.02)
-    assert (first.note.name, first.note.accepted) == ("sine_low_027.344_refused_1", False)
+    assert (first.note.name, first.note.accepted) == ("sine_low_027.344_rejected_1", False)
     assert "not settled: the decay of 60 Hz is 11" in first.note.reason
     assert (second.note.name, second.note.accepted, second.note.reason) == ("sine_low_027.344", True, "")
     assert second.note.facts["settled"] in ("yes", "unknown")
@@ -148,7 +148,7 @@ def test_without_known_modes_nothing_is_judged_nor_lengthened(store: Store) -> N
         ),
     ],
 )
-def test_bounds_that_make_no_sense_are_refused_before_anything_moves(
+def test_bounds_that_make_no_sense_are_rejected_before_anything_moves(
     store: Store, fields: dict[str, object], said: str
 ) -> None:
     bench = ScriptedBench()
@@ -163,7 +163,7 @@ def test_on_the_beam_the_decay_that_is_seen_falls_as_its_mode_says(store: Store,
     modes = tuple(KnownMode(frequency_hz=f, damping_ratio=0.01) for f in truth)
     seen: list[float] = []
     for settle_s in (3.0, 5.0):
-        plan = SinePlan(frequencies_hz=(8 / 1.024,), settle_s=settle_s, ramp_s=0.2, rest_s=2.0, modes=modes)
+        plan = SinePlan(frequencies_hz=(8 / 1.024,), settle_s=settle_s, ramp_s=0.2, wait_s=2.0, modes=modes)
         run = record(bench, link_rig, plan, store, lambda _: None)
         seen.append(float(store.catalogue.blocks(run)[0].note.facts["decay_ratio"]))
     assert seen[0] > 0.02

@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.acquisition.states import TRANSITIONS, IllegalTransitionError, Lifecycle, require_legal
-from modallab.schema.events import RunState, StateChanged
+from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError, Lifecycle, require_legal
+from modallab.core.events import RunState, StateChanged
 from modallab.storage.records import ENDED
 
 STATES = get_args(RunState)
 states = st.sampled_from(STATES)
 
 
-class Book:
+class CampaignRepository:
     """Stands where the recorder does: notes what was committed."""
 
     run = "r"
@@ -31,29 +31,29 @@ def test_the_table_speaks_of_every_state_once() -> None:
 
 
 @given(states, states)
-def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, wanted: RunState) -> None:
-    if wanted in TRANSITIONS[current]:
-        require_legal(current, wanted)
+def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, requested: RunState) -> None:
+    if requested in TRANSITIONS[current]:
+        require_legal(current, requested)
     else:
         with pytest.raises(IllegalTransitionError) as caught:
-            require_legal(current, wanted)
+            require_legal(current, requested)
         assert all(state in caught.value.remedy for state in TRANSITIONS[current])
 
 
 @given(st.lists(states, max_size=30))
 def test_every_walk_is_told_as_committed_and_ends_through_stopping_or_processing(walk: list[RunState]) -> None:
-    book, told = Book(), []
-    life = Lifecycle(book, told.append)  # pyright: ignore[reportArgumentType]
+    repository, reported = CampaignRepository(), []
+    life = Lifecycle(repository, reported.append)  # pyright: ignore[reportArgumentType]
     for state in walk:
         try:
             life.enter(state)
         except IllegalTransitionError:
             continue
-    assert [event.state for event in told if isinstance(event, StateChanged)] == book.committed
+    assert [event.state for event in reported if isinstance(event, StateChanged)] == repository.committed
     if life.state in ENDED:
-        assert book.committed[-2] in ("stopping", "processing")
+        assert repository.committed[-2] in ("stopping", "processing")
     if life.state in ("failed", "aborted"):
-        assert book.committed[-2] == "stopping"
+        assert repository.committed[-2] == "stopping"
 
 
 def test_every_active_state_may_stop_and_no_ended_one_may_go_on() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.acquisition.trigger import Trigger
+from modallab.acquisition.procedures.trigger import Trigger
 
 LEVEL, HYSTERESIS = 2.0, 1.0
 

@@ -1,20 +1,20 @@
-"""The latch of the emergency stop: it outlives processes, refuses to arm, and says what tripped it."""
+"""The latch of the emergency stop: it outlives processes, rejects to arm, and says what tripped it."""
 
 from pathlib import Path
 
 import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
-from modallab.acquisition.process import RigProcess
-from modallab.acquisition.run import run_plan
-from modallab.acquisition.trip import TripLatch, TrippedError
-from modallab.schema.events import Event
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
-from modallab.schema.rig import Limits, Rig
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.acquisition.process.run import run_plan
+from modallab.acquisition.process.trip import TripLatch, TrippedError
+from modallab.core.events import Event
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Limits, Rig
 from modallab.storage import Store
 
 LIMITS = Limits(drive_v=5.0, slew_v_per_s=5000.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=20.0)
-SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, rest_s=1.0)
+SINE = SinePlan(frequencies_hz=(20.0, 60.0), settle_s=2.0, wait_s=1.0)
 IMPACT = ImpactPlan(points=(1,), hits=2, block_s=0.256, hit_timeout_s=5.0)
 URL = "sim://cantilever?seed=2&zeta=0.01"
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from modallab.blind.score import Figure, Trial, reliability, score
-from modallab.schema.diagnosis import Diagnosis
+from modallab.core.diagnosis import Diagnosis
 
 MASS = {"effect": "added_mass", "family": "structure", "parameters": {"mass": 0.1}, "place": {"x": 0.5}}
 GAIN = {"effect": "gain_error", "family": "sensor", "parameters": {"gain": 1.1}, "place": {"channel": 4}}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modallab.cli import main
-from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.storage import Store
 
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
@@ -21,7 +21,7 @@ def command(tmp_path: Path) -> Iterator[list[str]]:
     """The command with its rig and its plan; it takes over SIGTERM, which is given back."""
     before = signal.getsignal(signal.SIGTERM)
     rig, plan = tmp_path / "rig.yaml", tmp_path / "plan.yaml"
-    rig.write_bytes((resources.files("modallab.campaign") / "link_rig.yaml").read_bytes())
+    rig.write_bytes((resources.files("modallab.service") / "link_rig.yaml").read_bytes())
     plan.write_text(PLAN, encoding="utf-8")
     yield ["campaign", "run", "--rig", str(rig), "--plan", str(plan), "--data", str(tmp_path / "data")]
     signal.signal(signal.SIGTERM, before)
@@ -29,8 +29,8 @@ def command(tmp_path: Path) -> Iterator[list[str]]:
 
 def test_a_visit_from_the_terminal(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, report = tmp_path / "visit.h5", tmp_path / "visit.html"
-    wishes = ["--bench", BENCH, "--name", "first", "--operator", "Ada", "--out", str(file), "--report", str(report)]
-    assert main([*command, *wishes]) == 0
+    requests = ["--bench", BENCH, "--name", "first", "--operator", "Ada", "--out", str(file), "--report", str(report)]
+    assert main([*command, *requests]) == 0
     said = capsys.readouterr().out
     assert BENCH in said
     # The bar: all four hits of the plan.
@@ -52,7 +52,7 @@ def test_a_plan_the_rig_cannot_do_is_told_before_anything_moves(
 ) -> None:
     (tmp_path / "plan.yaml").write_text("- {kind: impact, points: [99], hits: 2}\n", encoding="utf-8")
     assert main([*command, "--bench", BENCH]) == 2
-    told = capsys.readouterr()
-    assert "99" in told.err
+    reported = capsys.readouterr()
+    assert "99" in reported.err
     with Store(tmp_path / "data") as store:
         assert all(not store.blocks(run.id) for run in store.catalogue.runs())

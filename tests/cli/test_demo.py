@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modallab.cli import main
-from modallab.exchange.campaign_hdf5 import read_campaign
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 from modallab.cli import main
-from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.exchange.rig_file import write_rig
-from modallab.schema.block import Block, Campaign
-from modallab.schema.rig import Channel, Point, Rig
+from modallab.core.block import Block, Campaign
+from modallab.core.rig import Channel, Point, Rig
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.rig.rig_file import write_rig
 
 RATE, N = 2000.0, 2048
 OMEGA, ZETA = 2 * np.pi * np.array([7.7, 45.3]), np.array([0.006, 0.004])
@@ -104,28 +104,28 @@ def test_the_peak_method_reads_the_blocks_resolution(folder):
     ],
     ids=["nan", "dead channel", "all zeros"],
 )
-def test_damaged_records_are_refused_by_name(campaign, tmp_path, capsys, spoiler, says):
+def test_damaged_records_are_rejected_by_name(campaign, tmp_path, capsys, spoiler, says):
     bad = [replace(b, samples=spoiler(b.samples)) for b in campaign.blocks]
     write_campaign(Campaign(campaign.rig, tuple(bad)), tmp_path / "campaign.h5")
     code = main(["identify", str(tmp_path / "campaign.h5"), "--json", str(tmp_path / "m.json")])
-    told = capsys.readouterr().err
+    reported = capsys.readouterr().err
     assert code == 2
-    assert re.search(says, told)
-    assert "hit_0" in told
-    assert "what to do" in told
+    assert re.search(says, reported)
+    assert "hit_0" in reported
+    assert "what to do" in reported
     assert not (tmp_path / "m.json").exists()
 
 
-def test_a_file_cut_off_in_the_middle_is_refused(folder, capsys):
+def test_a_file_cut_off_in_the_middle_is_rejected(folder, capsys):
     whole = (folder / "campaign.h5").read_bytes()
     (folder / "campaign.h5").write_bytes(whole[: len(whole) // 2])
     assert main(["identify", str(folder)]) == 2
-    told = capsys.readouterr().err
-    assert "campaign.h5" in told
-    assert "what to do" in told
+    reported = capsys.readouterr().err
+    assert "campaign.h5" in reported
+    assert "what to do" in reported
 
 
-def test_a_missing_folder_is_refused(tmp_path, capsys):
+def test_a_missing_folder_is_rejected(tmp_path, capsys):
     assert main(["identify", str(tmp_path / "nowhere")]) == 2
     assert "nowhere" in capsys.readouterr().err
 
@@ -139,5 +139,5 @@ def test_practice_campaigns_are_identified_as_they_stand(practice, tmp_path):
     truth = np.array(yaml.safe_load((folder / "truth.yaml").read_text())["true_zeta"])
     off = (np.array(sine["damping_ratio"][:3]) - truth) / np.array(sine["damping_sigma"][:3])
     assert np.abs(off).max() < 3
-    # In blows this bench's first mode reads some tenths of a per cent low, more than its sigma; see docs/benchmarks.md.
+    # In hits this bench's first mode reads some tenths of a per cent low, more than its sigma; see docs/benchmarks.md.
     np.testing.assert_allclose(impact["damping_ratio"][:3], truth, rtol=5e-3)

@@ -6,8 +6,8 @@ import pytest
 from lab import RIG, TOKEN, Lab
 
 from modallab.client import Client, ServiceProblemError
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.service.runs import Stop, Verdict
+from modallab.core.documents.runs import Stop, Verdict
+from modallab.core.plan import ImpactPlan
 
 
 @pytest.fixture
@@ -34,11 +34,11 @@ def test_a_visit_by_the_client_alone(client: Client) -> None:
         blocks = client.blocks(run)
         assert [client.samples(run, block.n).shape[1] for block in blocks] == [block.count for block in blocks]
         assert client.frf(run).averages == (2, 2)
-        refused = client.judge(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
-        assert (refused.accepted, client.frf(run).averages) == (False, (1, 2))
-        with pytest.raises(ServiceProblemError, match="what to do") as told:
+        rejected = client.judge(run, 0, Verdict(accepted=False, reason="beside the point"), lease)
+        assert (rejected.accepted, client.frf(run).averages) == (False, (1, 2))
+        with pytest.raises(ServiceProblemError, match="what to do") as reported:
             client.command(run, Stop(), lease)
-        assert told.value.problem.status == 409
+        assert reported.value.problem.status == 409
         (job,) = client.jobs(campaign, "identify")
         assert client.job(job.id).inputs == (run,)
         tripped = client.emergency_stop(RIG, "loose cable")
@@ -49,6 +49,6 @@ def test_a_visit_by_the_client_alone(client: Client) -> None:
 
 
 def test_a_wrong_token_is_told(lab: Lab) -> None:
-    with Client(lab.url, "not the token at all") as stranger, pytest.raises(ServiceProblemError) as told:
+    with Client(lab.url, "not the token at all") as stranger, pytest.raises(ServiceProblemError) as reported:
         stranger.rigs()
-    assert told.value.problem.code == "token-needed"
+    assert reported.value.problem.code == "token-needed"

@@ -15,7 +15,7 @@ import pytest
 
 from modallab.client import Client, HeldLease, ServiceProblemError
 from modallab.client.stream import read_events
-from modallab.schema.service.rigs import Lease
+from modallab.core.documents.rigs import Lease
 
 Step = Callable[[BaseHTTPRequestHandler], None]
 EVENT = {"utc": "", "rig": "link", "campaign": "", "run": "r", "kind": "block", "content": {}}
@@ -106,10 +106,10 @@ def test_samples_that_arrive_damaged_are_not_given_out() -> None:
 
 
 def test_what_is_no_problem_of_the_service_is_told_with_its_status() -> None:
-    with served(says(502, b"<h1>Bad Gateway</h1>")) as (client, _), pytest.raises(ServiceProblemError) as told:
+    with served(says(502, b"<h1>Bad Gateway</h1>")) as (client, _), pytest.raises(ServiceProblemError) as reported:
         client.rigs()
-    assert told.value.problem.status == 502
-    assert "status 502" in str(told.value)
+    assert reported.value.problem.status == 502
+    assert "status 502" in str(reported.value)
 
 
 def test_events_are_read_as_the_standard_says() -> None:
@@ -128,9 +128,9 @@ def test_a_lease_is_renewed_until_it_is_given_back() -> None:
     assert held.lost is None
 
 
-def test_a_renewal_that_got_no_answer_is_tried_again_and_one_refused_is_not() -> None:
+def test_a_renewal_that_got_no_answer_is_tried_again_and_one_rejected_is_not() -> None:
     tried, released = threading.Semaphore(0), list[Lease]()
-    errors: list[Exception] = [httpx.ReadTimeout("busy"), _refusal()]
+    errors: list[Exception] = [httpx.ReadTimeout("busy"), _rejection()]
 
     def renew(_lease: Lease) -> None:
         tried.release()
@@ -147,8 +147,8 @@ def test_a_renewal_that_got_no_answer_is_tried_again_and_one_refused_is_not() ->
     assert released == []
 
 
-def _refusal() -> ServiceProblemError:
+def _rejection() -> ServiceProblemError:
     body = {"type": "/problems/lease-needed", "title": "t", "status": 403, "code": "lease-needed", "detail": "over"}
-    with served(says(403, json.dumps(body).encode())) as (client, _), pytest.raises(ServiceProblemError) as told:
+    with served(says(403, json.dumps(body).encode())) as (client, _), pytest.raises(ServiceProblemError) as reported:
         client.rigs()
-    return told.value
+    return reported.value

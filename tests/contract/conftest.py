@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Bench, Request
-from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.block import Block, Campaign
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench, Request
+from modallab.core.block import Block, Campaign
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.rig.rig_file import parse_rig
 
 SIMULATED = "sim://cantilever?seed=1&bad_hits=0"
 RECORDED_S = 12.0
@@ -22,7 +22,7 @@ BENCHES = ["sim", "replay", "nidaqmx+grpc", "daqref"]
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

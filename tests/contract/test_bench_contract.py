@@ -9,11 +9,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Bench, Burst, Delivery, Request
-from modallab.errors import BenchError, ConfigurationError, ModallabError, UnsupportedError
-from modallab.schema.rig import Rig
-from modallab.schema.units import SI_UNIT, TO_SI
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench, Burst, Delivery, Request
+from modallab.core.errors import BenchError, ConfigurationError, ModallabError, UnsupportedError
+from modallab.core.rig import Rig
+from modallab.core.units import SI_UNIT, TO_SI
 
 REQUESTS = [Request("impact", 2000.0), Request("sine", 1000.0)]
 TIMEOUT_S = 10.0
@@ -41,7 +41,7 @@ def test_configure_says_what_will_be_delivered(bench: Bench, rig: Rig, request_:
     delivery = bench.configure(request_)
     n = len(rig.channels)
     assert delivery.requested_rate_hz == request_.rate_hz
-    # A device may not give the wished rate, but it must say so, and be near.
+    # A device may not give the requested rate, but it must say so, and be near.
     assert delivery.actual_rate_hz == pytest.approx(request_.rate_hz, rel=0.7)
     assert delivery.rate_hz > 0
     assert delivery.scale.shape == (n,)
@@ -133,7 +133,7 @@ def test_the_wrong_order_is_a_typed_error(bench: Bench, call: Callable[[Bench], 
     assert caught.value.remedy
 
 
-def test_configuring_or_starting_while_it_runs_is_refused(bench: Bench, delivery: Delivery):
+def test_configuring_or_starting_while_it_runs_is_rejected(bench: Bench, delivery: Delivery):
     with pytest.raises(BenchError):
         bench.configure(REQUESTS[0])
     with pytest.raises(BenchError):
@@ -142,7 +142,7 @@ def test_configuring_or_starting_while_it_runs_is_refused(bench: Bench, delivery
     assert delivery.rate_hz > 0
 
 
-def test_reading_after_stop_and_after_close_is_refused(bench: Bench, delivery: Delivery):
+def test_reading_after_stop_and_after_close_is_rejected(bench: Bench, delivery: Delivery):
     bench.stop()
     with pytest.raises(BenchError):
         bench.read(10, TIMEOUT_S)
@@ -154,19 +154,19 @@ def test_reading_after_stop_and_after_close_is_refused(bench: Bench, delivery: D
 
 
 @pytest.mark.parametrize("count", [0, -5])
-def test_a_read_of_nothing_is_refused(bench: Bench, delivery: Delivery, count: int):
+def test_a_read_of_nothing_is_rejected(bench: Bench, delivery: Delivery, count: int):
     with pytest.raises(ConfigurationError):
         bench.read(count, TIMEOUT_S)
     assert delivery.rate_hz > 0
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, float("nan"), float("inf"), 1e12])
-def test_an_impossible_rate_is_refused(bench: Bench, rate_hz: float):
+def test_an_impossible_rate_is_rejected(bench: Bench, rate_hz: float):
     with pytest.raises(ConfigurationError):
         bench.configure(Request("impact", rate_hz))
 
 
-def test_a_prompt_for_a_blow_disturbs_no_count(bench: Bench, rig: Rig, delivery: Delivery):
+def test_a_prompt_for_a_hit_disturbs_no_count(bench: Bench, rig: Rig, delivery: Delivery):
     bench.read(100, TIMEOUT_S)
     bench.prompt_hit(rig.points[-1].id)
     assert bench.read(100, TIMEOUT_S).first_sample == 100
@@ -180,7 +180,7 @@ def test_a_bench_that_drives_plays_a_burst_that_ends_by_itself(bench: Bench, rig
     quiet = (bench.read(200, TIMEOUT_S).samples[row] * scale).std()
     burst = Burst(20.0, 0.5, 0.1, 1.0)
     if not bench.info.can_drive:
-        assert_output_refused(bench, burst)
+        assert_output_rejected(bench, burst)
         return
     begin = bench.play(burst)
     assert begin >= 200
@@ -194,7 +194,7 @@ def test_a_bench_that_drives_plays_a_burst_that_ends_by_itself(bench: Bench, rig
     assert force[fall + margin :].std() < 0.1 * during
 
 
-def assert_output_refused(bench: Bench, burst: Burst) -> None:
+def assert_output_rejected(bench: Bench, burst: Burst) -> None:
     """A bench without an output says so, and goes on reading."""
     with pytest.raises(UnsupportedError) as caught:
         bench.play(burst)
@@ -208,7 +208,7 @@ def test_zero_and_stop_end_a_burst(bench: Bench, rig: Rig, end: str):
     delivery = bench.configure(Request("sine", 1000.0))
     bench.start()
     if not bench.info.can_drive:
-        assert_output_refused(bench, Burst(20.0, 0.5, 0.1, 30.0))
+        assert_output_rejected(bench, Burst(20.0, 0.5, 0.1, 30.0))
         return
     bench.play(Burst(20.0, 0.5, 0.1, 30.0))
     row = rig.force_channel.index
@@ -228,6 +228,6 @@ def test_errors_of_the_rig_are_typed_too(bench: Bench, delivery: Delivery):
     assert delivery.rate_hz > 0
 
 
-def test_an_unknown_scheme_is_refused_with_those_that_exist(rig: Rig):
+def test_an_unknown_scheme_is_rejected_with_those_that_exist(rig: Rig):
     with pytest.raises(ConfigurationError, match="sim://"):
         open_bench("nowhere://bench", rig)

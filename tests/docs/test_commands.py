@@ -50,17 +50,17 @@ def _walk(blocks: list[Fenced], folder: Path, printed: dict[str, list[str]]) -> 
                 if key is not None:
                     # Who reads on has already run it.
                     printed[key] = printed.get(key) or _run(shlex.split(key), folder)
-                    wrong += _told(block, command, difference(said, printed[key]))
+                    wrong += _reported(block, command, difference(said, printed[key]))
         elif block.language == "python":
             said = list(after.lines) if after is not None and after.language == "text" else None
             script = folder / "page_script.py"
             script.write_text("\n".join(block.lines) + "\n", encoding="utf-8")
             lines = _run(["python", script.name], folder)
-            wrong += _told(block, "python", difference(["..."] if said is None else said, lines))
+            wrong += _reported(block, "python", difference(["..."] if said is None else said, lines))
     return wrong
 
 
-def _told(block: Fenced, command: str, what: str) -> list[str]:
+def _reported(block: Fenced, command: str, what: str) -> list[str]:
     return [f"{block.place}: {command}: {what}"] if what else []
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from pages import ROOT
 
-from modallab.acquisition.run import record
-from modallab.backend.loader import open_bench
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
 from modallab.cli.demo import demo_rig
-from modallab.schema.plan import ImpactPlan, SinePlan
+from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.storage import Store, campaign_of
 
 

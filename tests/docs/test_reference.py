@@ -10,10 +10,10 @@ import pytest
 from pages import ROOT, prose
 
 from modallab.cli.parser import build_parser
-from modallab.errors import ModallabError
-from modallab.exchange.rig_words import SECTIONS
-from modallab.schema.model import ModalModel
-from modallab.schema.units import TO_SI
+from modallab.core.errors import ModallabError
+from modallab.core.model import ModalModel
+from modallab.core.units import TO_SI
+from modallab.formats.rig.messages import SECTIONS
 
 REFERENCE = ROOT / "docs" / "reference"
 
@@ -80,7 +80,7 @@ def test_every_unit_is_there_with_its_factor() -> None:
 
 def test_every_error_is_there_with_its_code() -> None:
     for module in (
-        "modallab.acquisition.process",
+        "modallab.acquisition.process.rig_process",
         "modallab.cli.demo",
         "modallab.cli.serve",
         "modallab_drivers.replay",
@@ -102,7 +102,7 @@ def test_every_address_is_there() -> None:
 
 
 def test_every_parameter_of_the_simulated_bench_is_there() -> None:
-    from modallab.errors import ConfigurationError
+    from modallab.core.errors import ConfigurationError
     from modallab_simulators.cantilever.address import parse
 
     with pytest.raises(ConfigurationError) as caught:

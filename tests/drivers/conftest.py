@@ -6,13 +6,13 @@ from importlib.resources import files
 import pytest
 from ni_server import NiServer
 
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

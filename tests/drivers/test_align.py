@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from modallab.errors import DataError
-from modallab.schema.rig import Rig
-from modallab.spectra.align import aligned, lags_s
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.signals.alignment import aligned, lags_s
 
 RATE_HZ = 2000.0
 
@@ -46,6 +46,6 @@ def test_equal_delays_change_nothing(rig: Rig):
     assert aligned(values, RATE_HZ, lags) is values
 
 
-def test_what_cannot_be_taken_off_is_refused():
+def test_what_cannot_be_taken_off_is_rejected():
     with pytest.raises(DataError, match="modules of one kind"):
         aligned(np.zeros((2, 300)), RATE_HZ, np.array([0.0, 0.019]))

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.run import record
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Request
-from modallab.errors import ConfigurationError, PlanError
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Rig
-from modallab.spectra.sine_fit import fit_at
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Request
+from modallab.core.errors import ConfigurationError, PlanError
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Rig
+from modallab.signals.tone_fit import fit_at
 from modallab.storage import Store
 
-PLAN = SinePlan(frequencies_hz=(31.25,), ramp_s=0.2, settle_s=2.0, block_s=0.512, rest_s=0.5)
+PLAN = SinePlan(frequencies_hz=(31.25,), ramp_s=0.2, settle_s=2.0, block_s=0.512, wait_s=0.5)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def server(small: Rig):
         yield started
 
 
-def test_the_device_says_the_rate_it_gives_and_refuses_what_is_far_from_it(server: NiServer, small: Rig):
+def test_the_device_says_the_rate_it_gives_and_rejects_what_is_far_from_it(server: NiServer, small: Rig):
     bench = open_bench(server.url, small)
     delivery = bench.configure(Request("sine", 1000.0))
     assert delivery.requested_rate_hz == 1000.0
@@ -72,7 +72,7 @@ def test_native_blocks_have_the_nearest_whole_number_of_samples(server: NiServer
     assert block.duration_s == block.n_samples / 2048.0
 
 
-def test_a_delivered_rate_above_the_devices_is_refused(server: NiServer, small: Rig, tmp_path: Path):
+def test_a_delivered_rate_above_the_devices_is_rejected(server: NiServer, small: Rig, tmp_path: Path):
     plan = PLAN.model_copy(update={"rate_hz": 2048.0, "delivered_hz": 4000.0})
     bench = open_bench(server.url, small)
     with Store(tmp_path) as store, pytest.raises(PlanError, match="delivered_hz"):

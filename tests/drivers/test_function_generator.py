@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.backend.loader import open_bench, open_output
-from modallab.backend.protocol import Burst, Request
-from modallab.errors import ConfigurationError, DeviceGoneError
-from modallab.schema.hardware import Excitation
-from modallab.schema.rig import Rig
+from modallab.bench.loader import open_bench, open_output
+from modallab.bench.protocol import Burst, Request
+from modallab.core.errors import ConfigurationError, DeviceGoneError
+from modallab.core.hardware import Excitation
+from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES
 from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
@@ -117,13 +117,13 @@ def test_zero_switches_it_off_at_once(instrument: Instrument, rig: Rig):
     assert generator.next_event() is None
 
 
-@pytest.mark.parametrize("told", sorted(LANGUAGES))
-def test_another_makers_dialect_is_refused_naming_the_field(instrument: Instrument, rig: Rig, told: str):
-    if told == instrument.dialect:
+@pytest.mark.parametrize("reported", sorted(LANGUAGES))
+def test_another_makers_dialect_is_rejected_naming_the_field(instrument: Instrument, rig: Rig, reported: str):
+    if reported == instrument.dialect:
         open_generator(instrument.rig(rig)).close()
         return
     with pytest.raises(ConfigurationError, match=r"excitation\.dialect"):
-        open_generator(instrument.rig(rig, told))
+        open_generator(instrument.rig(rig, reported))
     assert instrument.line.at(instrument.clock.time_s) == 0.0
 
 
@@ -167,7 +167,7 @@ def test_a_pulled_plug_leaves_nobody_who_reads(keysight: Instrument, rig: Rig):
         generator.set("frequency", 10.0)
 
 
-def test_a_limit_above_the_generators_range_is_refused_naming_the_field(keysight: Instrument, rig: Rig):
+def test_a_limit_above_the_generators_range_is_rejected_naming_the_field(keysight: Instrument, rig: Rig):
     assert rig.limits is not None
     loud = rig.model_copy(update={"limits": rig.limits.model_copy(update={"drive_v": 11.0})})
     with pytest.raises(ConfigurationError, match=r"limits\.drive_v"):

@@ -1,4 +1,4 @@
-"""The device's own reference trigger as an option of the impact test: the same blows, found by the device."""
+"""The device's own reference trigger as an option of the impact test: the same hits, found by the device."""
 
 from pathlib import Path
 
@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.run import record, run_plan
-from modallab.acquisition.wishes import Wishes
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Bench, HardwareTriggered, ReferenceTrigger, Request
-from modallab.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
-from modallab.schema.events import Event
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.monitor.requests import Requests
+from modallab.acquisition.process.run import record, run_plan
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench, HardwareTriggered, ReferenceTrigger, Request
+from modallab.core.errors import BenchTimeoutError, ConfigurationError, DeviceGoneError, PlanError
+from modallab.core.events import Event
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Rig
 from modallab.storage import Store
 
 PLAN = ImpactPlan(points=(10,), hits=2, trigger="hardware", hit_timeout_s=60.0)
@@ -27,15 +27,15 @@ def striking(rig: Rig):
 
 
 def operator(server: NiServer, events: list[Event]):
-    def tell(event: Event) -> None:
+    def notify(event: Event) -> None:
         events.append(event)
-        if event.kind == "hit_wanted":
+        if event.kind == "hit_requested":
             server.say(f"strike {event.point}")
 
-    return tell
+    return notify
 
 
-def test_blows_are_found_by_the_device_with_the_pre_trigger_before_them(
+def test_hits_are_found_by_the_device_with_the_pre_trigger_before_them(
     striking: NiServer, rig: Rig, tmp_path: Path
 ) -> None:
     events: list[Event] = []
@@ -52,7 +52,7 @@ def test_blows_are_found_by_the_device_with_the_pre_trigger_before_them(
         assert force_n[99] < PLAN.trigger_n <= force_n[100]
         assert np.abs(force_n[:99]).max() < PLAN.trigger_n
         assert force_n.max() > 10.0
-    # The rest before a blow is judged from the record's own long pre-trigger.
+    # The rest before a hit is judged from the record's own long pre-trigger.
     assert all(row.note.facts["residual_ratio"] == 0 for row in rows)
     states = [e.state for e in events if e.kind == "state"]
     assert states == ["created", "arming", "armed", "acquiring", "processing", "done"]
@@ -62,29 +62,29 @@ def test_with_a_pause_the_device_waits_no_longer_and_is_armed_again(
     striking: NiServer, rig: Rig, tmp_path: Path
 ) -> None:
     events: list[Event] = []
-    wishes = Wishes()
+    requests = Requests()
     strike = operator(striking, events)
 
-    def tell(event: Event) -> None:
-        if event.kind == "hit_wanted" and event.hit == 2 and not [e for e in events if e.kind == "notice"]:
-            wanted = [e for e in events if e.kind == "hit_wanted" and e.hit == 2]
-            if not wanted:
+    def notify(event: Event) -> None:
+        if event.kind == "hit_requested" and event.hit == 2 and not [e for e in events if e.kind == "notice"]:
+            requested = [e for e in events if e.kind == "hit_requested" and e.hit == 2]
+            if not requested:
                 events.append(event)
-                wishes.pause()
+                requests.pause()
                 return
         strike(event)
         if event.kind == "state" and event.state == "paused":
-            wishes.resume()
+            requests.resume()
 
     bench = open_bench(striking.url, rig)
     with Store(tmp_path) as store, store.begin(PLAN, rig, bench.info) as recorder:
-        run_plan(bench, rig, PLAN, recorder, tell, wishes=wishes)
+        run_plan(bench, rig, PLAN, recorder, notify, requests=requests)
         assert len(store.blocks(recorder.run)) == 2
     bench.close()
     assert "paused" in [e.state for e in events if e.kind == "state"]
 
 
-def test_a_bench_without_a_trigger_refuses_the_plan_naming_the_field(rig: Rig, tmp_path: Path) -> None:
+def test_a_bench_without_a_trigger_rejects_the_plan_naming_the_field(rig: Rig, tmp_path: Path) -> None:
     bench = open_bench("sim://cantilever?seed=1", rig)
     with Store(tmp_path) as store, pytest.raises(PlanError, match="trigger: hardware, but this bench"):
         record(bench, rig, PLAN, store, lambda _: None)

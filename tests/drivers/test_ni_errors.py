@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Bench, Burst, Request
-from modallab.errors import (
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench, Burst, Request
+from modallab.core.errors import (
     BenchError,
     BenchTimeoutError,
     ConfigurationError,
@@ -18,8 +18,8 @@ from modallab.errors import (
     OutputLostError,
     SamplesLostError,
 )
-from modallab.schema.hardware import Excitation
-from modallab.schema.rig import Rig
+from modallab.core.hardware import Excitation
+from modallab.core.rig import Rig
 
 SINE = Request("sine", 1000.0)
 BURST = Burst(20.0, 0.5, 0.1, 1.0)
@@ -120,7 +120,7 @@ def test_reserved_50103_is_tried_again_for_a_while_and_the_owner_named(
         bench.start()
     ni_server.say("fault released cDAQ1Mod1/ai")
     bench.start()
-    # One refusal is sat out.
+    # One rejection is sat out.
     bench.stop()
     ni_server.say("fault status StartTask -50103")
     bench.start()
@@ -179,7 +179,7 @@ def changed(rig: Rig, index: int, **fields: object) -> Rig:
     return rig.model_copy(update={"channels": tuple(channels)})
 
 
-def test_what_does_not_fit_is_refused_before_anything_moves_naming_the_field(ni_server: NiServer, rig: Rig):
+def test_what_does_not_fit_is_rejected_before_anything_moves_naming_the_field(ni_server: NiServer, rig: Rig):
     assert rig.limits is not None
     loud = rig.limits.model_copy(update={"drive_v": 12.0})
     bad = {

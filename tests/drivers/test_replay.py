@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Burst, Request
-from modallab.errors import (
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Burst, Request
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import (
     BenchTimeoutError,
     ConfigurationError,
     DeviceGoneError,
@@ -17,9 +18,8 @@ from modallab.errors import (
     SamplesLostError,
     UnsupportedError,
 )
-from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.schema.block import Block, Campaign
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
 
 RATE_HZ = 2000.0
 N = 600
@@ -83,7 +83,7 @@ def test_blocks_whose_places_were_not_counted_are_never_joined(rig: Rig, blocks:
     assert [bench.read(N, 1.0).first_sample for _ in blocks] == [0, N + 1, 2 * (N + 1)]
 
 
-def test_another_rate_another_test_and_output_are_refused(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
+def test_another_rate_another_test_and_output_are_rejected(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     bench = open_bench(save(rig, blocks, tmp_path), rig)
     with pytest.raises(ConfigurationError, match=r"1000 Hz.*2000 Hz"):
         bench.configure(Request("impact", 1000.0))
@@ -107,7 +107,7 @@ def test_its_speed_is_kept(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
         bench.read(N, 0.001)
 
 
-def test_what_is_no_recording_is_refused(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
+def test_what_is_no_recording_is_rejected(rig: Rig, blocks: tuple[Block, ...], tmp_path: Path):
     with pytest.raises(DeviceGoneError):
         open_bench(f"replay://{tmp_path / 'nowhere'}", rig)
     (tmp_path / "campaign.h5").write_bytes(b"no campaign")

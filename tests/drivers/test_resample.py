@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.backend.resample import PASS, half_width, resample
+from modallab.bench.resampling import PASS, half_width, resample
 
 NI_GRID_HZ = 13.1072e6 / 256
 CASES = [
@@ -42,6 +42,6 @@ def test_a_constant_stays_what_it_is_and_counts_are_taken_as_numbers():
     np.testing.assert_allclose(new, [[7.0] * 100, [-3.0] * 100], rtol=1e-14)
 
 
-def test_a_block_that_was_not_padded_is_refused():
+def test_a_block_that_was_not_padded_is_rejected():
     with pytest.raises(ValueError, match="too few"):
         resample(np.zeros((1, 2100)), 2048.0, 2000.0, 0, 2048)

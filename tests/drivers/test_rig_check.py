@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.trip import TripLatch
-from modallab.backend.loader import find_devices, open_bench
+from modallab.acquisition.process.trip import TripLatch
+from modallab.bench.loader import find_devices, open_bench
 from modallab.cli import main
-from modallab.errors import ConfigurationError, DataError
-from modallab.exchange.rig_file import read_rig, write_rig
-from modallab.schema.rig import Rig
-from modallab.schema.units import STANDARD_GRAVITY
-from modallab.tasks import calibrate
-from modallab.tasks.rig_check import check_at_rest, check_clock, check_polarity
+from modallab.commissioning import calibrate
+from modallab.commissioning.rig_check import check_clock, check_idle, check_polarity
+from modallab.core.errors import ConfigurationError, DataError
+from modallab.core.rig import Rig
+from modallab.core.units import STANDARD_GRAVITY
+from modallab.formats.rig.rig_file import read_rig, write_rig
 
 SIM = "sim://cantilever?seed=1&bad_hits=0"
 RNG = np.random.default_rng(4)
@@ -33,7 +33,7 @@ def changed(rig: Rig, index: int, **fields: object) -> Rig:
 
 def test_a_good_bench_at_rest_is_good(rig: Rig):
     bench = open_bench(SIM, rig)
-    findings = check_at_rest(bench, rig, 1.0)
+    findings = check_idle(bench, rig, 1.0)
     assert {finding.verdict for finding in findings} == {"good"}
     assert len(findings) == 3 * len(rig.channels)
     bench.close()
@@ -43,7 +43,7 @@ def test_more_noise_than_believed_is_to_look_at(rig: Rig):
     assert rig.converter is not None
     quiet = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": 2e-5})})
     bench = open_bench(SIM, rig)
-    assert set(verdicts(check_at_rest(bench, quiet, 1.0), "noise").values()) == {"look"}
+    assert set(verdicts(check_idle(bench, quiet, 1.0), "noise").values()) == {"look"}
     bench.close()
 
 
@@ -83,7 +83,7 @@ def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
     with NiServer(iepe, "9234") as server:
         believed = changed(iepe, 3, sensitivity_v_per_unit=0.02)
         bench = open_bench(server.url, believed)
-        found = verdicts(check_at_rest(bench, believed, 0.5), "sensitivity")
+        found = verdicts(check_idle(bench, believed, 0.5), "sensitivity")
         bench.close()
     assert found.pop("a03") == "bad"
     assert set(found.values()) == {"good"}
@@ -106,7 +106,7 @@ def test_turnover_and_step_and_reference_and_mass_give_the_sensitivity():
     assert value == pytest.approx(0.5, abs=5 * sigma)
 
 
-def test_what_was_not_turned_shaken_or_coupled_is_refused():
+def test_what_was_not_turned_shaken_or_coupled_is_rejected():
     noise = RNG.standard_normal((2, 4000)) * 1e-4
     with pytest.raises(DataError, match="nothing was seen"):
         calibrate.by_turnover(noise[0], noise[1])

@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.process import RigProcess
-from modallab.acquisition.supervisor import BEAT_S, SILENCE_S
-from modallab.acquisition.trip import Trip, TrippedError
-from modallab.backend.loader import open_bench, open_output
-from modallab.backend.protocol import Burst, Request
-from modallab.errors import DeviceBusyError, ModallabError, OutputLostError
-from modallab.schema.hardware import Excitation
-from modallab.schema.plan import SinePlan
-from modallab.schema.rig import Rig
+from modallab.acquisition.process.output_supervisor import BEAT_S, TIMEOUT_S
+from modallab.acquisition.process.rig_process import RigProcess
+from modallab.acquisition.process.trip import Trip, TrippedError
+from modallab.bench.loader import open_bench, open_output
+from modallab.bench.protocol import Burst, Request
+from modallab.core.errors import DeviceBusyError, ModallabError, OutputLostError
+from modallab.core.hardware import Excitation
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Rig
 
 OUTPUT = "cDAQ1Mod4/ao0"
 LIMIT_S = 0.5
@@ -26,7 +26,7 @@ PATIENCE_S = 30.0
 WATCHDOG_S = 0.8
 
 # One burst of 20 s, with hardly anything before it.
-PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, rest_s=0.2, rest_timeout_s=0.2)
+PLAN = SinePlan(frequencies_hz=(19.53125,), ramp_s=0.3, settle_s=19.4, block_s=0.128, wait_s=0.2, settle_timeout_s=0.2)
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_an_acquisition_that_falls_silent_for_a_second_is_brought_to_zero_and_tr
     assert pid is not None
     os.kill(pid, signal.SIGSTOP)
     try:
-        assert wait_for_volts(paced, on=False) < SILENCE_S + BEAT_S + LIMIT_S
+        assert wait_for_volts(paced, on=False) < TIMEOUT_S + BEAT_S + LIMIT_S
         trip = waited_for_trip(process)
         assert trip.cause == "silence"
     finally:
@@ -212,7 +212,7 @@ def test_a_watchdog_that_expired_before_the_burst_watches_again_from_its_start(p
     bench.close()
 
 
-def test_what_a_killed_client_left_is_refused_by_name_and_can_be_given_back(ni_server: NiServer, rig: Rig):
+def test_what_a_killed_client_left_is_rejected_by_name_and_can_be_given_back(ni_server: NiServer, rig: Rig):
     left = open_bench(ni_server.url, rig)
     left.configure(Request("sine", 1000.0))
     left.start()

@@ -6,10 +6,10 @@ import pytest
 import trustme
 from ni_server import NiServer
 
-from modallab.backend.loader import find_devices, open_bench, open_output
-from modallab.backend.protocol import Request
-from modallab.errors import ConfigurationError, DeviceGoneError
-from modallab.schema.rig import Rig
+from modallab.bench.loader import find_devices, open_bench, open_output
+from modallab.bench.protocol import Request
+from modallab.core.errors import ConfigurationError, DeviceGoneError
+from modallab.core.rig import Rig
 
 SINE = Request("sine", 1000.0)
 
@@ -105,7 +105,7 @@ def test_a_server_may_want_to_know_who_asks(rig: Rig, folder: Path, authority: A
         ("tsl={ca}", "unknown parameter"),
     ],
 )
-def test_an_address_with_half_of_what_is_needed_is_refused(folder: Path, rig: Rig, query: str, said: str) -> None:
+def test_an_address_with_half_of_what_is_needed_is_rejected(folder: Path, rig: Rig, query: str, said: str) -> None:
     with pytest.raises(ConfigurationError, match=said):
         open_bench(f"nidaqmx+grpc://127.0.0.1:1/cDAQ1?{query.format(ca=folder / 'ca.crt')}", rig)
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from twin_campaign import LENGTH, LINES, NOISE, bench, blow, sine
+from twin_campaign import LENGTH, LINES, NOISE, bench, make_hit, sine
 
-from modallab.schema.block import Block, Campaign
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.block import Block, Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
 
 
 @pytest.fixture(scope="session")
@@ -67,7 +67,7 @@ def make(rig: Rig) -> Callable[..., Campaign]:
         twin = bench(rig, effects)
         blocks: list[Block] = []
         if "impact" in tests:
-            blocks += [blow(rig, twin, point, hit, rng, spoil) for point in (6, 10, 3) for hit in range(2)]
+            blocks += [make_hit(rig, twin, point, hit, rng, spoil) for point in (6, 10, 3) for hit in range(2)]
         if "sine" in tests:
             blocks += [sine(rig, twin, line, level, rng, spoil) for level in ("low", "high") for line in LINES]
         blocks = [replace(b, order=i) for i, b in enumerate(blocks)]

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from modallab.gap.clipped import find_clipped
-from modallab.schema.block import Block
+from modallab.core.block import Block
+from modallab.gap.conditioning.clipped import find_clipped
 
-ROWS, N, RATE, NOISE, RAIL = 3, 1024, 1000.0, 3e-4, 10.0
-STEP = RAIL / 32768
+ROWS, N, RATE, NOISE, FULL_SCALE = 3, 1024, 1000.0, 3e-4, 10.0
+STEP = FULL_SCALE / 32768
 
 
 def record(line: float, volts: float, cut: float, seed: int) -> Block:
@@ -25,7 +25,7 @@ def record(line: float, volts: float, cut: float, seed: int) -> Block:
 @pytest.mark.parametrize("line", [3, 30, 88, 108])
 def test_a_channel_cut_a_little_below_its_peak_is_found_at_every_frequency(line: int) -> None:
     blocks = [record(line, 4.6, 0.94 * 4.6, 1), record(12, 1.0, 0.94 * 4.6, 2)]
-    (found,) = find_clipped(blocks, np.full(ROWS, NOISE), RAIL)
+    (found,) = find_clipped(blocks, np.full(ROWS, NOISE), FULL_SCALE)
     assert found.row == ROWS - 1
     assert found.volts == pytest.approx(0.94 * 4.6, rel=2e-3)
     assert found.records == (f"s{line}",)
@@ -35,4 +35,4 @@ def test_a_channel_cut_a_little_below_its_peak_is_found_at_every_frequency(line:
 @pytest.mark.parametrize("volts", [0.01, 0.3, 4.6])
 @pytest.mark.parametrize("seed", range(3))
 def test_no_whole_sine_is_called_cut(line: float, volts: float, seed: int) -> None:
-    assert find_clipped([record(line, volts, np.inf, seed)], np.full(ROWS, NOISE), RAIL) == []
+    assert find_clipped([record(line, volts, np.inf, seed)], np.full(ROWS, NOISE), FULL_SCALE) == []

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from modallab.gap.contradictions import common_shift
+from modallab.core.block import Campaign
+from modallab.core.rig import Rig
 from modallab.gap.diagnose import diagnose
-from modallab.schema.block import Campaign
-from modallab.schema.rig import Rig
+from modallab.gap.report.contradictions import common_shift
 
 
 def test_a_common_factor_of_all_frequencies_is_found_even_where_modes_are_missing() -> None:

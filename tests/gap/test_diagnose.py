@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from twin_campaign import bench
 
-from modallab.errors import DataError, PlanError, RigError
+from modallab.core.block import Block, Campaign
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.effects import Effect
+from modallab.core.errors import DataError, PlanError, RigError
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.reduce import scaled
+from modallab.gap.conditioning.split import split
+from modallab.gap.design.prediction import predict
 from modallab.gap.diagnose import diagnose
-from modallab.gap.predict import predict
-from modallab.gap.records import predict_record
-from modallab.gap.reduce import scaled
-from modallab.gap.say import sentence
-from modallab.gap.split import split
-from modallab.schema.block import Block, Campaign
-from modallab.schema.diagnosis import Diagnosis
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.report.summary import sentence
 
 Make = Callable[..., Campaign]
 TIP = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
@@ -115,11 +115,11 @@ def test_flat_tops_are_seen_with_their_level(make: Make) -> None:
     assert found.where.channels == ["a08"]
 
 
-def test_blows_alone_raise_no_alarm(make: Make) -> None:
+def test_hits_alone_raise_no_alarm(make: Make) -> None:
     assert diagnose(make(tests=("impact",))).verdict == "no_gap"
 
 
-def test_blows_alone_are_diagnosed_and_what_they_hide_is_said(make: Make) -> None:
+def test_hits_alone_are_diagnosed_and_what_they_hide_is_said(make: Make) -> None:
     assert any("Only an impact test" in n for n in diagnose(make(tests=("impact",))).notes)
 
 
@@ -129,7 +129,7 @@ def test_a_sine_test_alone_is_diagnosed_and_what_it_hides_is_said(make: Make) ->
     assert any("Only a sine test" in n for n in sines.notes)
 
 
-def test_records_without_a_force_are_refused(make: Make) -> None:
+def test_records_without_a_force_are_rejected(make: Make) -> None:
     def dead(volts: np.ndarray, _: Block) -> np.ndarray:
         volts[0] = 0
         return volts
@@ -138,7 +138,7 @@ def test_records_without_a_force_are_refused(make: Make) -> None:
         diagnose(make(spoil=dead))
 
 
-def test_a_rig_without_a_beam_is_refused(make: Make, rig: Rig) -> None:
+def test_a_rig_without_a_beam_is_rejected(make: Make, rig: Rig) -> None:
     campaign = make()
     bare = rig.model_copy(update={"model": "unknown", "beam": None})
     with pytest.raises(RigError, match="no beam"):

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from modallab.gap.before import TOP_HZ, bench_of
-from modallab.gap.bench import COARSE, finish
-from modallab.gap.candidates import structural
-from modallab.gap.fit import Fit, Problem
-from modallab.gap.nuisances import nuisances
-from modallab.gap.prepare import prepare
-from modallab.gap.search import ended
-from modallab.schema.effects import Effect
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.candidates import structural
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.report.initial_gap import TOP_HZ, bench_of
+from modallab.gap.search.fitting import COARSE, finish
+from modallab.gap.search.round import ended
 
 
 def strayed(rig, make, beam):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from modallab.gap.hum import find_hum, without_hum
-from modallab.schema.block import Block
+from modallab.core.block import Block
+from modallab.gap.conditioning.hum import find_hum, without_hum
 
 ROWS, N, RATE, NOISE = 5, 1024, 1000.0, 3e-4
 STEP = 10 / 32768

@@ -5,19 +5,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from modallab.campaign.session import record_campaign
 from modallab.cli.demo import demo_rig
-from modallab.exchange.campaign_hdf5 import read_campaign, write_campaign
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.plan import BLOCK_S, ImpactPlan, SinePlan
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.diagnose import diagnose
-from modallab.schema.block import Campaign
-from modallab.schema.diagnosis import Diagnosis
-from modallab.schema.plan import BLOCK_S, ImpactPlan, SinePlan
+from modallab.service.campaigns.plain_session import record_campaign
 
 LINES = (5, 24, 31, 60, 90)
 # Bursts that are shorter than any default: mode 1 still rings in every block, at a tenth of the response.
 PLANS = (
     ImpactPlan(points=(10, 6, 3), hits=2),
-    SinePlan(frequencies_hz=tuple(k / BLOCK_S for k in LINES), ramp_s=0.4, settle_s=2.5, rest_s=8.0),
+    SinePlan(frequencies_hz=tuple(k / BLOCK_S for k in LINES), ramp_s=0.4, settle_s=2.5, wait_s=8.0),
 )
 
 
@@ -39,8 +39,8 @@ def massed(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
 
 
 def test_every_sine_block_says_how_it_came_about(sound: Campaign) -> None:
-    told = [(b.history_s, b.ramp_s, b.ramp) for b in sound.blocks if b.test == "sine"]
-    assert told == [(2.5, 0.4, "cosine")] * len(LINES)
+    reported = [(b.history_s, b.ramp_s, b.ramp) for b in sound.blocks if b.test == "sine"]
+    assert reported == [(2.5, 0.4, "cosine")] * len(LINES)
     assert {(b.history_s, b.ramp_s, b.ramp) for b in sound.blocks if b.test == "impact"} == {(None, None, None)}
 
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modallab.gap.candidates import Candidate, chained, of_channel, structural
-from modallab.gap.fit import Problem
-from modallab.gap.minimise import jacobian
-from modallab.gap.nuisances import nuisances
-from modallab.gap.prepare import prepare
-from modallab.gap.reduce import Reduced, Weights, reduce
-from modallab.schema.block import Campaign
-from modallab.schema.rig import Rig
+from modallab.core.block import Campaign
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.model.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.minimise import jacobian
+from modallab.gap.model.nuisances import nuisances
 
 STEP = 1e-3
 

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.schema.block import Block
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.block import Block
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.effects import apply
-from modallab.twin.predict import predict_blow, predict_sine
+from modallab.twin.predict import predict_hit, predict_sine
 from modallab.twin.structure import Structure
 
 LENGTH = 1.0
@@ -40,12 +40,12 @@ def _block(rig: Rig, name: str, test: str, rate: float, point: int, **more) -> B
     return Block(name, test, 0, rate, empty, np.full(11, STEP), ("V",) * 11, names, drive_point=point, **more)
 
 
-def blow(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generator, spoil) -> Block:
+def make_hit(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generator, spoil) -> Block:
     n, start = 2048, 100 + int(rng.integers(0, 3))
     force = np.zeros(n)
     force[start : start + 9] = 60 * rng.uniform(0.8, 1.2) * np.hanning(9)
     x = np.array([LENGTH * k / 10 for k in range(1, 11)])
-    answer = predict_blow(twin, force, 2000.0, LENGTH * point / 10, tuple(range(1, 11)), x, 0.0)
+    answer = predict_hit(twin, force, 2000.0, LENGTH * point / 10, tuple(range(1, 11)), x, 0.0)
     return _finish(
         rig,
         _block(rig, f"impact_p{point:02d}_{hit}", "impact", 2000.0, point),

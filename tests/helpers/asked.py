@@ -23,7 +23,7 @@ CHECKS = (
     "ensure_resource_availability",
     "ignored_auth",
 )
-"""All but two: what the document allows may still be refused, as a plan the bench cannot do, and all have one token."""
+"""All but two: what the document allows may still be rejected (a plan the bench cannot do); all have one token."""
 
 CONFIG = """
 continue-on-failure = true
@@ -31,7 +31,7 @@ max-stream-events = 1
 request-timeout = 60
 
 [checks.negative_data_rejection]
-# Besides what is common: an ETag, and a body, may be refused before anyone looks into it.
+# Besides what is common: an ETag, and a body, may be rejected before anyone looks into it.
 expected-statuses = [401, 403, 404, 405, 409, 412, 413, 422, 428]
 
 [[operations]]
@@ -79,9 +79,9 @@ def ask(
 
 def _known(lab: Lab) -> str:
     service = lab.service
-    runs = [run for campaign in service.book.campaigns(None, 50) for run in campaign.runs]
+    runs = [run for campaign in service.repository.campaigns(None, 50) for run in campaign.runs]
     names = {
-        "campaign": [campaign.id for campaign in service.book.campaigns(None, 50)],
+        "campaign": [campaign.id for campaign in service.repository.campaigns(None, 50)],
         "run": runs,
         "job": [job.id for job in service.jobs.list().jobs],
         "rig": [RIG],

@@ -4,15 +4,15 @@ from pathlib import Path
 
 from lab import RIG, Lab
 
-from modallab.campaign.begin import begin
-from modallab.campaign.orders import order
+from modallab.core.documents.results import JobNew
+from modallab.core.documents.runs import RunNew
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Rig
 from modallab.jobs.kind import Kind
 from modallab.jobs.leases import Leases
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Rig
-from modallab.schema.service.results import JobNew
-from modallab.schema.service.runs import RunNew
-from modallab.tasks.kinds import campaigns_of, kinds
+from modallab.pipelines.job_kinds import campaigns_of, kinds
+from modallab.service.campaigns.begin import begin
+from modallab.service.jobs.orders import order
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 

@@ -4,7 +4,7 @@ import zlib
 from threading import Thread
 
 from modallab.client import Client
-from modallab.schema.service.pages import EventView
+from modallab.core.documents.pages import EventView
 
 
 class Follower:

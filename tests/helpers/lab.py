@@ -1,4 +1,4 @@
-"""The service within the test's own process: the same rules, desks and application, with a real rig process behind."""
+"""The service within the test's own process: the same rules and application, with a real rig process behind."""
 
 import secrets
 import socket
@@ -11,21 +11,21 @@ from typing import Self
 import httpx
 import uvicorn
 
-from modallab.api.app import create_app
-from modallab.campaign.active_run import Diary
-from modallab.campaign.after_run import AfterRun
-from modallab.campaign.desk import Bench, Desk
-from modallab.campaign.desks import Desks
-from modallab.campaign.event_log import EventLog
-from modallab.campaign.rig_lease import Leases
-from modallab.campaign.service import Service, open_service
+from modallab.core.documents.campaigns import CampaignNew
+from modallab.core.documents.pages import EventView
+from modallab.core.documents.rigs import Lease
+from modallab.core.events import RunState
+from modallab.core.rig import Rig
+from modallab.core.settings import Settings
 from modallab.jobs import Jobs
-from modallab.schema.events import RunState
-from modallab.schema.rig import Rig
-from modallab.schema.service.campaigns import CampaignNew
-from modallab.schema.service.pages import EventView
-from modallab.schema.service.rigs import Lease
-from modallab.settings import Settings
+from modallab.service.after_run import AfterRun
+from modallab.service.api.app import create_app
+from modallab.service.context import Service, open_service
+from modallab.service.records.event_log import EventLog
+from modallab.service.records.leases import Leases
+from modallab.service.rigs.active_run import Diary
+from modallab.service.rigs.controller import Bench, Controller
+from modallab.service.rigs.controllers import Controllers
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 
@@ -34,7 +34,7 @@ RIG = "link"
 
 
 class Lab:
-    """One rig, its desk, and the service over them."""
+    """One rig, its controller, and the service over them."""
 
     def __init__(self, folder: Path, rig: Rig, url: str) -> None:
         boot = secrets.token_hex(4)
@@ -43,9 +43,9 @@ class Lab:
         diary = self.diary = Diary(self.store, EventLog(engine))
         after = AfterRun(self.store, Jobs(engine))
         # On a busy machine the rig's process takes minutes to open its bench.
-        self.desk = Desk(Bench(RIG, rig, url, folder), diary, after, self._show, begin_s=240.0)
-        self.desks = Desks([self.desk], Leases(engine, boot))
-        self.service: Service = open_service(folder, self.desks, boot)
+        self.controller = Controller(Bench(RIG, rig, url, folder), diary, after, self._show, begin_s=240.0)
+        self.controllers = Controllers([self.controller], Leases(engine, boot))
+        self.service: Service = open_service(folder, self.controllers, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
         listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{listener.getsockname()[1]}"
@@ -70,7 +70,7 @@ class Lab:
 
     def campaign(self, name: str = "a visit") -> str:
         """A new campaign's id."""
-        return self.service.book.create(CampaignNew(name=name, rig=RIG), "Ada").id
+        return self.service.repository.create(CampaignNew(name=name, rig=RIG), "Ada").id
 
     def wait_for(self, happened: Callable[[EventView], bool], after: int = 0, within_s: float = 240.0) -> EventView:
         """The first event for which `happened`."""
@@ -97,15 +97,15 @@ class Lab:
     def wait_until_idle(self, within_s: float = 240.0) -> None:
         """Until the bench is open and no run is on."""
         end = time.monotonic() + within_s
-        while self.desk.state().state != "idle":
-            assert time.monotonic() < end, self.desk.state()
+        while self.controller.state().state != "idle":
+            assert time.monotonic() < end, self.controller.state()
             time.sleep(0.02)
 
     def close(self) -> None:
         """End it all."""
         self._server.should_exit = True
         self._serving.join(10)
-        self.desks.close()
+        self.controllers.close()
         self.service.close()
         self.store.close()
 

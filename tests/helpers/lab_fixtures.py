@@ -6,13 +6,13 @@ from importlib import resources
 import pytest
 from lab import Lab
 
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 
 
 @pytest.fixture(scope="session")
 def link_rig() -> Rig:
-    return parse_rig((resources.files("modallab.campaign") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
+    return parse_rig((resources.files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """A modal system in closed form, sampled without any integrator: the oracle of the identification tests.
 
-Written apart from the code under test: responses are sums of analytic convolutions of a piecewise polynomial blow with
+Written apart from the code under test: responses are sums of analytic convolutions of a piecewise polynomial hit with
 damped sines, done at a high rate by exact recursion, and then decimated in the frequency domain.
 """
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.schema.block import Block
-from modallab.schema.rig import Channel, Point, Rig
+from modallab.core.block import Block
+from modallab.core.rig import Channel, Point, Rig
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def respond(system: Modes, force: NDArray[np.float64], drive: int, rate_hz: floa
     return out
 
 
-def blow(n: int, rate_hz: float, at_s: float, width_s: float, peak_n: float) -> NDArray[np.float64]:
+def pulse(n: int, rate_hz: float, at_s: float, width_s: float, peak_n: float) -> NDArray[np.float64]:
     t = np.arange(n) / rate_hz - at_s
     return peak_n * np.where(np.abs(t) < width_s / 2, np.cos(np.pi * t / width_s) ** 2, 0.0)
 
@@ -91,7 +91,7 @@ def impact_blocks(
         for hit in range(hits):
             at, width = 0.05 + rng.uniform(0, 5e-4), rng.uniform(3e-3, 5e-3)
             # Longer than the block: the filter must not see the block's end as a step.
-            force = blow((n + 256) * factor, rate_hz * factor, at, width, rng.uniform(60, 120))
+            force = pulse((n + 256) * factor, rate_hz * factor, at, width, rng.uniform(60, 120))
             both = np.vstack([force, respond(system, force, point, rate_hz * factor)])
             samples = lowpass(both, factor)[:, :n]
             if rest:

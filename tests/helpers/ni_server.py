@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any, Self
 
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
 
 START_S = 30
 
@@ -23,9 +23,9 @@ class NiServer:
         self.process = subprocess.Popen(
             [*command, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
         )
-        told = self._answer()
-        self.port: int = told["port"]
-        self.generator: str = told.get("generator", "")
+        reported = self._answer()
+        self.port: int = reported["port"]
+        self.generator: str = reported.get("generator", "")
         self.target = f"127.0.0.1:{self.port}"
         name = device or ("Dev1" if system in ("6211", "4431") else "cDAQ1")
         self.url = f"nidaqmx+grpc://{self.target}/{name}" + ("?virtual_time=1" if virtual else "")

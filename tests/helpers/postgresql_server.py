@@ -56,7 +56,7 @@ def postgresql_server(fsync: str = "off") -> Iterator[Server]:
     assert found is not None, "PostgreSQL is missing: pip install -c constraints.txt -e '.[dev]'"
     assert found.origin is not None
     programs = Path(found.origin).parent / "pginstall" / "bin"
-    # The server refuses to run as root, and pytest's own folders let nobody else in.
+    # The server rejects to run as root, and pytest's own folders let nobody else in.
     folder = Path(tempfile.mkdtemp(prefix="modallab-pg-"))
     other: dict[str, int] = {}
     if hasattr(os, "geteuid") and os.geteuid() == 0:

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.errors import DataError
-from modallab.identification.assumptions import (
+from modallab.core.errors import DataError
+from modallab.identification.selection.assumptions import (
     driving_point,
     linearity,
     proportional_damping,
@@ -104,6 +104,6 @@ def test_only_what_is_not_known_across_a_constant_hides_its_phase():
     ],
     ids=["lines", "nan", "points", "no pair", "no driving point", "magnitude only", "one output"],
 )
-def test_what_cannot_be_judged_is_refused(wrong):
+def test_what_cannot_be_judged_is_rejected(wrong):
     with pytest.raises(DataError):
         wrong(measured())

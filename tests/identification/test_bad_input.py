@@ -7,26 +7,27 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.errors import DataError, ModallabError
-from modallab.identification import assumptions, criteria, half_power, mode_indicators
-from modallab.identification.bands import split_bands
-from modallab.identification.circle_fit import circle_fit
-from modallab.identification.diagram import stabilisation_diagram
-from modallab.identification.era import era
-from modallab.identification.estimators import estimate_poles
+from modallab.core.errors import DataError, ModallabError
+from modallab.frf.estimate import combine, convert, impact_frf
+from modallab.frf.local_polynomial import local_polynomial_frf
+from modallab.identification.estimators import half_power, mode_indicators
+from modallab.identification.estimators.bands import split_bands
+from modallab.identification.estimators.circle_fit import circle_fit
+from modallab.identification.estimators.era import era
+from modallab.identification.estimators.peak import identify_peaks
+from modallab.identification.estimators.plscf import plscf
+from modallab.identification.estimators.registry import estimate_poles
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
-from modallab.identification.modal_mass import unit_mass_shapes
-from modallab.identification.model_of_fit import receptance
+from modallab.identification.likelihood.orthonormal import orthonormal
+from modallab.identification.model.modal_mass import unit_mass_shapes
+from modallab.identification.model.modal_model import receptance
+from modallab.identification.model.repeated_poles import split_repeated
 from modallab.identification.options import Options
-from modallab.identification.orthonormal import orthonormal
-from modallab.identification.peak import identify_peaks
-from modallab.identification.plscf import plscf
-from modallab.identification.repeated import split_repeated
+from modallab.identification.selection import assumptions, criteria
+from modallab.identification.selection.diagram import stabilisation_diagram
 from modallab.identification.sine import identify_sine
-from modallab.spectra.frf import combine, convert, impact_frf
-from modallab.spectra.local_polynomial import local_polynomial_frf
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.scaling import to_signals_of
 from modallab.verification.frac import frac
 from modallab.verification.verify import synthesised, verify_frf, verify_impact, verify_sine
 
@@ -88,7 +89,7 @@ def test_the_good_frf_is_taken_by_all(call):
 
 @pytest.mark.parametrize("bad", BAD_FRFS)
 @pytest.mark.parametrize("call", OF_FRF)
-def test_an_frf_that_cannot_be_is_refused(call, bad):
+def test_an_frf_that_cannot_be_is_rejected(call, bad):
     with pytest.raises(ModallabError):
         OF_FRF[call](BAD_FRFS[bad])
 
@@ -97,7 +98,7 @@ BAD_BANDS = [(np.nan, 30.0), (5.0, np.inf), (30.0, 5.0), (10.0, 10.0), (-50.0, -
 
 
 @pytest.fixture(scope="module")
-def blows():
+def hits():
     rng = np.random.default_rng(4)
     return to_signals_of(bench.impact_blocks(bench.modes(rng, 2), rng, hits=1), RIG)
 
@@ -110,10 +111,10 @@ def sines():
 
 @pytest.mark.parametrize("band", BAD_BANDS, ids=str)
 @pytest.mark.parametrize("kind", ["frf", "impact", "sine"])
-def test_a_band_without_lines_is_refused(kind, band, blows, sines):
+def test_a_band_without_lines_is_rejected(kind, band, hits, sines):
     identify = {
         "frf": lambda: identify_frf(GOOD, RIG, Options(band_hz=band)),
-        "impact": lambda: identify_impact(blows, RIG, Options(band_hz=band)),
+        "impact": lambda: identify_impact(hits, RIG, Options(band_hz=band)),
         "sine": lambda: identify_sine(sines, RIG, Options(band_hz=band)),
     }
     with pytest.raises(ModallabError):
@@ -121,22 +122,22 @@ def test_a_band_without_lines_is_refused(kind, band, blows, sines):
 
 
 @pytest.mark.parametrize("identify", [identify_impact, identify_sine])
-def test_records_that_cannot_be_are_refused(identify, blows, sines):
-    good = blows if identify is identify_impact else sines
+def test_records_that_cannot_be_are_rejected(identify, hits, sines):
+    good = hits if identify is identify_impact else sines
     nothing = replace(good[0], responses=good[0].responses * np.nan)
     cut = replace(good[0], responses=good[0].responses[:, :-5])
     backward = replace(good[0], rate_hz=-good[0].rate_hz)
-    silent = replace(good[0], force=np.zeros_like(good[0].force))
-    for bad in ([], [nothing], [cut], [backward], [silent]):
+    timed_out = replace(good[0], force=np.zeros_like(good[0].force))
+    for bad in ([], [nothing], [cut], [backward], [timed_out]):
         with pytest.raises(ModallabError):
             identify(bad, RIG, Options())
 
 
-def _verifying(blows, kind):
+def _verifying(hits, kind):
     """The records of a test, and what compares a model of them with others."""
     if kind == "impact":
-        model, fit = identify_impact(blows, RIG, Options())
-        return blows, lambda it, of=fit: verify_impact(model, of, [it], RIG)
+        model, fit = identify_impact(hits, RIG, Options())
+        return hits, lambda it, of=fit: verify_impact(model, of, [it], RIG)
     rng = np.random.default_rng(4)
     steps = bench.sine_blocks(bench.modes(rng, 2), rng, np.arange(3.0, 30.0, 0.9), settle_s=1.0)
     signals = to_signals_of(steps, RIG)
@@ -145,8 +146,8 @@ def _verifying(blows, kind):
 
 
 @pytest.mark.parametrize("kind", ["impact", "sine"])
-def test_a_model_is_compared_with_no_other_records_than_its_own(kind, blows):
-    good, verify = _verifying(blows, kind)
+def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
+    good, verify = _verifying(hits, kind)
     assert verify(good).frac.min() > 0.9
     first, *rest = good
     bad = (
@@ -168,16 +169,16 @@ def test_a_model_is_compared_with_no_other_records_than_its_own(kind, blows):
 
 @pytest.mark.parametrize("order", [0, -3, 10_000])
 @pytest.mark.parametrize("method", ["plscf", "era"])
-def test_orders_that_the_lines_cannot_carry_are_refused(method, order):
+def test_orders_that_the_lines_cannot_carry_are_rejected(method, order):
     with pytest.raises(ModallabError):
         identify_frf(GOOD, RIG, Options(method=method, max_order=order))
 
 
-@pytest.mark.parametrize("wanted", [np.nan, -4.0, 0.0, np.inf, 500.0])
+@pytest.mark.parametrize("requested", [np.nan, -4.0, 0.0, np.inf, 500.0])
 @pytest.mark.parametrize("how", ["pick_hz", "drop_hz"])
-def test_modes_by_hand_where_none_can_be_are_refused(how, wanted):
+def test_modes_by_hand_where_none_can_be_are_rejected(how, requested):
     with pytest.raises(ModallabError):
-        identify_frf(GOOD, RIG, Options(**{how: (wanted,)}))
+        identify_frf(GOOD, RIG, Options(**{how: (requested,)}))
 
 
 SHAPES = PHI + 0j
@@ -200,7 +201,7 @@ OF_SHAPES = {
 
 @pytest.mark.parametrize("bad", BAD_SHAPES)
 @pytest.mark.parametrize("call", OF_SHAPES)
-def test_shapes_that_cannot_be_are_refused(call, bad):
+def test_shapes_that_cannot_be_are_rejected(call, bad):
     with pytest.raises(ModallabError):
         OF_SHAPES[call](BAD_SHAPES[bad])
 
@@ -218,7 +219,7 @@ CURVES = {
 
 
 @pytest.mark.parametrize("bad", CURVES)
-def test_curves_without_peaks_to_read_are_refused(bad):
+def test_curves_without_peaks_to_read_are_rejected(bad):
     f, a = CURVES[bad]
     for call in (half_power.find_peaks, half_power.half_power, half_power.reading_near):
         with pytest.raises(ModallabError):
@@ -226,18 +227,18 @@ def test_curves_without_peaks_to_read_are_refused(bad):
 
 
 @pytest.mark.parametrize("bad", [name for name in CURVES if name != "negative"])
-def test_curves_that_make_no_circle_are_refused(bad):
+def test_curves_that_make_no_circle_are_rejected(bad):
     f, a = CURVES[bad]
     with pytest.raises(ModallabError):
         circle_fit(f, a * 1j)
 
 
-def test_a_line_or_a_frequency_that_is_not_there_is_refused():
+def test_a_line_or_a_frequency_that_is_not_there_is_rejected():
     with pytest.raises(ModallabError):
         half_power.half_power(LINES, AMPLITUDE, 99)
-    for wanted in (np.nan, np.inf):
+    for requested in (np.nan, np.inf):
         with pytest.raises(ModallabError):
-            half_power.reading_near(LINES, AMPLITUDE, wanted)
+            half_power.reading_near(LINES, AMPLITUDE, requested)
 
 
 SPECTRA = np.ones((3, 40), complex), np.ones((3, 2, 40), complex)
@@ -251,7 +252,7 @@ BAD_SPECTRA = {
 
 
 @pytest.mark.parametrize("bad", BAD_SPECTRA)
-def test_spectra_that_make_no_frf_are_refused(bad):
+def test_spectra_that_make_no_frf_are_rejected(bad):
     for call in (combine, local_polynomial_frf):
         with pytest.raises(ModallabError):
             call(*BAD_SPECTRA[bad])
@@ -259,7 +260,7 @@ def test_spectra_that_make_no_frf_are_refused(bad):
         combine(*BAD_SPECTRA[bad], "Hv")
 
 
-def test_curves_that_cannot_be_compared_are_refused():
+def test_curves_that_cannot_be_compared_are_rejected():
     good = np.ones((2, 5), complex)
     for one, other in (
         (good, good[:, :4]),
@@ -279,7 +280,7 @@ def test_a_model_has_no_response_at_frequencies_that_are_none():
                 call(lines)
 
 
-def test_constants_that_cannot_be_are_refused():
+def test_constants_that_cannot_be_are_rejected():
     good = np.ones((1, 3, 2), complex)
     points = (1, 2, 3), (1, 2)
     for constants, sigma in (
@@ -295,17 +296,17 @@ def test_constants_that_cannot_be_are_refused():
         unit_mass_shapes(good, np.ones((1, 3, 2)), (1, 2), (1, 2))
 
 
-def test_a_matrix_without_columns_to_tell_apart_is_refused():
+def test_a_matrix_without_columns_to_tell_apart_is_rejected():
     for bad in (np.full((9, 2), np.nan), np.ones((2, 9)), np.ones(4), np.ones((0, 0))):
         with pytest.raises(ModallabError):
             orthonormal(bad)
 
 
-def test_blows_without_a_rate_or_a_band_have_no_frf(blows):
+def test_hits_without_a_rate_or_a_band_have_no_frf(hits):
     with pytest.raises(ModallabError):
         impact_frf([], RIG, (3.0, 100.0))
     with pytest.raises(ModallabError):
-        impact_frf([blows], RIG, (3.0, 100.0), damping_shift=np.nan)
+        impact_frf([hits], RIG, (3.0, 100.0), damping_shift=np.nan)
     few = RIG.model_copy(update={"channels": RIG.channels[:-1]})
     with pytest.raises(DataError, match="are not the rig's"):
-        impact_frf([blows], few, (3.0, 100.0))
+        impact_frf([hits], few, (3.0, 100.0))

@@ -6,11 +6,11 @@ import modal_bench as bench
 import numpy as np
 import pytest
 
-from modallab.errors import IdentificationError
-from modallab.identification.confidence import confidence, least_strength, strength
+from modallab.core.errors import IdentificationError
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.spectra.scale import to_signals_of
+from modallab.identification.selection.confidence import confidence, least_strength, strength
+from modallab.signals.scaling import to_signals_of
 
 
 def recorded(seed=4, hits=3):
@@ -31,15 +31,15 @@ def test_a_dropped_mode_is_gone_and_the_others_stay():
 
 def test_picked_modes_are_the_model():
     system, rig, signals = recorded()
-    wanted = tuple(float(f) * 1.005 for f in system.frequency_hz[:3])
-    model = identify_impact(signals, rig, Options(pick_hz=wanted, band_hz=(3.0, float(system.frequency_hz[2]) * 1.5)))[
-        0
-    ]
+    requested = tuple(float(f) * 1.005 for f in system.frequency_hz[:3])
+    model = identify_impact(
+        signals, rig, Options(pick_hz=requested, band_hz=(3.0, float(system.frequency_hz[2]) * 1.5))
+    )[0]
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz[:3], rtol=1e-4)
 
 
 @pytest.mark.parametrize("how", [{"drop_hz": (333.0,)}, {"pick_hz": (1.0,)}])
-def test_a_frequency_without_a_mode_is_refused_with_those_there_are(how):
+def test_a_frequency_without_a_mode_is_rejected_with_those_there_are(how):
     _, rig, signals = recorded()
     with pytest.raises(IdentificationError, match=r"there are .* Hz"):
         identify_impact(signals, rig, Options(**how))

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from modallab.errors import DataError
-from modallab.identification.criteria import auto_mac, comac, mac, mpc, mpd
+from modallab.core.errors import DataError
+from modallab.identification.selection.criteria import auto_mac, comac, mac, mpc, mpd
 
 RNG = np.random.default_rng(1)
 REAL = RNG.standard_normal((3, 8))
@@ -49,12 +49,12 @@ def test_the_mean_phase_deviation_is_that_of_the_points():
 
 @pytest.mark.parametrize("criterion", [lambda s: mac(s, s), lambda s: comac(s, s), mpc, mpd])
 @pytest.mark.parametrize("bad", [REAL[0], REAL * np.nan, REAL * np.array([[1], [0], [1]])], ids=["flat", "nan", "zero"])
-def test_what_is_no_set_of_shapes_is_refused(criterion, bad):
+def test_what_is_no_set_of_shapes_is_rejected(criterion, bad):
     with pytest.raises(DataError):
         criterion(bad)
 
 
-def test_shapes_over_other_points_are_refused():
+def test_shapes_over_other_points_are_rejected():
     for criterion in (mac, comac):
         with pytest.raises(DataError, match=r"points|paired"):
             criterion(REAL, REAL[:, :5])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.errors import DataError, IdentificationError
-from modallab.identification.era import era
-from modallab.identification.stabilisation import stable_poles
+from modallab.core.errors import DataError, IdentificationError
+from modallab.identification.estimators.era import era
+from modallab.identification.estimators.stabilisation import stable_poles
 
 FREQUENCY, ZETA = np.array([12.0, 40.0, 41.0, 90.0]), np.array([0.01, 0.005, 0.008, 0.004])
 PHI = np.random.default_rng(0).standard_normal((4, 6))
@@ -39,7 +39,7 @@ def test_in_little_noise_the_modes_hold_over_the_orders():
     assert {12, 40, 41, 90} <= {round(abs(p.pole) / (2 * np.pi)) for p in found}
 
 
-def test_lines_off_their_own_grid_and_bad_values_are_refused():
+def test_lines_off_their_own_grid_and_bad_values_are_rejected():
     good = sampled()
     with pytest.raises(DataError, match="multiples"):
         era(replace(good, frequency_hz=good.frequency_hz + 0.03), 8)
@@ -49,7 +49,7 @@ def test_lines_off_their_own_grid_and_bad_values_are_refused():
         era(replace(good, values=np.abs(good.values) + 0j), 8)
 
 
-def test_too_high_an_order_is_refused():
+def test_too_high_an_order_is_rejected():
     few = replace(sampled(), frequency_hz=LINES[:30], values=sampled().values[..., :30])
     with pytest.raises(IdentificationError, match="samples of impulse response"):
         era(few, 200)

@@ -8,12 +8,12 @@ import pytest
 from test_plscf import frf
 from test_repeated_roots import _frf, _rig
 
-from modallab.errors import DataError, IdentificationError
-from modallab.identification.estimators import estimate_poles
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError, IdentificationError
+from modallab.identification.estimators.registry import estimate_poles
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
-from modallab.schema.block import Campaign
-from modallab.tasks.identify import identify_campaign
+from modallab.pipelines.identify import identify_campaign
 
 METHODS = ("plscf", "era", "circle", "peak")
 FREQUENCY, ZETA = np.array([12.0, 25.0, 41.0, 70.0]), np.array([0.010, 0.008, 0.006, 0.005])
@@ -71,7 +71,7 @@ def test_unrefined_poles_are_the_estimators_own_and_claim_no_uncertainty(method)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_blows_are_identified_from_every_estimator(method):
+def test_hits_are_identified_from_every_estimator(method):
     rng = np.random.default_rng(4)
     system = bench.modes(rng)
     campaign = Campaign(rig=bench.rig(5), blocks=tuple(bench.impact_blocks(system, rng, hits=2)))
@@ -82,7 +82,7 @@ def test_blows_are_identified_from_every_estimator(method):
     assert np.all(np.abs(found.model.damping_ratio - system.zeta) < 5 * found.model.damping_sigma)
 
 
-def test_what_an_estimator_cannot_take_is_refused():
+def test_what_an_estimator_cannot_take_is_rejected():
     case = frf(FREQUENCY, ZETA, PHI, [0, 3], LINES)
     for method in METHODS:
         with pytest.raises(DataError):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from modallab.identification.basis import columns
-from modallab.identification.excitation import BlowExcitation, Grid
-from modallab.identification.tone import tone
+from modallab.identification.likelihood.basis import columns
+from modallab.identification.likelihood.excitation import Grid, HitExcitation
+from modallab.identification.likelihood.sine_block import tone
 
 RATE, N = 1000.0, 1024
 POLE = np.array([-0.8 + 2j * np.pi * 17.3])
@@ -13,7 +13,7 @@ EVERY = np.arange(1, N // 2)
 GRID = Grid(2 * np.pi * EVERY * RATE / N, N, 1 / RATE, 2)
 
 
-def smooth_blow():
+def smooth_hit():
     t = np.arange(N) / RATE - 0.08
     return np.exp(-0.5 * (t / 0.004) ** 2) * (np.abs(t) < 0.04)
 
@@ -29,14 +29,14 @@ def time_response(force, pole):
 
 
 def test_forced_response_is_the_dft_of_the_truncated_ring_down():
-    force = smooth_blow()
+    force = smooth_hit()
     position = time_response(force, POLE[0])
     velocity = POLE[0] * position + force
     slope = np.gradient(force, 1 / RATE)
     slope = np.fft.irfft(2j * np.pi * np.fft.rfftfreq(N, 1 / RATE) * np.fft.rfft(force), N)
     acceleration = POLE[0] * velocity + slope
     expected = np.fft.fft(acceleration)[EVERY]
-    value, _ = BlowExcitation(GRID, force, 0).forced(POLE)
+    value, _ = HitExcitation(GRID, force, 0).forced(POLE)
     assert np.abs(value[0] - expected).max() < 1e-4 * np.abs(expected).max()
 
 
@@ -44,7 +44,7 @@ def test_forced_response_is_the_dft_of_the_truncated_ring_down():
 def test_free_decay_is_the_dft_of_its_samples(start):
     n = np.arange(N)
     samples = np.where(n >= start, POLE[0] ** 2 * np.exp(POLE[0] * (n - start) / RATE), 0)
-    value, _ = BlowExcitation(GRID, smooth_blow(), start).free(POLE)
+    value, _ = HitExcitation(GRID, smooth_hit(), start).free(POLE)
     np.testing.assert_allclose(value[0], np.fft.fft(samples)[EVERY], rtol=1e-9)
 
 
@@ -61,7 +61,7 @@ def test_a_tone_from_zero_state_is_the_dft_of_its_samples(frequency):
 
 
 @pytest.mark.parametrize(
-    "excitation", [BlowExcitation(GRID, smooth_blow(), 80), tone(GRID, 18.1, 0.5 + 0.2j, 0)], ids=["blow", "tone"]
+    "excitation", [HitExcitation(GRID, smooth_hit(), 80), tone(GRID, 18.1, 0.5 + 0.2j, 0)], ids=["hit", "tone"]
 )
 def test_derivatives_are_those_of_the_columns(excitation):
     omega, zeta = np.array([109.0, 380.0]), np.array([0.008, 0.004])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import modal_bench as bench
 import numpy as np
 
-from modallab.identification.force_noise import force_parts
 from modallab.identification.impact import identify_impact
-from modallab.identification.normal_matrix import normal_equations
+from modallab.identification.likelihood.force_noise import force_parts
+from modallab.identification.likelihood.normal_matrix import normal_equations
+from modallab.identification.likelihood.rows import unstack
 from modallab.identification.options import Options
-from modallab.identification.rows import unstack
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.scaling import to_signals_of
 
 
 def fitted(seed=1, hits=3, **how):

@@ -5,11 +5,11 @@ import modal_bench as bench
 import numpy as np
 import pytest
 
-from modallab.errors import DataError, IdentificationError
+from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.identification.silence import model_error
-from modallab.spectra.scale import to_signals_of
+from modallab.identification.selection.pre_trigger_noise import model_error
+from modallab.signals.scaling import to_signals_of
 
 TWO_POINTS = (5, 3)
 
@@ -58,9 +58,9 @@ def test_hits_at_two_points_share_their_poles():
     assert np.all(two.damping_sigma < one.damping_sigma)
 
 
-def test_a_beam_that_still_rings_before_the_blow_is_said_and_modelled():
+def test_a_beam_that_still_rings_before_the_hit_is_said_and_modelled():
     system, model, _ = identified(4, rest=2.0)
-    assert any("before the blow" in note for note in model.notes)
+    assert any("before the hit" in note for note in model.notes)
     np.testing.assert_allclose(model.frequency_hz[0], system.frequency_hz[0], rtol=5e-4)
     np.testing.assert_allclose(model.damping_ratio[0], system.zeta[0], rtol=0.08)
 
@@ -85,12 +85,12 @@ def test_samples_in_integers_or_floats_give_the_same_model():
     np.testing.assert_allclose(one.frequency_hz, two.frequency_hz, rtol=1e-6)
 
 
-def test_a_block_without_a_blow_is_refused():
+def test_a_block_without_a_hit_is_rejected():
     rng = np.random.default_rng(7)
     rig = bench.rig(5)
-    silent = bench.block("quiet", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
-    with pytest.raises(DataError, match="no blow"):
-        identify_impact(to_signals_of([silent], rig), rig, Options())
+    timed_out = bench.block("quiet", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
+    with pytest.raises(DataError, match="no hit"):
+        identify_impact(to_signals_of([timed_out], rig), rig, Options())
 
 
 def test_no_mode_is_found_in_noise():
@@ -99,13 +99,13 @@ def test_no_mode_is_found_in_noise():
     blocks = []
     for i in range(5):
         samples = 0.03 * rng.standard_normal((6, 2048))
-        samples[0] += bench.blow(2048, 2000.0, 0.05, 4e-3, 80.0)
+        samples[0] += bench.pulse(2048, 2000.0, 0.05, 4e-3, 80.0)
         blocks.append(bench.block(f"hit_{i}", "impact", i, 2000.0, samples, 5))
     with pytest.raises(IdentificationError, match=r"no (stable pole|mode)"):
         identify_impact(to_signals_of(blocks, rig), rig, Options())
 
 
-def test_a_band_without_lines_is_refused_by_its_numbers():
+def test_a_band_without_lines_is_rejected_by_its_numbers():
     with pytest.raises(DataError, match=r"50 to 51 Hz holds 1 of the block's lines"):
         identified(9, Options(band_hz=(50.0, 51.0)))
 
@@ -144,7 +144,7 @@ def with_responses(signals, change):
     ],
     ids=["nothing", "nan", "dead", "transposed", "two rates", "no rate", "no force"],
 )
-def test_what_is_no_impact_test_is_refused(change, says):
+def test_what_is_no_impact_test_is_rejected(change, says):
     signals, rig = spoiled(change)
     with pytest.raises(DataError, match=says):
         identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.errors import DataError, IdentificationError
-from modallab.identification.circle_fit import circle_fit
-from modallab.identification.mode_indicators import cmif, mif, mmif
+from modallab.core.errors import DataError, IdentificationError
+from modallab.identification.estimators.circle_fit import circle_fit
+from modallab.identification.estimators.mode_indicators import cmif, mif, mmif
 
 PHI = np.random.default_rng(0).standard_normal((3, 6))
 LINES = np.arange(20, 60, 0.02)
@@ -77,6 +77,6 @@ def test_noise_has_no_circle():
     ],
     ids=["few", "descending", "nan", "magnitude only", "shapes"],
 )
-def test_what_makes_no_circle_is_refused(f, values):
+def test_what_makes_no_circle_is_rejected(f, values):
     with pytest.raises(DataError):
         circle_fit(f, values)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from modallab.identification.orthonormal import orthonormal
+from modallab.identification.likelihood.orthonormal import orthonormal
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e4, 1e7, 1e10, 1e13])

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from modallab.errors import DataError, IdentificationError
-from modallab.identification.plscf import plscf
-from modallab.identification.stabilisation import stable_poles
-from modallab.schema.frf import Frf
+from modallab.core.errors import DataError, IdentificationError
+from modallab.core.frf import Frf
+from modallab.identification.estimators.plscf import plscf
+from modallab.identification.estimators.stabilisation import stable_poles
 
 
 def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, seed=None):
@@ -73,14 +73,14 @@ def test_uneven_ascending_lines_are_welcome():
     ],
     ids=["nan", "magnitude only", "zeros"],
 )
-def test_what_is_no_frf_is_refused(spoil, says):
+def test_what_is_no_frf_is_rejected(spoil, says):
     good = frf(FREQUENCY, ZETA, PHI, [0], LINES)
     bad = Frf(good.frequency_hz, spoil(good.values), "receptance", good.outputs, good.output_points, good.input_points)
     with pytest.raises(DataError, match=says):
         plscf(bad, 10)
 
 
-def test_descending_frequencies_are_refused():
+def test_descending_frequencies_are_rejected():
     good = frf(FREQUENCY, ZETA, PHI, [0], LINES)
     bad = Frf(
         good.frequency_hz[::-1],
@@ -94,7 +94,7 @@ def test_descending_frequencies_are_refused():
         plscf(bad, 10)
 
 
-def test_too_few_lines_for_the_order_are_refused():
+def test_too_few_lines_for_the_order_are_rejected():
     with pytest.raises(IdentificationError, match="lines cannot carry order 60"):
         plscf(frf(FREQUENCY, ZETA, PHI, [0], LINES[:40]), 60)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from modallab.identification.basis import LineBlock
-from modallab.identification.excitation import Grid, UnitExcitation
-from modallab.identification.fit import Fit
-from modallab.identification.projection import Parameters, Problem
-from modallab.identification.prune import is_mode
-from modallab.identification.search import search
+from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.excitation import Grid, UnitExcitation
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.projection import Parameters, Problem
+from modallab.identification.likelihood.search import search
+from modallab.identification.selection.prune import is_mode
 
 TRUE_HZ, ZETA = np.array([60.0, 100.0]), 0.005
 

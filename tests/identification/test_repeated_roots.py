@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from modallab.core.frf import Frf
+from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.frf_model import identify_frf
+from modallab.identification.model.repeated_poles import split_repeated
 from modallab.identification.options import Options
-from modallab.identification.repeated import split_repeated
-from modallab.schema.frf import Frf
-from modallab.schema.rig import Channel, Point, Rig
 
 POINTS = 6
 LINES = np.arange(1, 481) * 0.25

@@ -7,8 +7,8 @@ import numpy as np
 
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.spectra.blow import find_blow, windowed_force
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.hit import find_hit, windowed_force
+from modallab.signals.scaling import to_signals_of
 
 
 def test_a_share_of_the_force_in_every_response_moves_no_damping():
@@ -16,7 +16,7 @@ def test_a_share_of_the_force_in_every_response_moves_no_damping():
     system, rig = bench.modes(rng), bench.rig(5)
     signals = to_signals_of(bench.impact_blocks(system, rng, points=(5,), hits=4), rig)
     share = np.linspace(-1e-2, 5e-2, 5)[:, None]
-    mixed = [replace(s, responses=s.responses + share * windowed_force(s.force, find_blow(s.force))) for s in signals]
+    mixed = [replace(s, responses=s.responses + share * windowed_force(s.force, find_hit(s.force))) for s in signals]
     plain = identify_impact(signals, rig, Options())[0]
     model = identify_impact(mixed, rig, Options())[0]
     np.testing.assert_allclose(model.damping_ratio, plain.damping_ratio, atol=0.5 * plain.damping_sigma.min())

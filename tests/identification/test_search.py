@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.identification.search import covariance_of
+from modallab.identification.likelihood.search import covariance_of
 
 
 def test_the_covariance_is_the_inverse_whatever_the_units():

@@ -4,10 +4,10 @@ import modal_bench as bench
 import numpy as np
 import pytest
 
-from modallab.errors import DataError, IdentificationError
+from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.scaling import to_signals_of
 
 LINES = np.array([3, 4, 5, 6, 7, 8, 9, 12, 18, 30, 45, 50, 54, 56, 58, 60, 64, 72, 90, 130, 150, 158, 162, 170]) / 1.024
 
@@ -46,16 +46,16 @@ def test_the_generators_clock_is_found_and_said():
     rng = np.random.default_rng(3)
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES * (1 + 50e-6))
-    told = [
+    reported = [
         type(b)(**{f: getattr(b, f) for f in b.__slots__} | {"frequency_hz": float(line)})
         for b, line in zip(blocks, LINES, strict=True)
     ]
-    model, _ = identify_sine(to_signals_of(told, rig), rig, Options())
+    model, _ = identify_sine(to_signals_of(reported, rig), rig, Options())
     note = next(n for n in model.notes if "ppm" in n)
     assert 45 <= float(note.split("runs ")[1].split(" ppm")[0]) <= 55
 
 
-def test_a_shaker_that_was_off_is_refused():
+def test_a_shaker_that_was_off_is_rejected():
     rng = np.random.default_rng(4)
     rig = bench.rig(5)
     block = bench.block("off", "sine", 0, 1000.0, 0.001 * rng.standard_normal((6, 1024)), 3, frequency_hz=10.0)
@@ -63,7 +63,7 @@ def test_a_shaker_that_was_off_is_refused():
         identify_sine(to_signals_of([block], rig), rig, Options())
 
 
-def test_too_few_frequencies_are_refused():
+def test_too_few_frequencies_are_rejected():
     rng = np.random.default_rng(5)
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES[::8])
@@ -71,7 +71,7 @@ def test_too_few_frequencies_are_refused():
         identify_sine(to_signals_of(blocks, rig), rig, Options())
 
 
-def test_two_drive_points_are_refused():
+def test_two_drive_points_are_rejected():
     rng = np.random.default_rng(6)
     system, rig = bench.modes(rng), bench.rig(5)
     blocks = bench.sine_blocks(system, rng, LINES[:4], point=3) + bench.sine_blocks(system, rng, LINES[4:8], point=5)

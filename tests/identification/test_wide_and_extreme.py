@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.identification.bands import split_bands
+from modallab.identification.estimators.bands import split_bands
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.spectra.scale import to_signals_of
+from modallab.signals.scaling import to_signals_of
 
 POINTS = 4
 
@@ -60,7 +60,7 @@ def test_one_mode_hardly_or_heavily_damped_among_others(zeta):
 
 
 @pytest.mark.parametrize("zeta", [1e-4, 0.1])
-def test_blows_on_a_structure_hardly_or_heavily_damped(zeta):
+def test_hits_on_a_structure_hardly_or_heavily_damped(zeta):
     rng = np.random.default_rng(2)
     system = bench.modes(rng)
     system = bench.Modes(system.frequency_hz, np.array([0.005, zeta, 0.004]), system.phi)

@@ -6,25 +6,25 @@ import time
 from pathlib import Path
 from typing import Any
 
-from modallab.errors import DataError
-from modallab.jobs import Computed, Kind, Tell
+from modallab.core.errors import DataError
+from modallab.jobs import Computed, Kind, Notify
 
 
-def square(payload: Any, tell: Tell) -> Computed:
-    tell(0.5)
+def square(payload: Any, notify: Notify) -> Computed:
+    notify(0.5)
     return Computed({"square": payload["x"] ** 2, "process": os.getpid()}, {"x.txt": str(payload["x"]).encode()})
 
 
-def wait(payload: Any, tell: Tell) -> Computed:
+def wait(payload: Any, notify: Notify) -> Computed:
     """Works for a while in steps, telling; then says which process it was."""
     steps = payload["steps"]
     for step in range(steps):
-        tell(step / steps)
+        notify(step / steps)
         time.sleep(0.02)
     return Computed({"x": payload["x"], "process": os.getpid()})
 
 
-def spin(payload: Any, _tell: Tell) -> Computed:
+def spin(payload: Any, _notify: Notify) -> Computed:
     """Never looks out for anything."""
     deadline = time.monotonic() + payload["seconds"]
     total = 0
@@ -33,15 +33,15 @@ def spin(payload: Any, _tell: Tell) -> Computed:
     return Computed(total)
 
 
-def refuse(payload: Any, _tell: Tell) -> Computed:
+def reject(payload: Any, _notify: Notify) -> Computed:
     raise DataError(f"x is {payload['x']}", where="x", remedy="give another x")
 
 
-def break_(_payload: Any, _tell: Tell) -> Computed:
+def break_(_payload: Any, _notify: Notify) -> Computed:
     raise ZeroDivisionError("by nothing")
 
 
-def die(_payload: Any, _tell: Tell) -> Computed:
+def die(_payload: Any, _notify: Notify) -> Computed:
     os._exit(3)
 
 
@@ -55,7 +55,7 @@ def kinds(folder: Path, **limits: float) -> list[Kind]:
             (folder / f"{name}-{file}").write_bytes(content)
         return computed.result
 
-    work = {"square": square, "wait": wait, "spin": spin, "refuse": refuse, "break": break_, "die": die}
+    work = {"square": square, "wait": wait, "spin": spin, "reject": reject, "break": break_, "die": die}
     return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
 
 

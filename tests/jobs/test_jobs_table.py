@@ -6,7 +6,7 @@ import time
 import pytest
 from sqlalchemy import Engine
 
-from modallab.errors import JobError, UnknownJobError
+from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs import Jobs
 from modallab.jobs.leases import MAX_ATTEMPTS, Leases, Taken
 
@@ -75,7 +75,7 @@ def test_many_who_order_the_same_at_once_get_one_job(jobs: Jobs) -> None:
     assert len(set(ids)) == 1
 
 
-def test_a_result_that_is_no_more_wanted_is_not_taken(jobs: Jobs, engine: Engine) -> None:
+def test_a_result_that_is_no_more_requested_is_not_taken(jobs: Jobs, engine: Engine) -> None:
     job = jobs.submit("identify", {}, [])
     leases, taken = Leases(engine, "one"), _take(engine)
     assert leases.renew({job.id: (taken.fence, 0.25)}) == set()
@@ -102,18 +102,18 @@ def test_the_jobs_of_a_dead_runner_are_taken_by_another_and_the_fence_keeps_the_
 
 
 def test_attempts_run_out(jobs: Jobs, engine: Engine) -> None:
-    silent = jobs.submit("identify", {"x": 1}, [])
+    timed_out = jobs.submit("identify", {"x": 1}, [])
     assert _take(engine).job.attempts == 1
     for attempt in range(2, MAX_ATTEMPTS + 1):
         assert [taken.job.attempts for taken in _take_over(engine, "one")] == [attempt]
     assert _take_over(engine, "one") == []
-    assert jobs.get(silent.id).state == "failed"
-    assert "given up after 3 attempts" in str(jobs.get(silent.id).error)
+    assert jobs.get(timed_out.id).state == "failed"
+    assert "given up after 3 attempts" in str(jobs.get(timed_out.id).error)
 
-    told = jobs.submit("identify", {"x": 2}, [])
+    reported = jobs.submit("identify", {"x": 2}, [])
     for _ in range(MAX_ATTEMPTS):
         Leases(engine, "one").give_back(_take(engine), "a worker was lost", counts=True)
-    assert "because a worker was lost" in str(jobs.get(told.id).error)
+    assert "because a worker was lost" in str(jobs.get(reported.id).error)
 
 
 def test_an_orderly_stop_is_no_attempt(jobs: Jobs, engine: Engine) -> None:

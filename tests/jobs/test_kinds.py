@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from waiting import ended
 
-from modallab.errors import JobError, StorageError
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.exchange.rig_file import read_rig
+from modallab.core.block import Campaign
+from modallab.core.errors import JobError, StorageError
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
 from modallab.jobs import Jobs
 from modallab.jobs.runner import Runner
-from modallab.schema.block import Campaign
-from modallab.tasks.identify import identify_campaign
-from modallab.tasks.kinds import kinds
-from modallab.tasks.parameters import DiagnoseParameters, parse_parameters
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.job_kinds import kinds
+from modallab.pipelines.parameters import DiagnoseParameters, parse_parameters
 
 DATA = Path(__file__).parents[1] / "data"
 

@@ -13,7 +13,7 @@ from kinds_for_tests import kinds
 from sqlalchemy import Engine
 from waiting import ended, until
 
-from modallab.errors import JobError
+from modallab.core.errors import JobError
 from modallab.jobs import Jobs
 from modallab.jobs.address import Tls
 from modallab.jobs.runner import Runner

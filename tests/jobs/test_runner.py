@@ -1,4 +1,4 @@
-"""A runner with workers of its own: what is computed, refused, interrupted and kept."""
+"""A runner with workers of its own: what is computed, rejected, interrupted and kept."""
 
 import os
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from distributed.comm.core import CommClosedError
 from kinds_for_tests import kinds, secret_kind
 from waiting import ended, until
 
-from modallab.errors import JobError
+from modallab.core.errors import JobError
 from modallab.jobs import Jobs
 from modallab.jobs.address import Tls, check_address
 from modallab.jobs.ask import SchedulerLostError
@@ -39,10 +39,10 @@ def test_jobs_are_computed_by_another_process_and_their_results_kept(
     assert kept == ["0", "1", "2", "3", "4"]
     assert runner.status == "running"
 
-    orders: list[tuple[str, dict[str, int]]] = [("refuse", {"x": 3}), ("break", {}), ("no such", {}), ("secret", {})]
-    refused, broken, unknown, unsent = ended(jobs, *(jobs.submit(kind, parameters, []) for kind, parameters in orders))
-    assert (refused.state, refused.attempts) == ("failed", 1)
-    assert refused.error == "x: x is 3\n  what to do: give another x"
+    orders: list[tuple[str, dict[str, int]]] = [("reject", {"x": 3}), ("break", {}), ("no such", {}), ("secret", {})]
+    rejected, broken, unknown, unsent = ended(jobs, *(jobs.submit(kind, parameters, []) for kind, parameters in orders))
+    assert (rejected.state, rejected.attempts) == ("failed", 1)
+    assert rejected.error == "x: x is 3\n  what to do: give another x"
     assert (broken.state, broken.error) == ("failed", "ZeroDivisionError: by nothing")
     assert (unsent.state, unsent.attempts) == ("failed", 1)
     assert "Could not serialize" in str(unsent.error)

@@ -5,9 +5,9 @@ from importlib.resources import files
 
 import pytest
 
-from modallab.backend.protocol import Bench, Request
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench, Request
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
 
 Running = Callable[..., Bench]
@@ -15,7 +15,7 @@ Running = Callable[..., Bench]
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

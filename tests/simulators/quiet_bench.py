@@ -4,22 +4,22 @@ from importlib.resources import files
 
 import numpy as np
 
-from modallab.backend.protocol import Burst, Request
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.rig import Converter, Rig
+from modallab.bench.protocol import Burst, Request
+from modallab.core.rig import Converter, Rig
+from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
 
 RATE_HZ = 2000.0
 
 
 def quiet_rig() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
     return rig.model_copy(update={"converter": Converter(bits=30, noise_rms_v=0.0)})
 
 
 def struck(effects: str = "", *, point: int = 10, seconds: float = 6.0, query: str = "seed=1") -> np.ndarray:
-    """Volts of all rows from the prompt of a good blow on, (rows, samples)."""
+    """Volts of all rows from the prompt of a good hit on, (rows, samples)."""
     return _recorded("impact", effects, query, seconds, lambda bench: bench.prompt_hit(point))
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from modallab.errors import ConfigurationError
+from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.address import Settings, parse
 
 
@@ -17,7 +17,7 @@ def test_every_parameter():
     assert found == Settings(7, 0.0, math.inf, True, (0.004, 0.005), 2.0, 0.001)
 
 
-def test_unknown_names_are_refused_with_those_that_are_allowed():
+def test_unknown_names_are_rejected_with_those_that_are_allowed():
     with pytest.raises(ConfigurationError, match=r"unknown parameter 'sed'[\s\S]*bad_hits.*k_root.*seed"):
         parse("sim://cantilever?sed=1")
 
@@ -45,12 +45,12 @@ def test_unknown_names_are_refused_with_those_that_are_allowed():
         "&",
     ],
 )
-def test_bad_values_are_refused(query: str):
+def test_bad_values_are_rejected(query: str):
     with pytest.raises(ConfigurationError):
         parse(f"sim://cantilever?{query}")
 
 
 @pytest.mark.parametrize("url", ["sim://plate", "sim://cantilever/x", "sim://", "sim://cantilever#a", "sim:cantilever"])
-def test_other_benches_are_refused(url: str):
+def test_other_benches_are_rejected(url: str):
     with pytest.raises(ConfigurationError, match="no simulated bench"):
         parse(url)

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 
-from modallab.schema.plan import BLOCK_S
-from modallab.schema.rig import Rig, Tolerance
+from modallab.core.plan import BLOCK_S
+from modallab.core.rig import Rig, Tolerance
 from modallab_simulators.cantilever import open_bench
 from modallab_simulators.cantilever.draw import draw_beam, draw_clock, draw_damping
 

@@ -1,15 +1,15 @@
-"""Blows of the virtual operator."""
+"""Hits of the virtual operator."""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from modallab.backend.protocol import Bench
-from modallab.errors import RigError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench
+from modallab.core.errors import RigError
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.antialias import DELAY
-from modallab_simulators.cantilever.hammer import Blow, Contact
+from modallab_simulators.cantilever.hammer import Contact, Hit
 from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S, REBOUND_S, WEAK_N, WIDTH_S, draw_swing
 
 Running = Callable[..., Bench]
@@ -28,7 +28,7 @@ def contacts(force: np.ndarray, threshold_n: float = 1.5) -> list[tuple[int, int
     return list(zip(starts.tolist(), ends.tolist(), strict=True))
 
 
-def blow(bench: Bench, point: int) -> np.ndarray:
+def hit(bench: Bench, point: int) -> np.ndarray:
     bench.prompt_hit(point)
     return bench.read(2 * RATE, 1.0).samples[0] * N_PER_COUNT
 
@@ -43,18 +43,18 @@ def test_a_pulse_is_smooth_and_ends():
     assert np.trapezoid(force, times) == pytest.approx(80 * 0.004 / 2, rel=1e-4)
 
 
-def test_a_blow_of_two_contacts_is_their_sum():
+def test_a_hit_of_two_contacts_is_their_sum():
     first, second = Contact(0.1, 0.004, 80.0), Contact(0.13, 0.004, 20.0)
-    both = Blow(0.5, (first, second))
+    both = Hit(0.5, (first, second))
     times = np.linspace(0.09, 0.15, 500)
     np.testing.assert_array_equal(both.force(times), first.force(times) + second.force(times))
     assert (both.start_s, both.end_s) == (0.1, pytest.approx(0.134))
 
 
-def test_a_prompt_gives_one_blow_after_the_reaction_time(running: Running):
+def test_a_prompt_gives_one_hit_after_the_reaction_time(running: Running):
     bench = running("seed=3&bad_hits=0")
     for point in (6, 10, 3, 1):
-        found = contacts(blow(bench, point))
+        found = contacts(hit(bench, point))
         assert len(found) == 1
         start, end = found[0]
         assert REACTION_S[0] - 0.002 <= (start - DELAY) / RATE <= REACTION_S[1] + 0.002
@@ -62,11 +62,11 @@ def test_a_prompt_gives_one_blow_after_the_reaction_time(running: Running):
     assert not contacts(bench.read(5 * RATE, 1.0).samples[0] * N_PER_COUNT)
 
 
-def test_no_blow_comes_unasked(running: Running):
+def test_no_hit_comes_unasked(running: Running):
     assert not contacts(running("bad_hits=1").read(5 * RATE, 1.0).samples[0] * N_PER_COUNT)
 
 
-def test_good_blows_neither_overload_nor_drown(running: Running, rig: Rig):
+def test_good_hits_neither_overload_nor_drown(running: Running, rig: Rig):
     for seed in range(3):
         bench = running(f"seed={seed}&bad_hits=0")
         for point in (p.id for p in rig.points):
@@ -78,7 +78,7 @@ def test_good_blows_neither_overload_nor_drown(running: Running, rig: Rig):
             bench.read(20 * RATE, 1.0)
 
 
-def test_bad_blows_appear_as_often_as_asked():
+def test_bad_hits_appear_as_often_as_asked():
     swings = [draw_swing(np.random.default_rng(seed), 0.3, 0.0) for seed in range(1000)]
     double = np.mean([s.rebound_s > 0 for s in swings])
     weak = np.mean([s.weak_n > 0 for s in swings])
@@ -92,7 +92,7 @@ def test_bad_blows_appear_as_often_as_asked():
 def test_double_hits_and_weak_ones_show_in_the_force(running: Running):
     bench, kinds = running("seed=5&bad_hits=1"), set()
     for _ in range(12):
-        force = blow(bench, 6)
+        force = hit(bench, 6)
         found = contacts(force)
         if len(found) == 2:
             gap = (found[1][0] - found[0][0]) / RATE
@@ -110,7 +110,7 @@ def test_the_place_error_is_none_unless_asked_for():
     assert 0.0017 < np.std(places) < 0.0023
 
 
-def test_a_newer_prompt_replaces_a_blow_that_has_not_come(running: Running):
+def test_a_newer_prompt_replaces_a_hit_that_has_not_come(running: Running):
     def struck_at_three(first_asked: int) -> np.ndarray:
         bench = running("seed=3&bad_hits=0")
         bench.prompt_hit(first_asked)
@@ -123,6 +123,6 @@ def test_a_newer_prompt_replaces_a_blow_that_has_not_come(running: Running):
     np.testing.assert_array_equal(struck_at_three(6), samples)
 
 
-def test_a_point_that_is_not_on_the_rig_is_refused(running: Running):
+def test_a_point_that_is_not_on_the_rig_is_rejected(running: Running):
     with pytest.raises(RigError, match="point 11 is not on the rig"):
         running().prompt_hit(11)

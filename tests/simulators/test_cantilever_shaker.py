@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from modallab.backend.protocol import Bench, Burst, Request
-from modallab.errors import ConfigurationError, UnsupportedError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench, Burst, Request
+from modallab.core.errors import ConfigurationError, UnsupportedError
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever import open_bench
 from modallab_simulators.cantilever.antialias import DELAY
 from modallab_simulators.cantilever.shaker import FADE_S, Emission
@@ -144,7 +144,7 @@ def test_shaker_response_at_every_resonance_stays_within_the_range(running: Runn
         Burst(20.0, 1.0, 0.0, 0.0),
     ],
 )
-def test_impossible_bursts_are_refused(running: Running, burst: Burst):
+def test_impossible_bursts_are_rejected(running: Running, burst: Burst):
     with pytest.raises(ConfigurationError, match="a burst of"):
         running("seed=2", "sine", 1000.0).play(burst)
 

@@ -1,4 +1,4 @@
-"""The stream of counts: noise, quantisation, rails, and that it does not depend on how it is read."""
+"""The stream of counts: noise, quantisation, full scale, and that it does not depend on how it is read."""
 
 import time
 from collections.abc import Callable
@@ -6,16 +6,16 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from modallab.backend.protocol import Bench, Burst, Request
-from modallab.errors import BenchTimeoutError, ConfigurationError
-from modallab.schema.rig import Channel, Converter, Rig
+from modallab.bench.protocol import Bench, Burst, Request
+from modallab.core.errors import BenchTimeoutError, ConfigurationError
+from modallab.core.rig import Channel, Converter, Rig
 from modallab_simulators.cantilever import open_bench
 
 Running = Callable[..., Bench]
 
 
 def run(bench: Bench, sizes: list[int]) -> np.ndarray:
-    """The same visit, read in pieces of the given sizes: a burst, a cut, two blows, at fixed sample counts."""
+    """The same visit, read in pieces of the given sizes: a burst, a cut, two hits, at fixed sample counts."""
     calls = {
         500: lambda: bench.prompt_hit(6),
         1300: lambda: bench.play(Burst(31.0, 0.3, 0.1, 2.0)),
@@ -148,7 +148,7 @@ def test_paced_reads_take_real_time_and_time_out_without_loss(rig: Rig):
         ({"thickness": 1e-7}, "modes below"),
     ],
 )
-def test_rigs_it_cannot_be_are_refused(rig: Rig, changes: dict[str, object], says: str):
+def test_rigs_it_cannot_be_are_rejected(rig: Rig, changes: dict[str, object], says: str):
     beam, channels = rig.beam, list(rig.channels)
     if "mass" in changes:
         channels[3] = channels[3].model_copy(update={"mass_kg": changes["mass"]})

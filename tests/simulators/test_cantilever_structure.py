@@ -48,7 +48,7 @@ def receptance(modes: ModalBasis, x_m: Floats, force_x_m: float, omega: Floats) 
 @pytest.mark.parametrize(
     ("rate_hz", "point"), [(2000.0, 9), (2000.0, 2), (1000.0, 5), (1651.6, 9), (10_000.0, 3), (100.0, 9)]
 )
-def test_response_to_a_blow_is_the_analytic_response(rate_hz: float, point: int):
+def test_response_to_a_hit_is_the_analytic_response(rate_hz: float, point: int):
     modes = basis(rate_hz, 0.03)
     structure = Structure(modes, OUTPUTS, rate_hz, oversampling(rate_hz))
     blocks = math.ceil(45 * rate_hz / BLOCK)
@@ -95,8 +95,8 @@ def test_reciprocity():
     np.testing.assert_allclose(at_three[10], at_ten[3], rtol=0, atol=1e-10 * np.abs(at_ten).max())
 
 
-def test_energy_of_every_mode_is_what_the_blow_put_in():
-    """Undamped, a blow leaves |z| = phi |F(omega)| in each mode; F of a sin^2 pulse in closed form."""
+def test_energy_of_every_mode_is_what_the_hit_put_in():
+    """Undamped, a hit leaves |z| = phi |F(omega)| in each mode; F of a sin^2 pulse in closed form."""
     modes = basis(2000.0, 1e-12)
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
     contact = Contact(0.01, 0.004, 80.0)
@@ -130,10 +130,10 @@ def test_driven_and_silent_ways_agree():
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
     rng = np.random.default_rng(3)
     state = rng.standard_normal(len(modes.omega)) + 1j * rng.standard_normal(len(modes.omega))
-    silent, after = structure.advance(state.copy(), [])
+    timed_out, after = structure.advance(state.copy(), [])
     _, count = structure.times(0)
     driven, after_driven = structure.advance(state.copy(), [Drive(float(X[3]), np.zeros(count))])
-    np.testing.assert_allclose(driven, silent, rtol=0, atol=1e-11 * np.abs(silent).max())
+    np.testing.assert_allclose(driven, timed_out, rtol=0, atol=1e-11 * np.abs(timed_out).max())
     np.testing.assert_allclose(after_driven, after, rtol=1e-11)
 
 

@@ -1,21 +1,21 @@
-"""Drawn effects open the gap that was wanted, in units of the channels' noise."""
+"""Drawn effects open the gap that was requested, in units of the channels' noise."""
 
 from importlib.resources import files
 from math import exp
 
 import pytest
 
-from modallab.errors import ConfigurationError
-from modallab.exchange.rig_file import parse_rig
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.effects import Effect
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever.draw_effect import GAP_RANGE, draw_effect, draw_gap
 from modallab_simulators.cantilever.gap_size import Ruler, solve
 
 
 @pytest.fixture(scope="module")
 def link() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 
@@ -44,7 +44,7 @@ def test_noise_of_one_channel_is_counted_without_being_drawn(ruler: Ruler, link:
     assert ruler.gap((noisy,)) == pytest.approx((120 * share / 10) ** 0.5, rel=1e-3)
 
 
-def test_the_wanted_gap_is_met(link: Rig, ruler: Ruler):
+def test_the_requested_gap_is_met(link: Rig, ruler: Ruler):
     drawn = draw_effect(link, 4, "gain_error", 3.0)
     assert drawn.gap == pytest.approx(3.0, rel=0.05)
     assert ruler.gap((drawn.effect,)) == pytest.approx(drawn.gap, rel=1e-6)
@@ -63,6 +63,6 @@ def test_gaps_are_drawn_evenly_on_logarithms():
     assert sum(g < (GAP_RANGE[0] * GAP_RANGE[1]) ** 0.5 for g in gaps) == pytest.approx(200, abs=40)
 
 
-def test_an_effect_of_no_catalogue_and_of_no_bench_is_refused(link: Rig):
+def test_an_effect_of_no_catalogue_and_of_no_bench_is_rejected(link: Rig):
     with pytest.raises(ConfigurationError, match="no effect is called 'gremlin'"):
         draw_effect(link, 1, "gremlin")

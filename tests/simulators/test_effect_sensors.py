@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from quiet_bench import RATE_HZ, driven, quiet_rig, resting, struck, tone
 
-from modallab.backend.protocol import Request
+from modallab.bench.protocol import Request
 from modallab_simulators.cantilever import open_bench
 
 NOISE_V = 0.0003
@@ -99,7 +99,7 @@ def test_clipping_cuts_one_row_at_its_level():
     np.testing.assert_array_equal(found[:10], sound[:10])
 
 
-def test_without_a_stated_peak_clipping_is_measured_by_the_hardest_blow():
+def test_without_a_stated_peak_clipping_is_measured_by_the_hardest_hit():
     found = np.abs(struck("clipping,channel=a10,fraction_of_peak=0.1"))
     assert (found[10] == found[10].max()).sum() > 20
     assert found[10].max() < 0.2 * np.abs(struck())[10].max()
@@ -147,7 +147,7 @@ def test_mains_hum_is_there_without_excitation_and_grows_by_the_row():
     assert np.abs(rest).max() < 1e-6
 
 
-def test_hit_position_moves_the_blow_and_leaves_the_shaker():
+def test_hit_position_moves_the_hit_and_leaves_the_shaker():
     rig = quiet_rig()
     dx = rig.x_of(4) - rig.x_of(3)
     np.testing.assert_allclose(struck(f"hit_position,dx={dx}", point=3)[1:], moved(point=4)[1:], atol=1e-6)
@@ -155,11 +155,11 @@ def test_hit_position_moves_the_blow_and_leaves_the_shaker():
 
 
 def moved(point: int) -> np.ndarray:
-    """The blow that was meant for point 3, at another point: what one could bear there makes no difference."""
+    """The hit that was meant for point 3, at another point: what one could bear there makes no difference."""
     return struck(point=point, query="seed=1&peak_n=20,20") if point == 3 else struck(point=point)
 
 
-def test_residual_ringing_is_a_free_decay_under_the_same_blow():
+def test_residual_ringing_is_a_free_decay_under_the_same_hit():
     sound, found = (
         struck(query="seed=1&reaction_s=1.3,1.4"),
         struck("residual_ringing,fraction=0.5", query="seed=1&reaction_s=1.3,1.4"),

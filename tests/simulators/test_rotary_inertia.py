@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from modallab.backend.protocol import Burst
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Burst
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.attached import AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam

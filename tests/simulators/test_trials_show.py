@@ -4,20 +4,20 @@ from importlib.resources import files
 
 import pytest
 
-from modallab.exchange.rig_file import parse_rig
-from modallab.gap.bench import Bench, baseline
-from modallab.gap.inspected import inspected
-from modallab.gap.nuisances import nuisances
-from modallab.gap.prepare import prepare
-from modallab.gap.reduce import Weights, reduce, thinned
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import parse_rig
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.reduce import Weights, reduce, thinned
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.report.inspected import inspected
+from modallab.gap.search.fitting import Bench, baseline
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial
 
 
 @pytest.fixture(scope="module")
 def link() -> Rig:
-    path = files("modallab.campaign") / "link_rig.yaml"
+    path = files("modallab.service") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from quiet_bench import quiet_rig
 
-from modallab.gap.records import predict_record
-from modallab.gap.reduce import scaled
-from modallab.schema.block import Block
-from modallab.schema.effects import CATALOGUE, Effect
-from modallab.schema.units import Test
+from modallab.core.block import Block
+from modallab.core.effects import CATALOGUE, Effect
+from modallab.core.units import Test
+from modallab.gap.conditioning.reduce import scaled
+from modallab.gap.model.predicted_records import predict_record
 from modallab.twin.bench import Twin
 from modallab.twin.effects import UNPREDICTED, apply
 from modallab.twin.structure import MODES, Structure
@@ -76,7 +76,7 @@ def sound_twin() -> Twin:
 
 
 def records(test: Test, effects: tuple[Effect, ...]) -> list[Block]:
-    """A blow, or a sine beside each of two modes, a good way into the campaign."""
+    """A hit, or a sine beside each of two modes, a good way into the campaign."""
     operator = Operator(RIG, SEED, effects, order=ORDER)
     if test == "impact":
         return [next(operator.hits())]
@@ -112,7 +112,7 @@ def test_every_effect_the_twin_predicts_is_held_here():
 
 @pytest.mark.parametrize(("test", "tolerance"), [("impact", 2e-3), ("sine", 1e-5)])
 def test_a_sound_bench_is_predicted(test: Test, tolerance: float):
-    # Forty elements set the fifth mode off by a thousandth of its width; a blow excites it as much as any.
+    # Forty elements set the fifth mode off by a thousandth of its width; a hit excites it as much as any.
     for y, expected in sound(test):
         assert size(y - expected) < tolerance * size(y)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from modallab.backend.protocol import BenchInfo, Delivery
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Channel, Rig
+from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Channel, Rig
 from modallab.storage import Recorder, Store
 
 N = 64

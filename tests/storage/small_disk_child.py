@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.backend.protocol import BenchInfo, Delivery
-from modallab.errors import DiskFullError
-from modallab.schema.plan import ImpactPlan
-from modallab.schema.rig import Channel, Rig
+from modallab.bench.protocol import BenchInfo, Delivery
+from modallab.core.errors import DiskFullError
+from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Channel, Rig
 from modallab.storage import BlockNote, Store
 
 N = 4096
@@ -25,7 +25,7 @@ def main(mount: Path) -> dict[str, object]:
     channels = [Channel(index=0, name="force", quantity="force", unit="N")]
     channels += [Channel(index=n, name=f"a{n:02}", quantity="acceleration", unit="m/s^2") for n in range(1, 11)]
     rig = Rig(name="small", model="unknown", channels=tuple(channels))
-    # The plan is for few blocks, and then blows are refused again and again: a run can need more than its plan says.
+    # The plan is for few blocks, and then hits are rejected again and again: a run can need more than its plan says.
     plan = ImpactPlan(points=(1,), hits=5, block_s=N / 2000)
     kept: list[np.ndarray] = []
     rng = np.random.default_rng(6)

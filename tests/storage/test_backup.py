@@ -13,7 +13,7 @@ from postgresql_server import Server
 from recording import begin, noise
 from sqlalchemy import select, text
 
-from modallab.errors import DiskFullError, StorageError
+from modallab.core.errors import DiskFullError, StorageError
 from modallab.jobs import Jobs
 from modallab.jobs.leases import Leases
 from modallab.jobs.table import METADATA as JOBS_METADATA

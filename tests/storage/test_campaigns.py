@@ -5,7 +5,7 @@ from threading import Thread
 import pytest
 from recording import begin, noise, small_rig
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.storage import BlockNote, Store, campaign_of, rig_hash
 
 
@@ -25,19 +25,19 @@ def test_blocks_of_all_runs_in_the_order_of_time_with_unique_names(store: Store)
     assert campaign.rig == small_rig()
 
 
-def test_provenance_names_runs_bench_rates_code_and_refusals(store: Store) -> None:
+def test_provenance_names_runs_bench_rates_code_and_rejections(store: Store) -> None:
     run = a_run(store, "hit_1")
-    told = campaign_of(store, [run]).provenance
-    assert told["runs"] == run
-    assert told["bench"] == "sim://somewhere"
-    assert told["bench.seed"] == "7"
-    assert told["rig_hash"] == rig_hash(small_rig())
-    assert told[f"{run}.actual_rate_hz"] == "1651.6"
-    assert told[f"{run}.refused"] == "bad: too weak: 1 N"
-    assert '"kind":"impact"' in told[f"{run}.plan"]
+    reported = campaign_of(store, [run]).provenance
+    assert reported["runs"] == run
+    assert reported["bench"] == "sim://somewhere"
+    assert reported["bench.seed"] == "7"
+    assert reported["rig_hash"] == rig_hash(small_rig())
+    assert reported[f"{run}.actual_rate_hz"] == "1651.6"
+    assert reported[f"{run}.rejected"] == "bad: too weak: 1 N"
+    assert '"kind":"impact"' in reported[f"{run}.plan"]
 
 
-def test_runs_of_different_rigs_are_refused(store: Store) -> None:
+def test_runs_of_different_rigs_are_rejected(store: Store) -> None:
     runs = [a_run(store, "hit_1"), a_run(store, "hit_1", rig_name="other")]
     with pytest.raises(StorageError, match="different rigs"):
         campaign_of(store, runs)
@@ -50,7 +50,7 @@ def test_an_aborted_run_is_left_out_unless_asked_for(store: Store) -> None:
     assert len(campaign_of(store, [run], invalid=True).blocks) == 1
 
 
-def test_no_runs_are_refused(store: Store) -> None:
+def test_no_runs_are_rejected(store: Store) -> None:
     with pytest.raises(StorageError, match="no runs"):
         campaign_of(store, [])
 

@@ -11,7 +11,7 @@ from recording import begin, noise, small_rig
 from sqlalchemy import delete, text, update
 from sqlalchemy.exc import IntegrityError
 
-from modallab.errors import DiskFullError, FormatError, StorageError
+from modallab.core.errors import DiskFullError, FormatError, StorageError
 from modallab.storage import BlockNote, Store, campaign_of
 from modallab.storage.address import name_database
 from modallab.storage.engine import open_engine
@@ -23,7 +23,7 @@ NOTE = BlockNote("b", "impact", 2**40, drive_point=1, overload=("a01",), facts={
 def test_a_run_comes_back_with_all_that_belongs_to_it(any_store: Store) -> None:
     with begin(any_store, dtype="int32") as recorder:
         recorder.record(noise(1, "int32"), NOTE)
-        recorder.record(noise(2, "int32"), BlockNote("refused", "impact", 3, accepted=False, reason="too weak"))
+        recorder.record(noise(2, "int32"), BlockNote("rejected", "impact", 3, accepted=False, reason="too weak"))
         recorder.enter("done")
     run = any_store.catalogue.run(recorder.run)
     assert (run.state, run.rig, run.scale) == ("done", small_rig(), (1e-4, 2e-4))
@@ -91,15 +91,15 @@ def test_a_folder_has_one_catalogue_only(store: Store) -> None:
 
 
 @pytest.mark.parametrize("url", ["mysql://lab@127.0.0.1/x", "no address", "postgresql://lab@127.0.0.1:port/x"])
-def test_an_address_that_is_none_is_refused(url: str) -> None:
+def test_an_address_that_is_none_is_rejected(url: str) -> None:
     with pytest.raises(StorageError):
         open_engine(url)
 
 
 def test_a_run_that_cannot_end_does_not_begin(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Five blows of 64 samples of two channels of int16 need 1.25 * 5 * 256 bytes, the reserve far more.
+    # Five hits of 64 samples of two channels of int16 need 1.25 * 5 * 256 bytes, the reserve far more.
     asked: list[int] = []
-    monkeypatch.setattr("modallab.storage.room.require_space", lambda _, need: asked.append(need))
+    monkeypatch.setattr("modallab.storage.free_space.require_space", lambda _, need: asked.append(need))
     begin(store).close()
     assert asked == [1600]
     monkeypatch.undo()

@@ -9,7 +9,7 @@ import h5py
 import pytest
 from recording import INFO, PLAN, begin, noise, small_rig
 
-from modallab.errors import DiskFullError, FormatError, StorageError
+from modallab.core.errors import DiskFullError, FormatError, StorageError
 from modallab.storage import BlockNote, Store
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
@@ -125,7 +125,7 @@ def test_the_end_of_a_run_is_written_in_the_room_that_was_kept_for_it(
     assert (ended.state, ended.reason) == ("failed", "the disk is full")
 
 
-def test_too_little_room_is_refused_with_both_numbers(tmp_path: Path) -> None:
+def test_too_little_room_is_rejected_with_both_numbers(tmp_path: Path) -> None:
     with pytest.raises(DiskFullError, match=r"MB are free, 1000000000000\.0 MB are needed"):
         require_space(tmp_path, 10**18)
 
@@ -159,7 +159,7 @@ def test_a_lease_has_one_holder_until_it_lets_go(tmp_path: Path) -> None:
     assert not (tmp_path / "lease").exists()
 
 
-def test_a_folder_of_a_newer_version_is_refused(store: Store) -> None:
+def test_a_folder_of_a_newer_version_is_rejected(store: Store) -> None:
     with store.catalogue.engine.begin() as connection:
         connection.exec_driver_sql("UPDATE store SET format_version = 99")
     with pytest.raises(FormatError, match="format version 99"):

@@ -44,7 +44,7 @@ def test_retention_lists_first_and_deletes_when_told(data: Path, capsys: pytest.
     assert "0 runs" in capsys.readouterr().out
 
 
-def test_a_wrong_folder_is_refused_and_not_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_folder_is_rejected_and_not_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for command in (
         ["backup", str(tmp_path / "no"), "--out", str(tmp_path / "b")],
         ["retention", str(tmp_path / "no")],

@@ -8,8 +8,8 @@ import pytest
 from recording import begin, noise
 from sqlalchemy import Connection, Engine, inspect, text
 
-from modallab.errors import FormatError
-from modallab.schema.versions import STORE
+from modallab.core.errors import FormatError
+from modallab.core.versions import STORE
 from modallab.storage import BlockNote, Store, campaign_of
 from modallab.storage.engine import open_engine
 from modallab.storage.migrate import STEPS, migrate
@@ -87,7 +87,7 @@ def test_every_version_has_its_step() -> None:
 
 
 @pytest.mark.parametrize("version", [0, STORE + 1, 1000])
-def test_a_folder_of_an_unknown_version_is_refused_and_untouched(old: Path, version: int) -> None:
+def test_a_folder_of_an_unknown_version_is_rejected_and_untouched(old: Path, version: int) -> None:
     engine = open_engine(f"sqlite:///{(old / 'modallab.db').as_posix()}")
     with engine.begin() as connection:
         connection.execute(text(f"UPDATE store SET format_version = {version}"))

@@ -12,7 +12,7 @@ from sqlalchemy import delete, update
 from sqlalchemy.exc import IntegrityError
 
 from modallab import __version__
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.storage import BlockNote, Store, rig_hash
 from modallab.storage.tables import BLOCKS
 
@@ -67,12 +67,12 @@ def test_blocks_of_any_length_stand_one_after_the_other(store: Store, counts: li
         np.testing.assert_array_equal(kept.samples, given_)
 
 
-def test_refused_blocks_are_kept_and_left_out_unless_asked_for(store: Store) -> None:
+def test_rejected_blocks_are_kept_and_left_out_unless_asked_for(store: Store) -> None:
     with begin(store) as recorder:
         recorder.record(noise(1), BlockNote("bad", "impact", 0, accepted=False, reason="too weak: 3 N"))
         recorder.record(noise(2), BlockNote("good", "impact", 64))
     assert [b.name for b in store.blocks(recorder.run)] == ["good"]
-    assert [b.name for b in store.blocks(recorder.run, refused=True)] == ["bad", "good"]
+    assert [b.name for b in store.blocks(recorder.run, rejected=True)] == ["bad", "good"]
     assert store.catalogue.blocks(recorder.run)[0].note.reason == "too weak: 3 N"
 
 
@@ -92,7 +92,7 @@ def test_the_table_of_blocks_is_append_only(store: Store) -> None:
             connection.execute(change)
 
 
-def test_recording_before_the_delivery_is_known_is_refused(store: Store) -> None:
+def test_recording_before_the_delivery_is_known_is_rejected(store: Store) -> None:
     with store.begin(PLAN, small_rig(), INFO) as recorder, pytest.raises(StorageError, match="no file is open"):
         recorder.record(noise(1), BlockNote("b", "impact", 0))
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
-from modallab.schema.rig import Beam
+from modallab.core.rig import Beam
 from modallab.twin.bench import Chain, Mount, Twin, transfer
-from modallab.twin.predict import predict_blow, predict_sine
+from modallab.twin.predict import predict_hit, predict_sine
 from modallab.twin.response import Rise
 from modallab.twin.structure import Structure, solve
 
@@ -31,12 +31,12 @@ def integrate(twin: Twin, force: np.ndarray, dt: float, drive_x: float) -> np.nd
     return total
 
 
-def test_a_blow_rings_as_its_modes_integrated_in_time_do() -> None:
+def test_a_hit_rings_as_its_modes_integrated_in_time_do() -> None:
     fine, step, n = 20, 1 / 2000, 1024
     t = np.arange(n * fine) * step / fine
     force = np.where((t > 0.05) & (t < 0.06), np.sin(np.pi * (t - 0.05) / 0.01) ** 4, 0.0) * 50
     expected = integrate(TWIN, force, step / fine, 0.6)[:, ::fine]
-    predicted = predict_blow(TWIN, force[::fine], 1 / step, 0.6, CHANNELS, X, 0.0)
+    predicted = predict_hit(TWIN, force[::fine], 1 / step, 0.6, CHANNELS, X, 0.0)
     assert np.abs(predicted - expected).max() < 2e-3 * np.abs(expected).max()
 
 
@@ -87,10 +87,10 @@ def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> Non
         assert np.all(np.abs(kept - closed) > 5e-7 * closed)
 
 
-def test_the_rest_adds_to_a_blow_what_the_force_itself_presses() -> None:
+def test_the_rest_adds_to_a_hit_what_the_force_itself_presses() -> None:
     force = np.zeros(512)
     force[50:90] = np.hanning(40)
-    whole, few = (predict_blow(replace(TWIN, rest=r), force, 2000.0, 0.6, CHANNELS, X, 0.0) for r in (1.0, 0.0))
+    whole, few = (predict_hit(replace(TWIN, rest=r), force, 2000.0, 0.6, CHANNELS, X, 0.0) for r in (1.0, 0.0))
     s = 2j * np.pi * np.fft.rfftfreq(512, 1 / 2000)
     pressed = np.fft.irfft(np.fft.rfft(force) * s**2, 512)
     expected = np.outer(solve(TWIN.structure).remainder(X, 0.6), pressed)
@@ -100,8 +100,8 @@ def test_the_rest_adds_to_a_blow_what_the_force_itself_presses() -> None:
 def test_a_clock_that_runs_fast_makes_everything_look_slower() -> None:
     force = np.zeros(2048)
     force[100:110] = np.hanning(10)
-    slow = predict_blow(replace(TWIN, clock=0.02), force, 2000.0, 1.0, CHANNELS, X, 0.0)
-    plain = predict_blow(TWIN, force, 2000.0, 1.0, CHANNELS, X, 0.0)
+    slow = predict_hit(replace(TWIN, clock=0.02), force, 2000.0, 1.0, CHANNELS, X, 0.0)
+    plain = predict_hit(TWIN, force, 2000.0, 1.0, CHANNELS, X, 0.0)
 
     def centre(y: np.ndarray) -> float:
         # Of mode 1, well below mode 2.
@@ -127,9 +127,9 @@ def test_the_chain_has_the_phases_its_words_promise() -> None:
 def test_a_swap_exchanges_rows_and_a_turned_sensor_its_sign() -> None:
     force = np.zeros(512)
     force[50:60] = 1.0
-    plain = predict_blow(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0)
-    swapped = predict_blow(replace(TWIN, chain=Chain(swap=(4, 10))), force, 2000.0, 0.6, CHANNELS, X, 0.0)
-    turned = predict_blow(replace(TWIN, chain=Chain(gain={10: -1.0})), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    plain = predict_hit(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    swapped = predict_hit(replace(TWIN, chain=Chain(swap=(4, 10))), force, 2000.0, 0.6, CHANNELS, X, 0.0)
+    turned = predict_hit(replace(TWIN, chain=Chain(gain={10: -1.0})), force, 2000.0, 0.6, CHANNELS, X, 0.0)
     assert swapped == pytest.approx(plain[::-1])
     assert turned[1] == pytest.approx(-plain[1])
 
@@ -138,7 +138,7 @@ def test_drift_lowers_the_last_record_and_not_the_first() -> None:
     drifting = replace(TWIN, ei_drift=-0.1)
     force = np.zeros(512)
     force[50:60] = 1.0
-    first, last = (predict_blow(drifting, force, 2000.0, 0.6, CHANNELS, X, tau) for tau in (0.0, 1.0))
-    assert first == pytest.approx(predict_blow(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0))
+    first, last = (predict_hit(drifting, force, 2000.0, 0.6, CHANNELS, X, tau) for tau in (0.0, 1.0))
+    assert first == pytest.approx(predict_hit(TWIN, force, 2000.0, 0.6, CHANNELS, X, 0.0))
     softer = replace(TWIN, structure=replace(TWIN.structure, youngs_modulus_pa=0.9 * TWIN.structure.youngs_modulus_pa))
-    assert last == pytest.approx(predict_blow(softer, force, 2000.0, 0.6, CHANNELS, X, 0.0), rel=1e-6, abs=1e-9)
+    assert last == pytest.approx(predict_hit(softer, force, 2000.0, 0.6, CHANNELS, X, 0.0), rel=1e-6, abs=1e-9)

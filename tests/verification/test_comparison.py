@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from modallab.errors import DataError
-from modallab.schema.model import ModalModel
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
 from modallab.verification.comparison import compare
 
 RNG = np.random.default_rng(1)
@@ -54,7 +54,7 @@ def test_only_shared_modes_and_points_are_compared():
     np.testing.assert_allclose(found.mac, 1)
 
 
-def test_models_with_nothing_in_common_are_refused():
+def test_models_with_nothing_in_common_are_rejected():
     with pytest.raises(DataError, match="no mode"):
         compare(model(), model(frequency=(11.0, 45.0, 99.0)))
     with pytest.raises(DataError, match="0 points"):

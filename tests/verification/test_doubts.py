@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_comparison import SHAPES, model
 
-from modallab.verification.doubts import doubts, seen_by_one
+from modallab.verification.reservations import doubts, seen_by_one
 
 SURE = np.array([0.9, 0.95, 0.99])
 

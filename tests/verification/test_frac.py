@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from modallab.errors import DataError
+from modallab.core.errors import DataError
 from modallab.verification.frac import frac
 
 H = np.random.default_rng(1).standard_normal((4, 2, 50)) + 1j * np.random.default_rng(2).standard_normal((4, 2, 50))
@@ -37,6 +37,6 @@ def test_nothing_against_something_is_zero_not_nan():
     [(H, H[..., :-1], "shapes"), (H, H * np.nan, "NaN"), (H[..., :0], H[..., :0], "shapes")],
     ids=["shapes", "nan", "no lines"],
 )
-def test_what_cannot_be_compared_is_refused(one, other, says):
+def test_what_cannot_be_compared_is_rejected(one, other, says):
     with pytest.raises(DataError, match=says):
         frac(one, other)

@@ -1,6 +1,6 @@
 """Sine generators on a serial line."""
 
-from modallab.backend.protocol import Found
+from modallab.bench.protocol import Found
 
 
 def find_devices(address: str) -> list[Found]:

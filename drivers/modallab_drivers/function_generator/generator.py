@@ -2,10 +2,10 @@
 
 from math import ceil, cos, pi
 
-from modallab.backend.protocol import Burst
-from modallab.errors import BenchError, ConfigurationError, DeviceGoneError
-from modallab.schema.hardware import Excitation
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Burst
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
+from modallab.core.hardware import Excitation
+from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES, Language, Name, agrees
 from modallab_drivers.function_generator.line import SerialLine
 
@@ -58,7 +58,7 @@ def emergency_off(excitation: Excitation) -> None:
 def _switch_off(line: SerialLine, language: Language) -> None:
     # A line that is closed, or an error that is raised, must not overtake what was said last: so an answer is awaited.
     setting = language.settings["output"]
-    line.tell(setting.tell.format("OFF"))
+    line.notify(setting.notify.format("OFF"))
     if not agrees("OFF", setting.read(line.ask(setting.ask))):
         raise DeviceGoneError(
             "the output was told to switch off and is still on", where=line.port, remedy="switch the amplifier off"
@@ -105,7 +105,7 @@ class Generator:
         self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
         self.set("amplitude", self._language.lowest_vpp)
         self.set("output", "ON")
-        self._line.tell(self._language.trigger)
+        self._line.notify(self._language.trigger)
         self._require_no_error("trigger")
         self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
 
@@ -143,10 +143,10 @@ class Generator:
         """Set, read back, and ask for errors.
 
         Raises:
-            ConfigurationError: it was refused, or another value was applied; the output is off.
+            ConfigurationError: it was rejected, or another value was applied; the output is off.
         """
         setting = self._language.settings[name]
-        self._line.tell(setting.tell.format(value if isinstance(value, str) else f"{value:.9g}"))
+        self._line.notify(setting.notify.format(value if isinstance(value, str) else f"{value:.9g}"))
         try:
             found = setting.read(self._line.ask(setting.ask))
             good = agrees(value, found)
@@ -157,7 +157,7 @@ class Generator:
             return
         if name != "output":
             _switch_off(self._line, self._language)
-        raise self._refused(f"{name}: {value} was set, the generator says {found}", errors)
+        raise self._rejected(f"{name}: {value} was set, the generator says {found}", errors)
 
     def _require_dialect(self) -> None:
         answer = self._line.ask("*IDN?")
@@ -174,7 +174,7 @@ class Generator:
         errors = self._drain_errors()
         if errors:
             _switch_off(self._line, self._language)
-            raise self._refused(what, errors)
+            raise self._rejected(what, errors)
 
     def _drain_errors(self) -> list[str]:
         found: list[str] = []
@@ -186,10 +186,10 @@ class Generator:
             found.append(answer)
         return found
 
-    def _refused(self, what: str, errors: list[str]) -> BenchError:
-        told = f"; it reports {', '.join(errors)}" if errors else ""
+    def _rejected(self, what: str, errors: list[str]) -> BenchError:
+        reported = f"; it reports {', '.join(errors)}" if errors else ""
         return ConfigurationError(
-            f"{what}{told}", where=f"generator on {self._line.port}", remedy="ask for what the instrument can do"
+            f"{what}{reported}", where=f"generator on {self._line.port}", remedy="ask for what the instrument can do"
         )
 
 

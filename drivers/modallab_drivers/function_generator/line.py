@@ -2,7 +2,7 @@
 
 import serial
 
-from modallab.errors import DeviceGoneError
+from modallab.core.errors import DeviceGoneError
 
 TIMEOUT_S = 1.0
 _REMEDY = "look at the cable, the port, the baud rate and the instrument's remote setting"
@@ -27,7 +27,7 @@ class SerialLine:
     def _where(self) -> str:
         return f"generator on {self.port} (rig file field excitation.output)"
 
-    def tell(self, text: str) -> None:
+    def notify(self, text: str) -> None:
         """Send a line.
 
         Raises:
@@ -44,7 +44,7 @@ class SerialLine:
         Raises:
             DeviceGoneError: the line is dead, or nothing came in time.
         """
-        self.tell(text)
+        self.notify(text)
         try:
             answer = self._serial.read_until(b"\n")
         except (serial.SerialException, OSError) as error:

@@ -4,9 +4,9 @@
 such an address is opened.
 """
 
-from modallab.backend.protocol import Bench, Found, OutputHandle
-from modallab.errors import BenchError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench, Found, OutputHandle
+from modallab.core.errors import BenchError
+from modallab.core.rig import Rig
 
 
 def open_bench(url: str, rig: Rig) -> Bench:

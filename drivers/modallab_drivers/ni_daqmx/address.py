@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import parse_qsl, urlsplit
 
-from modallab.errors import ConfigurationError
+from modallab.core.errors import ConfigurationError
 
 _FILES = ("tls", "cert", "key")
 _KNOWN = (*_FILES, "virtual_time")

@@ -6,8 +6,8 @@ from typing import Any
 import nidaqmx.errors
 from nidaqmx.constants import AcquisitionType, RegenerationMode
 
-from modallab.backend.protocol import Burst
-from modallab.errors import BenchError, OutputLostError
+from modallab.bench.protocol import Burst
+from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import translated, typed
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 from modallab_drivers.order import burst_samples
@@ -51,13 +51,13 @@ class AnalogOutput:
         with translated(self._where):
             task = patiently(lambda: self._new(task_name(self._physical)))
             try:
-                wished = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-                count = len(burst_samples(burst, wished))
-                task.timing.cfg_samp_clk_timing(wished, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
+                requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
+                count = len(burst_samples(burst, requested))
+                task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
                 wave = burst_samples(burst, float(task.timing.samp_clk_rate))
                 if len(wave) != count:
                     task.timing.cfg_samp_clk_timing(
-                        wished, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
+                        requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
                 task.write(wave, auto_start=False)

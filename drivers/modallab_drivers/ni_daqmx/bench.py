@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
-from modallab.errors import ConfigurationError, DeviceGoneError, SamplesLostError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
+from modallab.core.errors import ConfigurationError, DeviceGoneError, SamplesLostError
+from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
@@ -23,9 +23,9 @@ from modallab_drivers.order import require, require_count
 State = Literal["open", "configured", "running", "armed", "stopped", "lost", "gone", "closed"]
 
 MOST_COERCED = 2.0
-"""A device that gives more than so many times the wished rate cannot do what was asked."""
+"""A device that gives more than so many times the requested rate cannot do what was asked."""
 
-RAIL = 1 - 1e-6
+FULL_SCALE = 1 - 1e-6
 
 
 class NiBench:
@@ -118,7 +118,7 @@ class NiBench:
                 self._shaker.look_after(self._position)
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
-            return Chunk(first, samples, self._beyond(samples) | self._inputs.overloaded())
+            return Chunk(first, samples, self._out_of_band(samples) | self._inputs.overloaded())
 
     def arm(self, trigger: ReferenceTrigger) -> None:
         """Let the device wait for a crossing."""
@@ -147,7 +147,7 @@ class NiBench:
         assert self._inputs is not None
         with self._losses():
             samples = self._record.take(timeout_s)
-            return Chunk(0, samples, self._beyond(samples) | self._inputs.overloaded())
+            return Chunk(0, samples, self._out_of_band(samples) | self._inputs.overloaded())
 
     def play(self, burst: Burst) -> int:
         """Start a burst; the place of its rise counts the converter's own delay."""
@@ -221,11 +221,11 @@ class NiBench:
             raise
         return self._inputs
 
-    def _beyond(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _out_of_band(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
         peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit
-        return peak >= np.array([plug.range_v for plug in self._plugs]) * RAIL
+        return peak >= np.array([plug.range_v for plug in self._plugs]) * FULL_SCALE
 
     def _gone(self) -> None:
         self._state = "gone"

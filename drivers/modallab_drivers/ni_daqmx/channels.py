@@ -11,8 +11,8 @@ from nidaqmx.constants import (
     ForceUnits,
 )
 
-from modallab.errors import ConfigurationError
-from modallab.schema.units import STANDARD_GRAVITY, Test, si_factor
+from modallab.core.errors import ConfigurationError
+from modallab.core.units import STANDARD_GRAVITY, Test, si_factor
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.plugs import Plug
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import grpc
 import nidaqmx.errors
 
-from modallab.errors import (
+from modallab.core.errors import (
     BenchError,
     BenchTimeoutError,
     ConfigurationError,

@@ -9,8 +9,8 @@ from nidaqmx.constants import WatchdogAOExpirState
 from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
-from modallab.errors import OutputLostError
-from modallab.schema.hardware import Excitation
+from modallab.core.errors import OutputLostError
+from modallab.core.hardware import Excitation
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.route import Route
 

@@ -12,9 +12,9 @@ from nidaqmx.constants import AcquisitionType, Slope
 from nidaqmx.stream_readers import AnalogMultiChannelReader
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import ReferenceTrigger
-from modallab.errors import BenchError, BenchTimeoutError, ConfigurationError
-from modallab.schema.units import Test
+from modallab.bench.protocol import ReferenceTrigger
+from modallab.core.errors import BenchError, BenchTimeoutError, ConfigurationError
+from modallab.core.units import Test
 from modallab_drivers.ni_daqmx.channels import add_channel
 from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, UNSUPPORTED_HERE, of_code, translated, typed
 from modallab_drivers.ni_daqmx.plugs import Plug
@@ -211,10 +211,10 @@ class Inputs:
             except nidaqmx.errors.DaqError:
                 delays.append(0.0)
         if max(delays) - min(delays) > 0.1 / self.rate_hz:
-            told = ", ".join(f"{p.channel.name} {1e3 * d:.3g} ms" for p, d in zip(self._plugs, delays, strict=True))
+            reported = ", ".join(f"{p.channel.name} {1e3 * d:.3g} ms" for p, d in zip(self._plugs, delays, strict=True))
             self.close()
             raise ConfigurationError(
-                f"modules of different delay in one task: {told}",
+                f"modules of different delay in one task: {reported}",
                 where=f"{self._where}, rig file field channels[].input",
                 remedy="put all channels on modules of one kind",
             )

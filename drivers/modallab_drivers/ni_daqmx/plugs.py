@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modallab.errors import ConfigurationError
-from modallab.schema.rig import Channel, Rig
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Channel, Rig
 from modallab_drivers.ni_daqmx.route import DeviceInfo
 
 
@@ -66,16 +66,16 @@ def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str,
     if rig.shaker_point is None or (excitation is not None and excitation.kind != "analog-output"):
         return None
     ranges = {name: device.output_range_v for device in devices for name in device.outputs}
-    wanted = excitation.output if excitation is not None else ""
-    if wanted and wanted not in ranges:
+    requested = excitation.output if excitation is not None else ""
+    if requested and requested not in ranges:
         raise ConfigurationError(
-            f"excitation.output: found {wanted!r}; allowed: {_listed(list(ranges))}",
+            f"excitation.output: found {requested!r}; allowed: {_listed(list(ranges))}",
             where=where,
             remedy="mend this field of the rig file",
         )
     if not ranges:
         return None
-    name = wanted or next(iter(ranges))
+    name = requested or next(iter(ranges))
     if rig.limits is not None and rig.limits.drive_v > ranges[name]:
         raise ConfigurationError(
             f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V",

@@ -10,8 +10,8 @@ import grpc
 import nidaqmx
 from nidaqmx.system import Device, System
 
-from modallab.backend.protocol import Found
-from modallab.errors import ConfigurationError, DeviceBusyError
+from modallab.bench.protocol import Found
+from modallab.core.errors import ConfigurationError, DeviceBusyError
 from modallab_drivers.ni_daqmx.address import Address, parse
 from modallab_drivers.ni_daqmx.errors import translated
 

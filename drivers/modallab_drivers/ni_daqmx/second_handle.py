@@ -6,8 +6,8 @@ from typing import Any
 import nidaqmx.errors
 import numpy as np
 
-from modallab.errors import BenchError
-from modallab.schema.rig import Rig
+from modallab.core.errors import BenchError
+from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name

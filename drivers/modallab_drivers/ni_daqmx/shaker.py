@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from modallab.backend.protocol import Burst
-from modallab.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Burst
+from modallab.core.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
+from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards

@@ -6,7 +6,7 @@ from typing import Any
 import nidaqmx.errors
 from nidaqmx.constants import AccelSensitivityUnits
 
-from modallab.schema.units import STANDARD_GRAVITY
+from modallab.core.units import STANDARD_GRAVITY
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route

@@ -5,8 +5,8 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import ReferenceTrigger
-from modallab.errors import BenchTimeoutError
+from modallab.bench.protocol import ReferenceTrigger
+from modallab.core.errors import BenchTimeoutError
 from modallab_drivers.ni_daqmx.inputs import Inputs
 
 

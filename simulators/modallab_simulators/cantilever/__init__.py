@@ -1,7 +1,7 @@
 """The simulated bench `sim://cantilever`: a beam with hammer, shaker, sensors and converter, by modal superposition."""
 
-from modallab.backend.protocol import Bench
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import parse
 from modallab_simulators.cantilever.bench import CantileverBench
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 from math import inf, isfinite
 from urllib.parse import parse_qsl, urlsplit
 
-from modallab.errors import ConfigurationError
-from modallab.schema.effects import Effect
+from modallab.core.effects import Effect
+from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.effects.read import read_effect
 from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S
 
@@ -18,14 +18,14 @@ class Settings:
     """What the address says.
 
     Attributes:
-        seed: draws the true beam, the damping, the generator's clock, the blows and the noise.
-        bad_hits: probability that a blow is a double hit or too weak.
+        seed: draws the true beam, the damping, the generator's clock, the hits and the noise.
+        bad_hits: probability that a hit is a double hit or too weak.
         k_root: root rotational spring in EI/L; inf is a rigid clamp.
         pace: whether reads take real time.
         zeta: damping ratios of the first modes; a single one is that of every mode; empty: drawn.
         n_per_v: shaker and power amplifier, newton per volt of the generator.
-        place_m: standard deviation of the place of a blow about its point.
-        peak_n: between which forces the operator's blows peak, before what the sensors bear is known.
+        place_m: standard deviation of the place of a hit about its point.
+        peak_n: between which forces the operator's hits peak, before what the sensors bear is known.
         reaction_s: between which times after the prompt the operator strikes.
         effects: what else is wrong with the bench; the parameter `effect` may occur many times.
     """
@@ -116,10 +116,10 @@ def _seed(text: str) -> int:
 
 
 def _flag(text: str) -> bool:
-    return {"0": False, "1": True}[text] if text in ("0", "1") else _refuse(text)
+    return {"0": False, "1": True}[text] if text in ("0", "1") else _reject(text)
 
 
-def _refuse(text: str) -> bool:
+def _reject(text: str) -> bool:
     raise ValueError(text)
 
 
@@ -144,7 +144,7 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "pace": (_flag, "0 (as fast as it goes) or 1 (real time)"),
     "zeta": (_ratios, f"damping ratios above 0 to {MAX_ZETA}: one for every mode, or a list 0.005,0.004,..."),
     "n_per_v": (_number(0.0, 1e4, above=True), "newton per volt of the generator, above 0 to 1e4"),
-    "place_m": (_number(0.0, 0.1), "standard deviation of a blow's place in m, 0 to 0.1"),
-    "peak_n": (_range, "lowest and highest peak of a blow in N, such as 50,150"),
-    "reaction_s": (_range, "shortest and longest time to a blow in s, such as 0.5,1.5"),
+    "place_m": (_number(0.0, 0.1), "standard deviation of a hit's place in m, 0 to 0.1"),
+    "peak_n": (_range, "lowest and highest peak of a hit in N, such as 50,150"),
+    "reaction_s": (_range, "shortest and longest time to a hit in s, such as 0.5,1.5"),
 }

@@ -6,21 +6,21 @@ from typing import Literal
 
 import numpy as np
 
-from modallab.backend.protocol import BenchInfo, Burst, Chunk, Delivery, Request
-from modallab.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
-from modallab_simulators.cantilever.hammer import Blow
+from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import BLOCK
+from modallab_simulators.cantilever.session import EVERYDAY, LocalSession
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
-from modallab_simulators.cantilever.visit import EVERYDAY, Visit
 
 RATES_HZ = (100.0, 10_000.0)
 OUTPUT_RANGE_V = 10.0
@@ -43,9 +43,9 @@ class CantileverBench:
         visit: the circumstances.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, visit: Visit = EVERYDAY) -> None:
+    def __init__(self, url: str, rig: Rig, settings: Settings, session: LocalSession = EVERYDAY) -> None:
         self._rig, self._settings = rig, settings
-        self._truth = draw_truth(settings, rig, visit)
+        self._truth = draw_truth(settings, rig, session)
         self._rows = len(outputs_of(rig, self._truth.effects))
         self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
         self._info = BenchInfo(
@@ -56,9 +56,9 @@ class CantileverBench:
             facts=self._truth.facts(),
         )
         self._state: State = "open"
-        self._starts = self._swings = visit.first_start
-        self._visit = visit
-        self._blow_s = 0.0
+        self._starts = self._swings = session.first_start
+        self._session = session
+        self._hit_s = 0.0
         self._age_s = 0.0
 
     @property
@@ -72,9 +72,9 @@ class CantileverBench:
         return self._truth
 
     @property
-    def blow_sample(self) -> int:
-        """Sample at which the force of the blow last prompted begins."""
-        return ceil(self._blow_s * self._site.rate_hz) + self._site.structure.latency
+    def hit_sample(self) -> int:
+        """Sample at which the force of the hit last prompted begins."""
+        return ceil(self._hit_s * self._site.rate_hz) + self._site.structure.latency
 
     def rest_until(self, bench_s: float) -> None:
         """Let bench time pass between stop and start: nothing happens but what a drift does."""
@@ -144,7 +144,7 @@ class CantileverBench:
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
         start_s = start / self._site.rate_hz + later_s
-        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._visit.straight_ramp))
+        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._session.straight_ramp))
         self._stream.changed()
         return start + self._site.structure.latency
 
@@ -156,9 +156,9 @@ class CantileverBench:
         swing = self._drawn_swing()
         bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
         x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.number("hit_position", "dx", 0.0))
-        blows = self._with_knock(swing.blow(self._now_s, x_m, bearable_n))
-        self._blow_s = blows[0].start_s
-        self._excitation.strike(blows, self._now_s)
+        hits = self._with_knock(swing.hit(self._now_s, x_m, bearable_n))
+        self._hit_s = hits[0].start_s
+        self._excitation.strike(hits, self._now_s)
         self._stream.changed()
 
     def zero(self) -> None:
@@ -188,24 +188,24 @@ class CantileverBench:
 
     @property
     def _clock(self) -> float:
-        return (1 + self._truth.clock) / self._visit.stretch - 1
+        return (1 + self._truth.clock) / self._session.stretch - 1
 
     def _drawn_swing(self) -> Swing:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
         rng = generator(settings.seed, Stream.HITS, self._swings)
         swing = draw_swing(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
-        return swing.stretched(self._rate / self._site.rate_hz, self._visit.stretch)
+        return swing.stretched(self._rate / self._site.rate_hz, self._session.stretch)
 
-    def _with_knock(self, blow: Blow) -> list[Blow]:
-        """The blow, and before it what it finds still ringing: a knock the transducer does not feel."""
+    def _with_knock(self, hit: Hit) -> list[Hit]:
+        """The hit, and before it what it finds still ringing: a knock the transducer does not feel."""
         fraction = self._truth.effects.number("residual_ringing", "fraction", 0.0)
         if not fraction:
-            return [blow]
+            return [hit]
         rng = generator(self._settings.seed, Stream.KNOCKS, self._swings)
         share, before_s = fraction * rng.uniform(*KNOCK_SPREAD), KNOCK_S + rng.uniform(*KNOCK_JITTER_S)
-        blow = blow.after(max(0.0, self._now_s + before_s - blow.start_s))
-        return [blow, blow.knock(share).after(-before_s)]
+        hit = hit.after(max(0.0, self._now_s + before_s - hit.start_s))
+        return [hit, hit.knock(share).after(-before_s)]
 
     def _require(self, *legal: State, to: str) -> None:
         if self._state not in legal:

@@ -7,8 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.schema.rig import Channel, Converter, Rig
-from modallab.schema.units import Test, si_factor
+from modallab.core.rig import Channel, Converter, Rig
+from modallab.core.units import Test, si_factor
 from modallab_simulators.cantilever.channels import sensor_rows
 from modallab_simulators.cantilever.effects.injected import Injected
 
@@ -131,7 +131,7 @@ class Chain:
         return counts.astype(self.dtype)
 
     def overload(self, samples: NDArray[np.generic]) -> NDArray[np.bool_]:
-        """Which rows stand at a rail anywhere in `samples`, (rows,)."""
+        """Which rows stand at a full scale anywhere in `samples`, (rows,)."""
         return np.any((samples == self.high) | (samples == self.low), axis=1)
 
 

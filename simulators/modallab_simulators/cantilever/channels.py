@@ -1,7 +1,7 @@
 """What each row of the converter sees of the beam."""
 
-from modallab.errors import ConfigurationError
-from modallab.schema.rig import Channel, Rig
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Channel, Rig
 from modallab_simulators.cantilever.effects.injected import Injected
 from modallab_simulators.cantilever.loads import Output
 from modallab_simulators.cantilever.sensor import Sensor, high_pass, low_pass, mount

@@ -7,8 +7,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.schema.plan import BLOCK_S
-from modallab.schema.rig import Beam, Tolerance
+from modallab.core.plan import BLOCK_S
+from modallab.core.rig import Beam, Tolerance
 from modallab_simulators.cantilever.beam import CantileverBeam
 
 ZETA_RANGE = (0.003, 0.01)

@@ -1,13 +1,13 @@
-"""Draws effects for blind trials: where they are, and how large, so that the gap they open has a wanted size."""
+"""Draws effects for blind trials: where they are, and how large, so that the gap they open has a requested size."""
 
 from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
 
-from modallab.errors import ConfigurationError
-from modallab.schema.effects import Effect, Parameter, Place
-from modallab.schema.rig import Rig
+from modallab.core.effects import Effect, Parameter, Place
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.effects.kinds import KINDS, OPTIONS, allowed
 from modallab_simulators.cantilever.gap_size import Ruler, gap_of, solve
@@ -53,12 +53,12 @@ class DrawnEffect:
 
     Attributes:
         effect: with its numbers.
-        wanted: the gap that was aimed at, in noise units.
+        requested: the gap that was aimed at, in noise units.
         gap: the gap it has; another one where the effect has no size, or none that is large or small enough.
     """
 
     effect: Effect
-    wanted: float
+    requested: float
     gap: float
 
 
@@ -68,21 +68,21 @@ def draw_gap(seed: int) -> float:
     return exp(generator(seed, Stream.GAP).uniform(log(low), log(high)))
 
 
-def draw_effect(rig: Rig, seed: int, name: str, wanted: float | None = None) -> DrawnEffect:
-    """Draw where and how an effect is, then scale it until it opens a gap of the wanted size.
+def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) -> DrawnEffect:
+    """Draw where and how an effect is, then scale it until it opens a gap of the requested size.
 
     Args:
         rig: of the trial.
-        seed: of the trial; it also draws place, sign and secondary numbers, and the size where none is wanted.
+        seed: of the trial; it also draws place, sign and secondary numbers, and the size where none is requested.
         name: of the catalogue, or of this bench's own.
-        wanted: the gap, in noise units.
+        requested: the gap, in noise units.
 
     Raises:
         ConfigurationError: no effect is called so, or the rig has no place for it.
     """
     if name not in KINDS:
         raise ConfigurationError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(KINDS))}")
-    target = draw_gap(seed) if wanted is None else wanted
+    target = draw_gap(seed) if requested is None else requested
     shape = _Shape(rig, seed, name)
     ruler = Ruler(rig, seed)
     if shape.main is None:
@@ -152,7 +152,7 @@ class _Shape:
         return {}
 
     def _room(self, rig: Rig) -> float:
-        """How far a sensor or a blow can move without leaving the beam."""
+        """How far a sensor or a hit can move without leaving the beam."""
         if self.main is None or self.main.name != "dx" or rig.beam is None:
             return float("inf")
         length = rig.beam.length_m

@@ -1,10 +1,10 @@
-"""What drives the beam and when: blows struck or meant, bursts on the shaker, a floor that shakes."""
+"""What drives the beam and when: hits struck or meant, bursts on the shaker, a floor that shakes."""
 
 import numpy as np
 
 from modallab_simulators.cantilever.effects.outside import AMPLIFIER_V
 from modallab_simulators.cantilever.floor import Floor
-from modallab_simulators.cantilever.hammer import Blow
+from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.shaker import Emission
 
@@ -19,13 +19,13 @@ class Excitation:
         self._n_per_v = n_per_v
         self._floor = floor
         self._harmonics = harmonics
-        self._blows: list[Blow] = []
+        self._hits: list[Hit] = []
         self._emissions: list[Emission] = []
 
-    def strike(self, blows: list[Blow], now_s: float) -> None:
-        """Schedule blows; those that were meant but not yet struck are given up for them."""
-        self._blows = [b for b in self._blows if b.start_s <= now_s]
-        self._blows += blows
+    def strike(self, hits: list[Hit], now_s: float) -> None:
+        """Schedule hits; those that were meant but not yet struck are given up for them."""
+        self._hits = [b for b in self._hits if b.start_s <= now_s]
+        self._hits += hits
 
     def emit(self, emission: Emission) -> None:
         """Put a burst on the shaker."""
@@ -41,19 +41,19 @@ class Excitation:
 
     def forget(self, before_s: float) -> None:
         """Drop what has ended before a time."""
-        self._blows = [b for b in self._blows if b.end_s >= before_s]
+        self._hits = [b for b in self._hits if b.end_s >= before_s]
         self._emissions = [e for e in self._emissions if e.end_s >= before_s]
 
     def drives(self, first: int, count: int, step_s: float) -> list[Drive]:
         """The loads that act on `count` internal samples from `first`; none where nothing excites."""
         start_s, end_s = first * step_s, (first + count) * step_s
-        blows = [b for b in self._blows if b.start_s < end_s and b.end_s > start_s]
+        hits = [b for b in self._hits if b.start_s < end_s and b.end_s > start_s]
         emissions = [e for e in self._emissions if e.start_s < end_s and e.end_s > start_s]
         shaking = [Drive(0.0, self._floor.acceleration(first, count), 0.0, "base", False)] if self._floor else []
-        if not blows and not emissions:
+        if not hits and not emissions:
             return shaking
         times = np.arange(first, first + count, dtype=np.float64) * step_s
-        drives = [Drive(blow.x_m, blow.force(times), seen=blow.seen) for blow in blows]
+        drives = [Drive(hit.x_m, hit.force(times), seen=hit.seen) for hit in hits]
         if emissions and self._shaker_x_m is not None:
             volts = np.sum([e.volts(times) for e in emissions], axis=0)
             drives.append(Drive(self._shaker_x_m, volts * self._n_per_v, 1 / self._n_per_v))

@@ -1,4 +1,4 @@
-"""How large a gap some effects open, and how large an effect must be to open a wanted one.
+"""How large a gap some effects open, and how large an effect must be to open a requested one.
 
 The gap is the rms over all accelerometer records of the difference between a trial with the effects and the one a
 perfect twin without them would predict from the same forces, in units of the channels' own noise.
@@ -9,9 +9,9 @@ from math import exp, hypot, log, sqrt
 
 import numpy as np
 
-from modallab.schema.block import Campaign
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Converter, Rig
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Converter, Rig
 from modallab_simulators.cantilever.trial import make_trial, sound_trial
 
 _CLOSE = 0.05
@@ -65,8 +65,10 @@ def _mean_square(recorded: Campaign, sound: Campaign, gain: float) -> float:
     return total / count
 
 
-def solve(gap: Callable[[float], float], span: tuple[float, float], slope: float, wanted: float) -> tuple[float, float]:
-    """The size at which the gap is within 5 % of the wanted one; else the nearest that was met.
+def solve(
+    gap: Callable[[float], float], span: tuple[float, float], slope: float, requested: float
+) -> tuple[float, float]:
+    """The size at which the gap is within 5 % of the requested one; else the nearest that was met.
 
     A secant on logarithms, kept between the nearest sizes below and above. Gaps that have grown out of all proportion
     say little about the slope, so it is not taken for less than a third of what it is for a small effect.
@@ -74,7 +76,7 @@ def solve(gap: Callable[[float], float], span: tuple[float, float], slope: float
     below, above = span if slope > 0 else (span[1], span[0])
     size, met = sum(span) / 2, list[tuple[float, float]]()
     for _ in range(_TRIES):
-        off = log(max(gap(size), 1e-12) / wanted)
+        off = log(max(gap(size), 1e-12) / requested)
         met.append((size, off))
         below, above = (size, above) if off < 0 else (below, size)
         if abs(off) < log(1 + _CLOSE) or abs(above - below) < _NARROW:
@@ -83,7 +85,7 @@ def solve(gap: Callable[[float], float], span: tuple[float, float], slope: float
         inside = min(below, above) < guess < max(below, above)
         size = guess if inside else _between(below, above, met)
     size, off = min(met, key=lambda pair: abs(pair[1]))
-    return size, wanted * exp(off)
+    return size, requested * exp(off)
 
 
 def _slope(met: Sequence[tuple[float, float]], small: float) -> float:

@@ -1,4 +1,4 @@
-"""The hammer's blow: one smooth contact, or two."""
+"""The hammer's hit: one smooth contact, or two."""
 
 from dataclasses import dataclass, replace
 
@@ -23,7 +23,7 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
-class Blow:
+class Hit:
     """What the hammer does at one place; or, where its transducer does not feel it, something else that knocks."""
 
     x_m: float
@@ -40,14 +40,14 @@ class Blow:
         """When it last lets go."""
         return self.contacts[-1].start_s + self.contacts[-1].width_s
 
-    def after(self, wait_s: float) -> "Blow":
+    def after(self, wait_s: float) -> "Hit":
         """The same, later."""
         return replace(self, contacts=tuple(replace(c, start_s=c.start_s + wait_s) for c in self.contacts))
 
-    def knock(self, share: float) -> "Blow":
+    def knock(self, share: float) -> "Hit":
         """A share of the first contact, which the transducer does not feel."""
         first = self.contacts[0]
-        return Blow(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
+        return Hit(self.x_m, (replace(first, peak_n=first.peak_n * share),), seen=False)
 
     def force(self, times_s: Floats) -> Floats:
         """Force in N at the given times."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Burst
+from modallab.bench.protocol import Burst
 
 FADE_S = 0.003
 """How long the amplifier takes to fall to nothing when its input is cut."""

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.core.rig import Rig
+from modallab.core.units import Test
 from modallab_simulators.cantilever.chain import Chain, Hum
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
@@ -73,13 +73,13 @@ class Site:
         return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
 
     def bearable_n(self, width_s: float, x_m: float) -> float:
-        """Peak of a blow at which the most driven channel of a sound bench is at 0.8 of its rail."""
+        """Peak of a hit at which the most driven channel of a sound bench is at 0.8 of its full scale."""
         peaks = self._peaks(self._sound, self._sound_chain, width_s, x_m)
-        rails = self._sound_chain.volts_per_count * self._sound_chain.high
-        return _HEADROOM / float(np.max(peaks / rails))
+        full_scales = self._sound_chain.volts_per_count * self._sound_chain.high
+        return _HEADROOM / float(np.max(peaks / full_scales))
 
     def _peaks(self, structure: Moving, chain: Chain, width_s: float, x_m: float) -> Floats:
-        """Of a blow of 1 N, in V, (rows,)."""
+        """Of a hit of 1 N, in V, (rows,)."""
         first, count = structure.times(0)
         unit = Contact(0.001, width_s, 1.0).force(np.arange(first, first + count, dtype=np.float64) * self.step_s)
         seen, _ = structure.advance(structure.at_rest, [Drive(x_m, unit)])
@@ -111,7 +111,7 @@ class Site:
         return chain
 
     def _hardest_v(self, chain: Chain, row: int) -> float:
-        """What a row would reach in the hardest good blow, at whatever point of the rig."""
+        """What a row would reach in the hardest good hit, at whatever point of the rig."""
         width = sum(WIDTH_S) / 2
         reached: list[float] = []
         for point in self._rig.points:

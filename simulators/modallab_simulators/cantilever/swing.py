@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab_simulators.cantilever.hammer import Blow, Contact
+from modallab_simulators.cantilever.hammer import Contact, Hit
 
 REACTION_S = (0.5, 1.5)
 WIDTH_S = (0.0015, 0.005)
@@ -16,15 +16,15 @@ REBOUND_SHARE = (0.15, 0.6)
 
 @dataclass(frozen=True, slots=True)
 class Swing:
-    """One blow as intended: times count from the prompt, the place from the point.
+    """One hit as intended: times count from the prompt, the place from the point.
 
     Attributes:
         reaction_s: from the prompt to the contact.
         width_s: of the contact.
         peak_n: of the contact, before what the sensors bear is known.
         place_m: where it lands, from the point.
-        weak_n: peak of a blow that is too weak; 0 for another.
-        rebound_s: from the first contact's start to the second's; 0 for a clean blow.
+        weak_n: peak of a hit that is too weak; 0 for another.
+        rebound_s: from the first contact's start to the second's; 0 for a clean hit.
         rebound_share: peak of the second contact over that of the first.
     """
 
@@ -37,7 +37,7 @@ class Swing:
     rebound_share: float = 0.0
 
     def stretched(self, waiting: float, contact: float) -> "Swing":
-        """The same with the time to the blow, and with those of the contact, longer by these factors."""
+        """The same with the time to the hit, and with those of the contact, longer by these factors."""
         return replace(
             self,
             reaction_s=self.reaction_s * waiting,
@@ -45,14 +45,14 @@ class Swing:
             rebound_s=self.rebound_s * contact,
         )
 
-    def blow(self, prompted_s: float, x_m: float, bearable_n: float) -> Blow:
-        """The blow at `x_m`, no harder than `bearable_n`."""
+    def hit(self, prompted_s: float, x_m: float, bearable_n: float) -> Hit:
+        """The hit at `x_m`, no harder than `bearable_n`."""
         start = prompted_s + self.reaction_s
         peak = self.weak_n if self.weak_n else min(self.peak_n, bearable_n)
         contacts = [Contact(start, self.width_s, peak)]
         if self.rebound_s:
             contacts.append(Contact(start + self.rebound_s, self.width_s, peak * self.rebound_share))
-        return Blow(x_m, tuple(contacts))
+        return Hit(x_m, tuple(contacts))
 
 
 def draw_swing(
@@ -62,7 +62,7 @@ def draw_swing(
     peaks_n: tuple[float, float] = PEAK_N,
     reactions_s: tuple[float, float] = REACTION_S,
 ) -> Swing:
-    """Draw a blow; with probability `bad_hits` a bad one, as often a double hit as too weak."""
+    """Draw a hit; with probability `bad_hits` a bad one, as often a double hit as too weak."""
     reaction, width = rng.uniform(*reactions_s), rng.uniform(*WIDTH_S)
     peak, place = rng.uniform(*peaks_n), rng.standard_normal() * place_m
     bad, double = rng.uniform() < bad_hits, rng.uniform() < 0.5

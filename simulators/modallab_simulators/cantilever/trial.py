@@ -1,7 +1,7 @@
 """A whole campaign in a moment, with its truth: what blind trials of a diagnosis are made of.
 
 The plan is one visit of a practised operator: six hits each at points 6, 10 and 3, then 24 frequencies at a low and a
-high level from the shaker. Every block begins with the beam at rest: a hit 0.05 s before the blow, a sine 8 s after
+high level from the shaker. Every block begins with the beam at rest: a hit 0.05 s before the hit, a sine 8 s after
 the shaker has begun to rise.
 """
 
@@ -12,19 +12,19 @@ from math import ceil, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Burst, Delivery, Request
-from modallab.errors import ConfigurationError
-from modallab.schema.block import Block, Campaign
-from modallab.schema.effects import Effect
-from modallab.schema.plan import BLOCK_S, PAPER_LINES
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.bench.protocol import Burst, Delivery, Request
+from modallab.core.block import Block, Campaign
+from modallab.core.effects import Effect
+from modallab.core.errors import ConfigurationError
+from modallab.core.plan import BLOCK_S, PAPER_LINES
+from modallab.core.rig import Rig
+from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
-from modallab_simulators.cantilever.effects.injected import inject, told
+from modallab_simulators.cantilever.effects.injected import inject, reported
+from modallab_simulators.cantilever.session import LocalSession
 from modallab_simulators.cantilever.truth import Truth
-from modallab_simulators.cantilever.visit import Visit
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
 """Where the operator strikes six times each, and how hard, in N: softer where the beam gives way."""
@@ -35,7 +35,7 @@ PRE_TRIGGER_S = 0.05
 SETTLE_S = 8.0
 RAMP_S = 1.0
 REACTION_S = (1.2, 1.7)
-"""From the prompt to the blow: time enough for something else to knock before."""
+"""From the prompt to the hit: time enough for something else to knock before."""
 
 RECORD_S = 60.0
 """From the beginning of one record to that of the next."""
@@ -43,7 +43,7 @@ RECORD_S = 60.0
 LAST_ORDER = len(HITS) * 6 + len(LEVELS_N) * len(PAPER_LINES) - 1
 """Place in time of a campaign's last record."""
 
-_CIRCUMSTANCES = Visit(one_clock=True, straight_ramp=True, modes=15)
+_CIRCUMSTANCES = LocalSession(one_clock=True, straight_ramp=True, modes=15)
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
@@ -56,7 +56,7 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
 
     Args:
         rig: what the operator believes, with points 3, 6 and 10 and a shaker point; of the clamp that it is rigid.
-        seed: draws the true beam, its damping, the blows and all noise. Two trials of one seed differ by their effects
+        seed: draws the true beam, its damping, the hits and all noise. Two trials of one seed differ by their effects
             only: forces and noise are the same.
         effects: of the catalogue, or of this bench's own.
 
@@ -97,7 +97,7 @@ def _timed(effect: Effect) -> Effect:
 
 
 class Operator:
-    """Takes the records of one visit to the bench, one after another.
+    """Takes the records of one session at the bench, one after another.
 
     Args:
         rig: what is believed.
@@ -110,14 +110,14 @@ class Operator:
     def __init__(
         self, rig: Rig, seed: int, effects: Sequence[Effect] = (), stretch: float = 1.0, order: int = 0
     ) -> None:
-        self._rig, self._visit = rig, replace(_CIRCUMSTANCES, stretch=stretch)
+        self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._clipping = tuple(inject(effects, rig).of("clipping"))
         played = tuple(_timed(e) for e in effects if e.effect != "clipping")
         self._settings = Settings(
             seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
         )
         self._order = order
-        self.truth = CantileverBench("sim://cantilever", rig, self._settings, self._visit).truth
+        self.truth = CantileverBench("sim://cantilever", rig, self._settings, self._session).truth
 
     def blocks(self) -> list[Block]:
         """All records, in the order of time."""
@@ -127,13 +127,13 @@ class Operator:
         return blocks
 
     def hits(self) -> Iterator[Block]:
-        """Six blows at each point."""
+        """Six hits at each point."""
         for number, (point, peak_n) in enumerate(HITS.items()):
             bench, delivery = self._bench("impact", replace(self._settings, peak_n=peak_n), number)
             for hit in range(1, _REPEATS + 1):
                 bench.start()
                 bench.prompt_hit(point)
-                first = bench.blow_sample - round(PRE_TRIGGER_S * delivery.rate_hz)
+                first = bench.hit_sample - round(PRE_TRIGGER_S * delivery.rate_hz)
                 samples = self._record(bench, delivery, first)
                 yield self._block(f"impact_p{point:02d}_{hit}", "impact", delivery, samples, point, first)
 
@@ -157,8 +157,8 @@ class Operator:
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
     def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
-        visit = replace(self._visit, first_start=number * _REPEATS)
-        bench = CantileverBench("sim://cantilever", self._rig, settings, visit)
+        session = replace(self._session, first_start=number * _REPEATS)
+        bench = CantileverBench("sim://cantilever", self._rig, settings, session)
         delivery = bench.configure(Request(test, RATES_HZ[test]))
         bench.rest_until(self._order * RECORD_S)
         return bench, delivery
@@ -219,7 +219,7 @@ def _clipped(blocks: Sequence[Block], effect: Effect) -> list[Block]:
 def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:
     return {
         "seed": truth.seed,
-        "effects": [told(e) for e in inject(effects, truth.rig).effects],
+        "effects": [reported(e) for e in inject(effects, truth.rig).effects],
         "true_E": truth.true.youngs_modulus_pa,
         "true_thickness": truth.true.thickness_m,
         "true_rho": truth.true.density_kg_m3,

@@ -7,9 +7,9 @@ from math import ceil, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import ConfigurationError
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Rig
+from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
@@ -20,7 +20,7 @@ from modallab_simulators.cantilever.effects.injected import Injected, inject
 from modallab_simulators.cantilever.effects.structure import SIDE_ZETA, beside, dampers_of, modes_of
 from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.visit import EVERYDAY, Visit
+from modallab_simulators.cantilever.session import EVERYDAY, LocalSession
 
 BAND_HZ = 1000.0
 MAX_MODES = 120
@@ -116,7 +116,7 @@ class Truth:
             "density_kg_m3": repr(self.true.density_kg_m3),
             "root_stiffness_nm_per_rad": repr(beam.root_stiffness_nm_rad),
             "generator_ppm": repr(self.clock * 1e6),
-            "effects": self.effects.told(),
+            "effects": self.effects.reported(),
         }
 
 
@@ -129,7 +129,7 @@ def oversampling(rate_hz: float) -> int:
     return max(_OVERSAMPLE, ceil(_INTERNAL_HZ / rate_hz))
 
 
-def draw_truth(settings: Settings, rig: Rig, visit: Visit = EVERYDAY) -> Truth:
+def draw_truth(settings: Settings, rig: Rig, session: LocalSession = EVERYDAY) -> Truth:
     """Draw the truth of a rig's bench.
 
     Raises:
@@ -147,6 +147,6 @@ def draw_truth(settings: Settings, rig: Rig, visit: Visit = EVERYDAY) -> Truth:
             f"the beam's first mode is at {first:.0f} Hz, above {BAND_HZ:g} Hz",
             remedy="choose a longer or thinner beam",
         )
-    clock = 0.0 if visit.one_clock else draw_clock(settings.seed)
+    clock = 0.0 if session.one_clock else draw_clock(settings.seed)
     effects = inject(settings.effects, rig)
-    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, visit.modes)
+    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, session.modes)

@@ -12,7 +12,7 @@ from pathlib import Path
 import grpc
 import yaml
 
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
@@ -26,7 +26,7 @@ def main() -> int:
     """Serve until the owner closes standard input."""
     arguments = _parser().parse_args()
     system = build(arguments)
-    told: dict[str, object] = {}
+    reported: dict[str, object] = {}
     generator: PtyGenerator | None = None
     if arguments.generator:
         system.generator_line = OutputLine()
@@ -35,9 +35,9 @@ def main() -> int:
             ppm=system.plant.generator_ppm,
         )  # fmt: skip
         generator = PtyGenerator(device)
-        told["generator"] = generator.port
-    server, told["port"] = serve(system, arguments.port, _credentials(arguments.tls))
-    print(json.dumps(told), flush=True)
+        reported["generator"] = generator.port
+    server, reported["port"] = serve(system, arguments.port, _credentials(arguments.tls))
+    print(json.dumps(reported), flush=True)
     for line in sys.stdin:
         print(json.dumps(obey(system, generator, line.strip())), flush=True)
     server.stop(None)

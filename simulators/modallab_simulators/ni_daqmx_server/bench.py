@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from modallab.schema.rig import Rig
+from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.clock import BenchClock

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from modallab.schema.units import STANDARD_GRAVITY
+from modallab.core.units import STANDARD_GRAVITY
 from modallab_simulators.ni_daqmx_server import attributes, status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.input_task import InputChannel, InputTask, ReferenceTrigger

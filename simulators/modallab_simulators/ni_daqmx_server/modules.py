@@ -71,7 +71,7 @@ class Module:
 
 
 def coerced(modules: tuple[Module, ...], channels: int, rate_hz: float) -> float:
-    """The rate the devices give for a wished one: never a lower one, except past their highest.
+    """The rate the devices give for a requested one: never a lower one, except past their highest.
 
     Raises:
         StatusError: no rate, or one above what the devices can do.

@@ -7,9 +7,9 @@ from typing import Any, Protocol, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.backend.protocol import Request
-from modallab.schema.rig import Converter, Rig
-from modallab.schema.units import Test
+from modallab.bench.protocol import Request
+from modallab.core.rig import Converter, Rig
+from modallab.core.units import Test
 from modallab_simulators.cantilever.address import parse
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.ni_daqmx_server.lines import Floats, OutputLine
@@ -108,15 +108,15 @@ class _CantileverSource:
 
     def take(self, count: int) -> tuple[Floats, NDArray[np.bool_]]:
         counts: NDArray[Any] = self._bench.read(count, inf).samples
-        beyond = (counts >= self._full - 1) | (counts <= -self._full)
-        return counts * self._volts_per_count[:, None], beyond
+        out_of_band = (counts >= self._full - 1) | (counts <= -self._full)
+        return counts * self._volts_per_count[:, None], out_of_band
 
     def changed(self) -> None:
         cast("Any", self._bench)._stream.changed()
 
 
 class CablePlant:
-    """Every input hangs on the output by a cable; a slow ramp of STEP_V a sample lets every sample be told apart."""
+    """Every input hangs on the output by a cable; a slow ramp of STEP_V a sample lets every sample be distinguished."""
 
     def __init__(self, channels: int, range_v: float) -> None:
         self._channels, self._range_v = channels, range_v

@@ -61,8 +61,8 @@ class _Calls(grpc.GenericRpcHandler):
         if not method.startswith(SERVICE) or request is None:
             return None
         if name == "RegisterEveryNSamplesEvent":
-            told = partial(_every_n_samples, self._system)
-            return grpc.unary_stream_rpc_method_handler(told, request.FromString, _encode)
+            reported = partial(_every_n_samples, self._system)
+            return grpc.unary_stream_rpc_method_handler(reported, request.FromString, _encode)
         answer = _answerer(self._system, name)
         if answer is None:
             return None
@@ -71,7 +71,7 @@ class _Calls(grpc.GenericRpcHandler):
             try:
                 return answer(asked)
             except StatusError as error:
-                _refuse(context, error)
+                _reject(context, error)
 
         return grpc.unary_unary_rpc_method_handler(call, request.FromString, _encode)
 
@@ -171,13 +171,13 @@ def _there(system: SimulatedSystem, task: InputTask) -> int:
 
 def _wait_and_take(system: SimulatedSystem, asked: Any, count: int, kind: str) -> tuple[Floats, bool]:
     deadline = time.monotonic() + (asked.timeout if asked.timeout >= 0 else 1e9)
-    wanted = {faults.TIME_OUT: 0, faults.PARTIAL: count // 2}.get(kind, count)
+    requested = {faults.TIME_OUT: 0, faults.PARTIAL: count // 2}.get(kind, count)
     while True:
         with system.lock:
             task = system.task(asked.task.name, InputTask)
-            due_s = task.due_s(wanted, system.clock)
+            due_s = task.due_s(requested, system.clock)
             if due_s <= 0 or time.monotonic() >= deadline:
-                values = task.take(wanted, system.clock)
+                values = task.take(requested, system.clock)
                 late = task.trigger is not None and not values.shape[1] and time.monotonic() < deadline
                 if not late:
                     return values, values.shape[1] < count
@@ -206,15 +206,15 @@ def _varint(value: int) -> bytes:
 def _every_n_samples(system: SimulatedSystem, asked: Any, context: grpc.ServicerContext) -> Iterator[Any]:
     # Without initial metadata the client would wait for ever for its registration.
     context.send_initial_metadata(())
-    told = 0
+    reported = 0
     while context.is_active():
         with system.lock:
             task = system.tasks.get(asked.task.name)
             if task is None:
                 return
             acquired = task.acquired(system.clock) if isinstance(task, InputTask) and task.running else 0
-        if acquired >= told + asked.n_samples:
-            told += asked.n_samples
+        if acquired >= reported + asked.n_samples:
+            reported += asked.n_samples
             yield _MESSAGES.RegisterEveryNSamplesEventResponse(
                 every_n_samples_event_type_raw=asked.every_n_samples_event_type_raw, n_samples=asked.n_samples
             )
@@ -222,7 +222,7 @@ def _every_n_samples(system: SimulatedSystem, asked: Any, context: grpc.Servicer
             time.sleep(0.001)
 
 
-def _refuse(context: grpc.ServicerContext, error: StatusError) -> None:
+def _reject(context: grpc.ServicerContext, error: StatusError) -> None:
     metadata = [("ni-error", str(error.code))]
     if error.samples is not None:
         metadata.append(("ni-samps-per-chan-read", str(error.samples)))

@@ -60,7 +60,7 @@ class Reservations:
         self._holders = {resource: holder for resource, holder in self._holders.items() if holder != task.name}
 
     def require_present(self, task: Task) -> None:
-        """Refuse to go on with a device that is gone.
+        """Reject to go on with a device that is gone.
 
         Raises:
             StatusError: with the code the device left with.
@@ -70,7 +70,7 @@ class Reservations:
 
 
 def require_terminal(source: str) -> None:
-    """Refuse a clock or trigger terminal that no simulated device has.
+    """Reject a clock or trigger terminal that no simulated device has.
 
     Raises:
         StatusError: there is no such terminal.

@@ -7,8 +7,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from modallab.schema.diagnosis import Diagnosis
-from modallab.schema.effects import CATALOGUE
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.effects import CATALOGUE
 
 X_TOLERANCE = 0.05
 """Share of the beam's length within which a place is right."""
@@ -82,7 +82,7 @@ def score(trials: Sequence[Trial]) -> list[Figure]:
         _share("place within 0.05 L", [t for t in singles if _true_x(t) is not None], _place_right),
         _median("parameter, median relative error", [e for t in (*singles, *doubles) for e in parameter_errors(t)]),
         _share("precision where it names above 0.9", [t for t in present if _claims(t)], _claims_right),
-        _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", wanted=False),
+        _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", requested=False),
         _share("unknown flagged", strange, lambda t: t.diagnosis.verdict == "unknown"),
         _median("gap closed on held-out records", _closed(t for t in singles if t.said == t.names)),
         _median("seconds a diagnosis", [t.seconds for t in trials]),
@@ -118,10 +118,10 @@ def reliability(
     return error, bins
 
 
-def _share(name: str, trials: Iterable[Trial], test: Callable[[Trial], bool], wanted: bool = True) -> Figure:
+def _share(name: str, trials: Iterable[Trial], test: Callable[[Trial], bool], requested: bool = True) -> Figure:
     listed = list(trials)
     hits = [bool(test(t)) for t in listed]
-    misses = tuple(t.name for t, hit in zip(listed, hits, strict=True) if hit is not wanted)
+    misses = tuple(t.name for t, hit in zip(listed, hits, strict=True) if hit is not requested)
     return Figure(name, float(np.mean(hits)) if hits else float("nan"), len(listed), misses)
 
 

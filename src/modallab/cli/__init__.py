@@ -7,7 +7,7 @@ from importlib import import_module
 
 from modallab import __version__
 from modallab.cli.parser import build_parser
-from modallab.errors import ModallabError
+from modallab.core.errors import ModallabError
 
 
 def main(argv: Sequence[str] | None = None) -> int:

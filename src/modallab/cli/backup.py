@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.jobs.table import METADATA as JOBS
 from modallab.storage import Store
 from modallab.storage.address import ADDRESS, DATABASE
@@ -22,12 +22,12 @@ def run(arguments: argparse.Namespace) -> int:
 def _backup(arguments: argparse.Namespace) -> int:
     _require_data(arguments.data)
     with Store(arguments.data) as store:
-        _tell(back_up(store, arguments.out, [JOBS]), arguments.out)
+        _notify(back_up(store, arguments.out, [JOBS]), arguments.out)
     return 0
 
 
 def _restore(arguments: argparse.Namespace) -> int:
-    _tell(restore(arguments.backup, arguments.out, arguments.database, [JOBS]), arguments.out)
+    _notify(restore(arguments.backup, arguments.out, arguments.database, [JOBS]), arguments.out)
     return 0
 
 
@@ -57,6 +57,6 @@ def _require_data(folder: Path) -> None:
         raise StorageError("is no data folder", where=str(folder), remedy=f"name a folder with {DATABASE} or {ADDRESS}")
 
 
-def _tell(copied: Copied, out: Path) -> None:
+def _notify(copied: Copied, out: Path) -> None:
     line = f"{copied.runs} runs, {copied.blocks} blocks, {copied.sample_bytes / 1e6:.1f} MB of samples: {out}"
     Console().print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""`modallab campaign run`: a visit to the bench from the terminal, by the same code as the service."""
+"""`modallab campaign run`: a session at the bench from the terminal, by the same code as the service."""
 
 import argparse
 import getpass
@@ -9,22 +9,22 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from modallab.campaign.local import LocalCampaign
 from modallab.cli.gap import read_plans
 from modallab.cli.identify import print_remarks, result_table
-from modallab.errors import RigError
-from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.exchange.rig_file import read_rig
-from modallab.figures.report import write_report
+from modallab.core.block import Campaign
+from modallab.core.documents.pages import EventView
+from modallab.core.errors import RigError
+from modallab.core.plan import Plan
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
-from modallab.schema.block import Campaign
-from modallab.schema.plan import Plan
-from modallab.schema.rig import Rig
-from modallab.schema.service.pages import EventView
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.report import report_content
+from modallab.reporting.report import write_report
+from modallab.service.campaigns.local_session import LocalCampaign
 from modallab.storage import Store, campaign_of
-from modallab.storage.campaigns import refused_blocks
-from modallab.tasks.identify import identify_campaign
-from modallab.tasks.report import report_content
+from modallab.storage.campaigns import rejected_blocks
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -47,10 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: argparse.Namespace) -> tuple[str, ...]:
     operator = arguments.operator or getpass.getuser()
-    with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as visit:
-        console.print(f"campaign {visit.campaign.id} on {url}", markup=False, highlight=False)
+    with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as session:
+        console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
         with Display(console) as display:
-            return tuple(visit.run(plan, display.tell) for plan in plans)
+            return tuple(session.run(plan, display.notify) for plan in plans)
 
 
 def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:
@@ -58,8 +58,8 @@ def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[st
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if report is not None:
-        refused = [pair for name in runs for pair in refused_blocks(store, name)]
-        write_report(report, report_content(campaign, result, f"Modal test of {campaign.rig.name}", refused))
+        rejected = [pair for name in runs for pair in rejected_blocks(store, name)]
+        write_report(report, report_content(campaign, result, f"Modal test of {campaign.rig.name}", rejected))
 
 
 class Display:
@@ -76,15 +76,15 @@ class Display:
         )
         self._tasks: dict[str, TaskID] = {}
 
-    def tell(self, event: EventView) -> None:
+    def notify(self, event: EventView) -> None:
         """Show an event."""
         said = event.content
         if event.kind == "progress":
             if event.run not in self._tasks:
                 self._tasks[event.run] = self._bars.add_task(said["what"], total=said["total"])
             self._bars.update(self._tasks[event.run], completed=said["done"], description=said["what"])
-        elif event.kind == "hit_refused":
-            self._say(f"  hit at point {said['point']} refused: {said['reason']}")
+        elif event.kind == "hit_rejected":
+            self._say(f"  hit at point {said['point']} rejected: {said['reason']}")
         elif event.kind in ("notice", "failed"):
             self._say(f"  {said['what']}")
 

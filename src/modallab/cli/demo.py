@@ -1,4 +1,4 @@
-"""`modallab demo`: both tests on the simulated bench, from the first blow to the report."""
+"""`modallab demo`: both tests on the simulated bench, from the first hit to the report."""
 
 import argparse
 from importlib.resources import files
@@ -8,21 +8,21 @@ from urllib.parse import quote
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from modallab.campaign.demo_plan import demo_plans
-from modallab.campaign.session import record_campaign
 from modallab.cli.identify import print_remarks, result_table
-from modallab.exchange.campaign_hdf5 import write_campaign
-from modallab.exchange.rig_file import parse_rig, write_rig
-from modallab.figures.report import write_report
+from modallab.core import events
+from modallab.core.block import Block, Campaign
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.rig.rig_file import parse_rig, write_rig
 from modallab.identification.options import Options
-from modallab.schema import events
-from modallab.schema.block import Block, Campaign
-from modallab.schema.rig import Rig
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import write_models
+from modallab.pipelines.report import report_content
+from modallab.reporting.report import write_report
+from modallab.service.campaigns.demo_plan import demo_plans
+from modallab.service.campaigns.plain_session import record_campaign
 from modallab.storage import Store
-from modallab.storage.campaigns import refused_blocks
-from modallab.tasks.identify import identify_campaign
-from modallab.tasks.model_file import write_models
-from modallab.tasks.report import report_content
+from modallab.storage.campaigns import rejected_blocks
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     write_rig(rig, folder / "rig.yaml")
     write_campaign(campaign, folder / "campaign.h5")
     write_models(folder / "models.json", campaign, result)
-    content = report_content(campaign, result, f"Modal test of {rig.name}", _refused(folder, campaign))
+    content = report_content(campaign, result, f"Modal test of {rig.name}", _rejected(folder, campaign))
     write_report(folder / "report.html", content)
     console.print(result_table(campaign, result))
     print_remarks(console, result)
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def demo_rig() -> Rig:
     """The paper's link as a rig."""
-    resource = files("modallab.campaign").joinpath("link_rig.yaml")
+    resource = files("modallab.service").joinpath("link_rig.yaml")
     return parse_rig(resource.read_text(encoding="utf-8"), "the demo's rig")
 
 
@@ -63,17 +63,17 @@ def _record(console: Console, url: str, rig: Rig, folder: Path) -> Campaign:
     with bar:
         tasks = {}
 
-        def tell(event: events.Event) -> None:
+        def notify(event: events.Event) -> None:
             if isinstance(event, events.Progress):
                 if event.run not in tasks:
                     tasks[event.run] = bar.add_task(event.what, total=event.total)
                 bar.update(tasks[event.run], completed=event.done, description=event.what)
-            elif isinstance(event, events.HitRefused):
-                console.print(f"  hit at point {event.point} refused: {event.reason}", markup=False)
+            elif isinstance(event, events.HitRejected):
+                console.print(f"  hit at point {event.point} rejected: {event.reason}", markup=False)
 
-        return record_campaign(url, rig, demo_plans(), folder / "data", tell)
+        return record_campaign(url, rig, demo_plans(), folder / "data", notify)
 
 
-def _refused(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
+def _rejected(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
     with Store(folder / "data") as store:
-        return [pair for run_id in campaign.provenance["runs"].split() for pair in refused_blocks(store, run_id)]
+        return [pair for run_id in campaign.provenance["runs"].split() for pair in rejected_blocks(store, run_id)]

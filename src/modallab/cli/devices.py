@@ -4,9 +4,9 @@ import argparse
 
 from rich.console import Console
 
-from modallab.backend.loader import find_devices, open_output
-from modallab.errors import ConfigurationError
-from modallab.exchange.rig_file import read_rig
+from modallab.bench.loader import find_devices, open_output
+from modallab.core.errors import ConfigurationError
+from modallab.formats.rig.rig_file import read_rig
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -7,18 +7,18 @@ from pathlib import Path
 
 from rich.console import Console
 
-from modallab.errors import DataError
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.exchange.export import write_export
-from modallab.exchange.rig_file import read_rig
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.exporter import write_export
+from modallab.formats.rig.rig_file import read_rig
+from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.impact import default_band
-from modallab.schema.block import Campaign
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Rig
-from modallab.spectra.frf import group_by_point, impact_frf
-from modallab.spectra.scale import to_signals_of
+from modallab.pipelines.model_file import read_models
+from modallab.signals.scaling import to_signals_of
 from modallab.storage import Store, campaign_of
-from modallab.tasks.model_file import read_models
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -46,6 +46,6 @@ def _campaign(source: Path, runs: Sequence[str], rig: Rig | None) -> Campaign:
 
 def _with_frfs(campaign: Campaign) -> Campaign:
     if not campaign.of("impact"):
-        raise DataError("there are no blows, so no FRFs", where=campaign.source, remedy="leave --frf out")
+        raise DataError("there are no hits, so no FRFs", where=campaign.source, remedy="leave --frf out")
     groups = group_by_point(to_signals_of(campaign.of("impact"), campaign.rig))
     return replace(campaign, frfs=(*campaign.frfs, impact_frf(groups, campaign.rig, default_band(groups))))

@@ -10,22 +10,24 @@ from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.table import Table
 
-from modallab.errors import FormatError, PlanError
-from modallab.exchange.atomic import replacing
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.exchange.rig_file import read_rig
-from modallab.figures.gap_report import write_gap_report
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.errors import FormatError, PlanError
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.formats.atomic import replacing
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
+from modallab.gap.design.distinguishability import advice, distinguishability
+from modallab.gap.design.prediction import predict
 from modallab.gap.diagnose import diagnose
-from modallab.gap.isolability import advice, isolability
-from modallab.gap.predict import predict
-from modallab.gap.say import sentence
-from modallab.schema.diagnosis import Diagnosis
-from modallab.schema.plan import ImpactPlan, Plan, SinePlan
+from modallab.gap.report.summary import sentence
+from modallab.reporting.gap_report import write_gap_report
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chosen one of the three."""
-    return {"diagnose": _diagnose, "predict": _predict, "isolability": _isolability}[arguments.action](arguments)
+    return {"diagnose": _diagnose, "predict": _predict, "distinguishability": _distinguishability}[arguments.action](
+        arguments
+    )
 
 
 def _diagnose(arguments: argparse.Namespace) -> int:
@@ -75,15 +77,15 @@ def read_diagnosis(path: Path) -> Diagnosis:
         ) from error
 
 
-def _isolability(arguments: argparse.Namespace) -> int:
+def _distinguishability(arguments: argparse.Namespace) -> int:
     plans = read_plans(arguments.plan)
-    found = isolability(read_rig(arguments.rig), plans)
+    found = distinguishability(read_rig(arguments.rig), plans)
     console = Console()
     pairs = found.alike()
     table = Table("effect", "and", "cosine")
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
-    console.print(table if pairs else "Every two effects can be told apart (cosine below 0.95).")
+    console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
     for line in advice(found, plans):

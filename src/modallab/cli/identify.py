@@ -5,15 +5,15 @@ import argparse
 from rich.console import Console
 from rich.table import Table
 
-from modallab.exchange.campaign_hdf5 import read_campaign
-from modallab.exchange.rig_file import read_rig
-from modallab.figures.report import write_report
-from modallab.figures.table import modal_table
+from modallab.core.block import Campaign
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
-from modallab.schema.block import Campaign
-from modallab.tasks.identify import Result, identify_campaign
-from modallab.tasks.model_file import write_models
-from modallab.tasks.report import report_content, truth_of
+from modallab.pipelines.identify import Result, identify_campaign
+from modallab.pipelines.model_file import write_models
+from modallab.pipelines.report import report_content, truth_of
+from modallab.reporting.report import write_report
+from modallab.reporting.table import modal_table
 
 
 def run(arguments: argparse.Namespace) -> int:

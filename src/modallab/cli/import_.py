@@ -7,18 +7,18 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from modallab.errors import StorageError
-from modallab.exchange.campaign_hdf5 import campaign_file, write_campaign
-from modallab.exchange.importer import import_sources
-from modallab.exchange.options import ImportOptions
-from modallab.exchange.rig_file import read_rig
-from modallab.schema.block import Block, Campaign
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import StorageError
+from modallab.formats.campaign.campaign_hdf5 import campaign_file, write_campaign
+from modallab.formats.importer import import_sources
+from modallab.formats.options import ImportOptions
+from modallab.formats.rig.rig_file import read_rig
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read all sources, write the campaign, print what it holds."""
     out: Path = arguments.out
-    _refuse_own_source(out, arguments.sources)
+    _reject_own_source(out, arguments.sources)
     options = ImportOptions(
         test=arguments.test, rate_hz=arguments.rate, drive_point=arguments.drive_point, volts=arguments.volts
     )
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _refuse_own_source(out: Path, sources: list[Path]) -> None:
+def _reject_own_source(out: Path, sources: list[Path]) -> None:
     for source in sources:
         if out.exists() and source.exists() and campaign_file(source).samefile(out):
             raise StorageError(

@@ -51,7 +51,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
     command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
-    command.add_argument("--drive-point", type=int, metavar="N", help="point of the blow or of the shaker")
+    command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     command.set_defaults(module="import_")
 
@@ -94,7 +94,7 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
     command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
-    command = actions.add_parser("isolability", help="which effects a plan cannot tell apart, before any data")
+    command = actions.add_parser("distinguishability", help="which effects a plan cannot tell apart, before any data")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
     gap.set_defaults(module="gap")

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from modallab.acquisition.trip import TripLatch
-from modallab.backend.loader import open_bench
-from modallab.backend.protocol import Bench, Delivery, Request
-from modallab.errors import PlanError, RigError
-from modallab.exchange.rig_file import read_rig, write_rig
-from modallab.schema.rig import Channel, Rig
-from modallab.tasks import calibrate
-from modallab.tasks.rig_check import CLOCK_BURST_S, Finding, check_at_rest, check_clock, check_polarity
+from modallab.acquisition.process.trip import TripLatch
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.commissioning import calibrate
+from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock, check_idle, check_polarity
+from modallab.core.errors import PlanError, RigError
+from modallab.core.rig import Channel, Rig
+from modallab.formats.rig.rig_file import read_rig, write_rig
 
 RATE_HZ = 2000.0
 
@@ -37,16 +37,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _reset(url: str, arguments: argparse.Namespace) -> int:
     trip = TripLatch(arguments.data, url).reset()
-    told = (
+    reported = (
         f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"
     )
-    Console().print(f"{url}: {told}", markup=False, highlight=False)
+    Console().print(f"{url}: {reported}", markup=False, highlight=False)
     return 0
 
 
 def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
-    findings = check_at_rest(bench, rig, arguments.seconds)
+    findings = check_idle(bench, rig, arguments.seconds)
     if arguments.tap:
         findings += check_polarity(bench, rig, lambda point: console.print(f"tap point {point} now"))
     if arguments.drive is not None:

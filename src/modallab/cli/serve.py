@@ -5,14 +5,14 @@ import signal
 from typing import Any
 
 from modallab.cli.demo import demo_rig
-from modallab.errors import RigError
-from modallab.exchange.rig_file import read_rig
-from modallab.schema.rig import Rig
-from modallab.serve.log import set_up
-from modallab.serve.remote import require_scheduler, settle_database
-from modallab.serve.supervisor import Supervisor
-from modallab.serve.token_file import require_token, token_path
-from modallab.settings import Settings
+from modallab.core.errors import RigError
+from modallab.core.rig import Rig
+from modallab.core.settings import Settings
+from modallab.formats.rig.rig_file import read_rig
+from modallab.service.process.log import set_up
+from modallab.service.process.remote import require_scheduler, settle_database
+from modallab.service.process.supervisor import Supervisor
+from modallab.service.process.token_file import require_token, token_path
 
 OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers", "jobs")
 
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"modallab serves at http://{place.host}:{place.port}/, the API is at /docs")
         print(f"emergency stop:    curl -X POST http://{place.host}:{place.stop_port}/emergency-stop")
         print(f"token:             {'as set' if settings.token else token_path(settings)}")
-        for state in supervisor.desks.states():
+        for state in supervisor.controllers.states():
             print(f"rig:               {state.id} at {state.bench}", flush=True)
         supervisor.wait()
     return 0

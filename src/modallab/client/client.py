@@ -14,12 +14,12 @@ from pydantic import BaseModel, JsonValue
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
 from modallab.client.stream import read_events
-from modallab.schema.plan import Plan
-from modallab.schema.service.campaigns import CampaignNew, CampaignView
-from modallab.schema.service.pages import EventView, Page
-from modallab.schema.service.results import FrfView, JobKind, JobNew, JobView
-from modallab.schema.service.rigs import Lease, LeaseNew, RigView, StopReason
-from modallab.schema.service.runs import BlockView, Command, RunNew, RunView, Verdict
+from modallab.core.documents.campaigns import CampaignNew, CampaignView
+from modallab.core.documents.pages import EventView, Page
+from modallab.core.documents.results import FrfView, JobKind, JobNew, JobView
+from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
+from modallab.core.documents.runs import BlockView, Command, RunNew, RunView, Verdict
+from modallab.core.plan import Plan
 
 Document = TypeVar("Document", bound=BaseModel)
 ENDED = ("done", "failed", "aborted")
@@ -30,7 +30,7 @@ _BROKEN = (httpx.ConnectError, httpx.ReadError, httpx.WriteError, httpx.RemotePr
 
 
 class Client:
-    """A connection to one service. Every method raises `ServiceProblemError` for what the service refuses."""
+    """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
 
     def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
         """`operator` is who is asking, for the record."""
@@ -104,7 +104,7 @@ class Client:
         return self._post(RunView, f"/runs/{run}/commands", command, lease)
 
     def blocks(self, run: str) -> tuple[BlockView, ...]:
-        """All blocks of a run, refused ones with them."""
+        """All blocks of a run, rejected ones with them."""
         return tuple(self._all(BlockView, f"/runs/{run}/blocks"))
 
     def samples(self, run: str, n: int) -> NDArray[Any]:
@@ -120,7 +120,7 @@ class Client:
         return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
 
     def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease) -> BlockView:
-        """Accept or refuse a block."""
+        """Accept or reject a block."""
         path = f"/runs/{run}/blocks/{n}/verdict"
         return BlockView.model_validate_json(self._send("PUT", path, verdict, lease).content)
 

@@ -7,7 +7,7 @@ from typing import Self
 
 import httpx
 
-from modallab.schema.service.rigs import Lease
+from modallab.core.documents.rigs import Lease
 
 
 class HeldLease:
@@ -45,7 +45,7 @@ class HeldLease:
             try:
                 self._renew(self.lease)
             except httpx.HTTPError:
-                # No answer is no refusal: a busy service may give one yet, before the lease is over.
+                # No answer is no rejection: a busy service may give one yet, before the lease is over.
                 continue
             except Exception as error:
                 # The next command says so too; a thread has nobody to tell.

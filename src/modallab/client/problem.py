@@ -1,9 +1,9 @@
-"""What the service refused, as an exception."""
+"""What the service rejected, as an exception."""
 
 import httpx
 from pydantic import ValidationError
 
-from modallab.schema.service.pages import Problem
+from modallab.core.documents.pages import Problem
 
 
 class ServiceProblemError(Exception):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from modallab.schema.service.pages import EventView
+from modallab.core.documents.pages import EventView
 
 
 def read_events(lines: Iterable[str]) -> Iterator[EventView]:

@@ -6,24 +6,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.before import TOP_HZ, as_came, bench_of, weights_of
-from modallab.gap.choose import Choice, choose, intervals, probabilities
-from modallab.gap.contradictions import contradictions
-from modallab.gap.explain import explain
-from modallab.gap.fit import Fit
-from modallab.gap.inspected import inspected
-from modallab.gap.locate import locate
-from modallab.gap.measure import band_of, by_frequency, squares
-from modallab.gap.next_step import next_experiment
-from modallab.gap.nuisances import nuisances
-from modallab.gap.prepare import Prepared, prepare
-from modallab.gap.reduce import Reduced, Weights, reduce
-from modallab.gap.shrink import closed, shrink
-from modallab.gap.split import split
-from modallab.gap.where import where
-from modallab.schema.block import Campaign
-from modallab.schema.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict
-from modallab.schema.effects import kind_of
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict
+from modallab.core.effects import kind_of
+from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.split import split
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.report.contradictions import contradictions
+from modallab.gap.report.initial_gap import TOP_HZ, as_came, bench_of, weights_of
+from modallab.gap.report.inspected import inspected
+from modallab.gap.report.locate import locate
+from modallab.gap.report.measure import band_of, by_frequency, squares
+from modallab.gap.report.next_step import next_experiment
+from modallab.gap.report.shrinkage import closed, shrink
+from modallab.gap.report.where import where
+from modallab.gap.search.choose import Choice, choose, intervals, probabilities
+from modallab.gap.search.explain import explain
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -154,8 +154,8 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
 
 def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[str], held: bool) -> Shrink:
     chosen = set(names)
-    rails = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, rails))
+    full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
+    raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, full_scales))
     clean = reduce(campaign, [b for b in prepared.blocks if b.name in chosen], weights_of(prepared))
     before = squares(choice.base.problem.twin(choice.base.u), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.

@@ -5,24 +5,24 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import IdentificationError
-from modallab.identification.basis import LineBlock
-from modallab.identification.choice import chosen, start_poles
-from modallab.identification.estimators import estimate_poles
-from modallab.identification.excitation import Grid, UnitExcitation
-from modallab.identification.fit import Fit
-from modallab.identification.half_power import reading_near, summed_amplitude
-from modallab.identification.model_of_fit import model_of_fit
+from modallab.core.array_checks import check_frf
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import DERIVATIVES, Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.estimate import convert
+from modallab.identification.estimators.half_power import reading_near, summed_amplitude
+from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.excitation import Grid, UnitExcitation
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
+from modallab.identification.likelihood.rows import stack, unstack
+from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
+from modallab.identification.model.modal_model import model_of_fit
+from modallab.identification.model.unrefined import CALLED, without_sigma
 from modallab.identification.options import Options
-from modallab.identification.projection import Parameters, Problem, solve_at
-from modallab.identification.rows import stack, unstack
-from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
-from modallab.identification.unrefined import CALLED, without_sigma
-from modallab.schema.check import check_frf
-from modallab.schema.frf import DERIVATIVES, Frf
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Rig
-from modallab.spectra.frf import convert
+from modallab.identification.selection.operator_choice import chosen, start_poles
 
 MANY = 2
 """From this many channels per column of the model on, a few mixed ones are searched first."""

@@ -5,26 +5,26 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import IdentificationError
+from modallab.core.block import Signals
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.block_readings import half_power_readings
-from modallab.identification.blows import Blows, Groups, line_blocks
-from modallab.identification.choice import chosen, start_poles
-from modallab.identification.confidence import least_strength, strength
-from modallab.identification.estimators import estimate_poles
-from modallab.identification.fit import Fit
-from modallab.identification.impact_search import again, as_estimated, first_look
-from modallab.identification.model_of_fit import model_of_fit
+from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
+from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
+from modallab.identification.likelihood.search import NOT_SETTLED
+from modallab.identification.model.modal_model import model_of_fit
+from modallab.identification.model.unrefined import without_sigma
 from modallab.identification.options import Options
-from modallab.identification.search import NOT_SETTLED
-from modallab.identification.silence import model_error, model_error_notes
-from modallab.identification.unrefined import without_sigma
-from modallab.schema.block import Signals
-from modallab.schema.frf import Frf
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Rig
-from modallab.spectra.blow import find_blow, windowed_force
-from modallab.spectra.border import check_test
-from modallab.spectra.frf import group_by_point, impact_frf
+from modallab.identification.selection.confidence import least_strength, strength
+from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
+from modallab.signals.checks import check_test
+from modallab.signals.hit import find_hit, windowed_force
 
 LEAK = 300.0
 """The artificial damping lets every ring-down fall by this factor within the block, before an estimator sees it."""
@@ -33,19 +33,19 @@ LOWEST_LINE = 3
 ANTI_ALIAS_SHARE = 0.4
 """Up to this share of the rate the chain's anti-alias filters are flat."""
 FORCE_DROP_DB = 40.0
-"""Default upper edge: where the blow's spectrum has fallen by this much for good."""
+"""Default upper edge: where the hit's spectrum has fallen by this much for good."""
 
 
 def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
     """Modal model of the hits.
 
     Args:
-        signals: blocks of the test, equal in rate and length, each with one blow.
+        signals: blocks of the test, equal in rate and length, each with one hit.
         rig: channels and points.
         options: the estimator and whether its poles are refined; band and order.
 
     Raises:
-        DataError: a block without a blow, or a band without lines.
+        DataError: a block without a hit, or a band without lines.
         IdentificationError: the estimator finds no pole, or no pole stands out of the noise.
     """
     check_test(signals)
@@ -72,12 +72,12 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
 
 
 def default_band(groups: Groups) -> tuple[float, float]:
-    """From the third line to where the blows' spectrum has fallen by 40 dB for good, 0.4 of the rate at most."""
+    """From the third line to where the hits' spectrum has fallen by 40 dB for good, 0.4 of the rate at most."""
     first = groups[0][0]
     n, rate = first.force.size, first.rate_hz
     power = np.zeros(n // 2 + 1)
     for signals in (s for group in groups for s in group):
-        power += np.abs(np.fft.rfft(windowed_force(signals.force, find_blow(signals.force)))) ** 2
+        power += np.abs(np.fft.rfft(windowed_force(signals.force, find_hit(signals.force)))) ** 2
     loud = np.flatnonzero(power > power.max() * 10 ** (-FORCE_DROP_DB / 10))
     return LOWEST_LINE * rate / n, min(ANTI_ALIAS_SHARE * rate, float(loud[-1]) * rate / n)
 
@@ -105,7 +105,7 @@ def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: O
 
 
 def _searched(
-    unknown: Blows,
+    unknown: Hits,
     poles: NDArray[np.complex128],
     groups: Groups,
     signals: Sequence[Signals],
@@ -122,7 +122,7 @@ def _searched(
 
 
 def _without_errors(
-    unknown: Blows,
+    unknown: Hits,
     fit: Fit,
     keep: NDArray[np.bool_],
     signals: Sequence[Signals],

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.errors import IdentificationError
-from modallab.schema.model import Method
+from modallab.core.errors import IdentificationError
+from modallab.core.model import Method
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Options:
     refine: bool | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what no identification can be asked for.
+        """Reject what no identification can be asked for.
 
         Raises:
             IdentificationError: a band, an order, or frequencies to pick or drop that cannot be.

@@ -11,32 +11,32 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import DataError, IdentificationError
-from modallab.identification.basis import LineBlock
-from modallab.identification.beyond import with_stand_ins
-from modallab.identification.choice import chosen, start_poles
-from modallab.identification.estimators import estimate_poles
-from modallab.identification.excitation import Grid
-from modallab.identification.fit import Fit
-from modallab.identification.half_power import reading_near, summed_amplitude
-from modallab.identification.model_of_fit import model_of_fit
+from modallab.core.block import Signals
+from modallab.core.errors import DataError, IdentificationError
+from modallab.core.frf import DERIVATIVES, Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.estimate import convert, lines, output_quantity
+from modallab.frf.stepped import stepped_frf
+from modallab.identification.estimators.half_power import reading_near, summed_amplitude
+from modallab.identification.estimators.missed_modes import with_missing
+from modallab.identification.estimators.refine_start import polished
+from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimators.stabilisation import Tolerance
+from modallab.identification.estimators.tones import Tone, clock_notes, default_band, fit_tone
+from modallab.identification.likelihood.basis import LineBlock
+from modallab.identification.likelihood.excitation import Grid
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.out_of_band import with_stand_ins
+from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.projection import Parameters, Problem
+from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
+from modallab.identification.likelihood.sine_block import tone
+from modallab.identification.model.modal_model import model_of_fit
+from modallab.identification.model.unrefined import without_sigma
 from modallab.identification.options import Options
-from modallab.identification.poles import poles_of
-from modallab.identification.polish import polished
-from modallab.identification.projection import Parameters, Problem
-from modallab.identification.scan import with_missing
-from modallab.identification.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
-from modallab.identification.stabilisation import Tolerance
-from modallab.identification.tone import tone
-from modallab.identification.tones import Tone, clock_notes, default_band, fit_tone
-from modallab.identification.unrefined import without_sigma
-from modallab.schema.block import Signals
-from modallab.schema.frf import DERIVATIVES, Frf
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Rig
-from modallab.spectra.border import check_test
-from modallab.spectra.frf import convert, lines, output_quantity
-from modallab.spectra.stepped import stepped_frf
+from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.signals.checks import check_test
 
 Real = NDArray[np.float64]
 
@@ -176,6 +176,6 @@ def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:
     return read, gaps
 
 
-def _gap(frequency_hz: Real, wanted_hz: float) -> float:
-    above = int(np.clip(np.searchsorted(frequency_hz, wanted_hz), 1, frequency_hz.size - 1))
+def _gap(frequency_hz: Real, requested_hz: float) -> float:
+    above = int(np.clip(np.searchsorted(frequency_hz, requested_hz), 1, frequency_hz.size - 1))
     return float(frequency_hz[above] - frequency_hz[above - 1])

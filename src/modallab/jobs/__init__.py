@@ -2,6 +2,6 @@
 
 from modallab.jobs.job import Job, JobPage, JobState
 from modallab.jobs.jobs import Jobs
-from modallab.jobs.kind import Computed, Kind, Tell
+from modallab.jobs.kind import Computed, Kind, Notify
 
-__all__ = ["Computed", "Job", "JobPage", "JobState", "Jobs", "Kind", "Tell"]
+__all__ = ["Computed", "Job", "JobPage", "JobState", "Jobs", "Kind", "Notify"]

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 from dask import config
 from distributed.security import Security
 
-from modallab.errors import JobError
+from modallab.core.errors import JobError
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Tls:
 
 
 def check_address(scheduler: str, tls: Tls | None) -> None:
-    """Refuse an address that would send recordings, and code, in the open.
+    """Reject an address that would send recordings, and code, in the open.
 
     Raises:
         JobError: no `tcp://` or `tls://` address with a port; `tcp://` to another machine; `tls://` without files.

@@ -9,7 +9,7 @@ from distributed import Client, Future
 from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
-from modallab.errors import ModallabError
+from modallab.core.errors import ModallabError
 from modallab.jobs.kind import Computed, Kind
 from modallab.jobs.leases import Leases, Taken
 from modallab.jobs.task import compute, interrupt

@@ -33,10 +33,10 @@ _CONFIG = {
 class Cluster:
     """A client of a scheduler, and the scheduler and its workers too if they are this machine's own."""
 
-    def __init__(self, client: Client, own: SpecCluster | None = None, wanted: int = 0) -> None:
+    def __init__(self, client: Client, own: SpecCluster | None = None, requested: int = 0) -> None:
         self.client = client
         self._own = own
-        self._wanted = wanted
+        self._requested = requested
         self._whole = time.monotonic()
         self.patience_s = ASK_S
 
@@ -94,7 +94,7 @@ class Cluster:
         Dask replaces a worker that dies, but not one that dies the moment it has come up.
         """
         threads = self.threads
-        if threads >= self._wanted:
+        if threads >= self._requested:
             self._whole = time.monotonic()
         return (idle or threads == 0) and time.monotonic() - self._whole > MEND_S
 

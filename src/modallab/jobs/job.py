@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from pydantic import Field, JsonValue
 
-from modallab.errors import JobError
-from modallab.schema.frozen import Frozen
+from modallab.core.errors import JobError
+from modallab.core.frozen import Frozen
 
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 

@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Engine, insert, select, update
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from modallab import __version__
-from modallab.errors import JobError, StorageError, UnknownJobError
+from modallab.core.errors import JobError, StorageError, UnknownJobError
 from modallab.jobs.job import OPEN, Job, JobPage, JobState, job_key
 from modallab.jobs.table import JOBS, job_of, make_table
 

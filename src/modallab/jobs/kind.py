@@ -7,7 +7,7 @@ from typing import Any, Protocol
 from pydantic import JsonValue
 
 
-class Tell(Protocol):
+class Notify(Protocol):
     """How a computation says how far it is. Raises `Interrupted` where the job was cancelled meanwhile."""
 
     def __call__(self, fraction: float, /) -> None:
@@ -47,6 +47,6 @@ class Kind:
 
     name: str
     load: Callable[[dict[str, JsonValue], tuple[str, ...]], Any]
-    compute: Callable[[Any, Tell], Computed]
+    compute: Callable[[Any, Notify], Computed]
     keep: Callable[[str, Computed], JsonValue]
     limit_s: float = 3600.0

@@ -44,11 +44,13 @@ class Leases:
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
         Silence is timed from call to call, so this is to be called now and then, also with no room for more.
         """
-        waiting, silent = self._look()
-        if limit < 1 or not (waiting or silent):
+        waiting, timed_out = self._look()
+        if limit < 1 or not (waiting or timed_out):
             return []
         with self._engine.begin() as connection:
-            query = select(JOBS).where(_free(silent)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+            query = (
+                select(JOBS).where(_free(timed_out)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+            )
             rows = connection.execute(query).mappings().all()
             return [taken for row in rows if (taken := self._lease(connection, row, kinds)) is not None]
 
@@ -118,10 +120,10 @@ class Leases:
         return connection.execute(update(JOBS).where(mine).values(values)).rowcount == 1
 
 
-def _free(silent: Mapping[str, Mark]) -> Any:
+def _free(timed_out: Mapping[str, Mark]) -> Any:
     # Whoever gave a sign since the look, or took the job, has changed its mark.
     theirs = (
-        and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.beat == beat) for job, (fence, beat) in silent.items()
+        and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.beat == beat) for job, (fence, beat) in timed_out.items()
     )
     return or_(JOBS.c.state == "queued", and_(JOBS.c.state == "running", or_(false(), *theirs)))
 

@@ -163,7 +163,7 @@ class Runner:
             return list(self._attempts.values())
 
     def _note(self, event: tuple[float, dict[str, object]]) -> None:
-        told = event[1]
-        attempt = self._attempts.get(str(told["attempt"]))
+        reported = event[1]
+        attempt = self._attempts.get(str(reported["attempt"]))
         if attempt is not None:
-            attempt.progress = float(str(told["progress"]))
+            attempt.progress = float(str(reported["progress"]))

@@ -50,7 +50,7 @@ JOBS = Table(
     sqlite_autoincrement=True,
 )
 _ALIVE = text("state IN ('queued', 'running', 'done')")
-# What is wanted twice is done once, even if two ask at the same instant. What failed may be asked for again.
+# What is requested twice is done once, even if two ask at the same instant. What failed may be asked for again.
 Index("jobs_one_of_a_key", JOBS.c.key, unique=True, sqlite_where=_ALIVE, postgresql_where=_ALIVE)
 Index("jobs_by_state", JOBS.c.state, JOBS.c.n)
 

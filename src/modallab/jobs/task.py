@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 from distributed import get_worker
 
-from modallab.errors import ModallabError
-from modallab.jobs.kind import Computed, Tell
+from modallab.core.errors import ModallabError
+from modallab.jobs.kind import Computed, Notify
 
 TOPIC = "modallab-progress"
 """Under which workers tell the runner how far they are."""
@@ -61,7 +61,7 @@ async def interrupt(attempt: str) -> bool:
     return _RUNNING.interrupt(attempt)
 
 
-def compute(attempt: str, work: Callable[[Any, Tell], Computed], payload: Any) -> tuple[Verdict, Computed | str]:
+def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any) -> tuple[Verdict, Computed | str]:
     """Run one computation on a worker. What it raises is its result: only the loss of a worker is an error to Dask."""
     try:
         _RUNNING.enter(attempt)
@@ -78,15 +78,15 @@ def compute(attempt: str, work: Callable[[Any, Tell], Computed], payload: Any) -
         return "failed", f"{type(error).__name__}: {error}"
 
 
-def _teller(attempt: str) -> Tell:
+def _teller(attempt: str) -> Notify:
     worker = get_worker()
     last = -_TELL_EVERY_S
 
-    def tell(fraction: float, /) -> None:
+    def notify(fraction: float, /) -> None:
         nonlocal last
         now = time.monotonic()
         if now - last >= _TELL_EVERY_S:
             last = now
             worker.log_event(TOPIC, {"attempt": attempt, "progress": min(1.0, max(0.0, float(fraction)))})
 
-    return tell
+    return notify

@@ -20,15 +20,15 @@ class Watch:
         self._clock = clock
         self._looked_s = clock()
         self._marks: dict[str, Mark] = {}
-        self._silence_s: dict[str, float] = {}
+        self._timeout_s: dict[str, float] = {}
 
     def look(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
         """Note what is held now; those of them that have been silent for longer than the lease, with their marks."""
         now = self._clock()
         passed = min(now - self._looked_s, self._lease_s / 5)
         self._looked_s = now
-        self._silence_s = {
-            job: self._silence_s[job] + passed if self._marks.get(job) == mark else 0.0 for job, mark in held.items()
+        self._timeout_s = {
+            job: self._timeout_s[job] + passed if self._marks.get(job) == mark else 0.0 for job, mark in held.items()
         }
         self._marks = dict(held)
-        return {job: mark for job, mark in held.items() if self._silence_s[job] > self._lease_s}
+        return {job: mark for job, mark in held.items() if self._timeout_s[job] > self._lease_s}

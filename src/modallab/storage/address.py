@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modallab.errors import FormatError, StorageError
+from modallab.core.errors import FormatError, StorageError
 
 DATABASE = "modallab.db"
 ADDRESS = "database.url"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sqlalchemy import MetaData
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.storage.address import database_of, name_database
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.copy_samples import copy_live, copy_whole

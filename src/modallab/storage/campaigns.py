@@ -1,10 +1,10 @@
-"""Several runs of one visit to the bench, as one campaign."""
+"""Several runs of one session at the bench, as one campaign."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from modallab.errors import StorageError
-from modallab.schema.block import Block, Campaign
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import StorageError
 from modallab.storage.records import RunRecord
 from modallab.storage.store import Store
 
@@ -38,10 +38,10 @@ def campaign_of(store: Store, runs: Sequence[str], *, invalid: bool = False) -> 
     )
 
 
-def refused_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
+def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
     """The blocks of a run that were not accepted, each with its reason."""
     reasons = {row.note.name: row.note.reason for row in store.catalogue.blocks(run) if not row.note.accepted}
-    return [(block, reasons[block.name]) for block in store.iterate(run, refused=True) if block.name in reasons]
+    return [(block, reasons[block.name]) for block in store.iterate(run, rejected=True) if block.name in reasons]
 
 
 def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
@@ -79,7 +79,7 @@ def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
 def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
     rows = store.catalogue.blocks(record.id)
     rates = record.rates
-    told = {
+    reported = {
         "state": record.state,
         "reason": record.reason,
         "created_utc": record.created_utc,
@@ -87,7 +87,7 @@ def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
         "requested_rate_hz": "" if rates is None else repr(rates.requested_hz),
         "actual_rate_hz": "" if rates is None else repr(rates.actual_hz),
         "rate_hz": "" if rates is None else repr(rates.delivered_hz),
-        "refused": "; ".join(f"{row.note.name}: {row.note.reason}" for row in rows if not row.note.accepted),
+        "rejected": "; ".join(f"{row.note.name}: {row.note.reason}" for row in rows if not row.note.accepted),
         "overload": "; ".join(f"{row.note.name}: {' '.join(row.note.overload)}" for row in rows if row.note.overload),
     }
-    return {key: value for key, value in told.items() if value}
+    return {key: value for key, value in reported.items() if value}

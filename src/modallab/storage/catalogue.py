@@ -10,9 +10,9 @@ from pydantic import TypeAdapter
 from sqlalchemy import Connection, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
-from modallab.errors import StorageError
-from modallab.schema.plan import Plan
-from modallab.schema.rig import Rig
+from modallab.core.errors import StorageError
+from modallab.core.plan import Plan
+from modallab.core.rig import Rig
 from modallab.storage.durable import failure
 from modallab.storage.engine import open_engine
 from modallab.storage.migrate import migrate

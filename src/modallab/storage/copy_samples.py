@@ -7,7 +7,7 @@ from typing import cast
 
 import h5py
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.storage.durable import failure, sync_file, sync_folder
 from modallab.storage.recorder import checksum
 from modallab.storage.records import BlockRecord

@@ -7,7 +7,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from modallab.errors import DiskFullError, StorageError
+from modallab.core.errors import DiskFullError, StorageError
 
 NETWORK_FILE_SYSTEMS = frozenset({"nfs", "nfs4", "cifs", "smb3", "smbfs", "afs", "ncpfs", "fuse.sshfs", "fuse.rclone"})
 """Where locks and shared mappings do not hold between machines, or a sync does not reach the disk."""
@@ -35,7 +35,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def require_space(folder: Path, need_bytes: int) -> None:
-    """Refuse to go on without room.
+    """Reject to go on without room.
 
     Raises:
         DiskFullError: fewer than `need_bytes` are free where `folder` is.
@@ -50,7 +50,7 @@ def require_space(folder: Path, need_bytes: int) -> None:
 
 
 def require_local(folder: Path) -> None:
-    """Refuse a folder on a network share, as far as the system tells.
+    """Reject a folder on a network share, as far as the system tells.
 
     Raises:
         StorageError: the folder is on a share.

@@ -4,7 +4,7 @@ from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 
 BUSY_S = 30.0
 _DIALECTS = ("sqlite", "postgresql")

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 
 from sqlalchemy import Connection, insert, inspect, select, text, update
 
-from modallab.errors import FormatError
-from modallab.schema.versions import STORE as NEWEST
+from modallab.core.errors import FormatError
+from modallab.core.versions import STORE as NEWEST
 from modallab.storage.tables import DROPPED, METADATA, REMOVED, STORE
 
 Step = Callable[[Connection], None]

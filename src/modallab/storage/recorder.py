@@ -8,14 +8,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from modallab.backend.protocol import Delivery
-from modallab.errors import DiskFullError, StorageError
-from modallab.schema.events import BlockAcknowledged, RunState
-from modallab.schema.versions import SAMPLES
+from modallab.bench.protocol import Delivery
+from modallab.core.errors import DiskFullError, StorageError
+from modallab.core.events import BlockAcknowledged, RunState
+from modallab.core.versions import SAMPLES
 from modallab.storage.catalogue import Catalogue
+from modallab.storage.free_space import require_room
 from modallab.storage.lease import Lease
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
-from modallab.storage.room import require_room
 from modallab.storage.samples import Samples, SampleWriter
 
 

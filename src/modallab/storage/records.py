@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass, field
 
-from modallab.schema.events import RunState
-from modallab.schema.plan import Plan
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.core.events import RunState
+from modallab.core.plan import Plan
+from modallab.core.rig import Rig
+from modallab.core.units import Test
 
 ENDED: frozenset[RunState] = frozenset({"done", "failed", "aborted"})
 """States a run never leaves."""
@@ -71,11 +71,11 @@ class BlockNote:
         name: name of the record.
         test: which test.
         first_sample: place of the first sample in the device's count.
-        drive_point: point of the blow or of the shaker.
+        drive_point: point of the hit or of the shaker.
         level: name of the drive level.
         frequency_hz: what the generator was set to.
-        accepted: False for a refused blow, which is kept all the same.
-        reason: why it was refused, with the number.
+        accepted: False for a rejected hit, which is kept all the same.
+        reason: why it was rejected, with the number.
         overload: names of the channels that were beyond their range.
         facts: what else was measured about it, such as the residual motion before it.
     """

@@ -1,11 +1,11 @@
-"""Deletes samples that are no longer wanted, and remembers that they were there."""
+"""Deletes samples that are no longer requested, and remembers that they were there."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from modallab.errors import StorageError
-from modallab.schema.events import RunState
+from modallab.core.errors import StorageError
+from modallab.core.events import RunState
 from modallab.storage.records import ENDED, RunRecord
 from modallab.storage.store import Store
 

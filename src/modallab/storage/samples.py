@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import StorageError
+from modallab.core.errors import StorageError
 from modallab.storage.durable import failure, require_space, sync_file, sync_folder
 
 DATASET = "samples"

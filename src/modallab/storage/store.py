@@ -10,12 +10,12 @@ from typing import Self, TypedDict
 import numpy as np
 
 from modallab import __version__
-from modallab.backend.protocol import BenchInfo
-from modallab.backend.recut import Recut
-from modallab.errors import StorageError
-from modallab.schema.block import Block, Ramp
-from modallab.schema.plan import Plan, SinePlan
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import BenchInfo
+from modallab.bench.recut import Recut
+from modallab.core.block import Block, Ramp
+from modallab.core.errors import StorageError
+from modallab.core.plan import Plan, SinePlan
+from modallab.core.rig import Rig
 from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import require_local
@@ -98,22 +98,22 @@ class Store:
                 seal(file)
             return True
 
-    def blocks(self, run: str, *, refused: bool = False) -> tuple[Block, ...]:
-        """The accepted blocks of a run, in the order of time, checked against their CRC; with `refused`, all of them.
+    def blocks(self, run: str, *, rejected: bool = False) -> tuple[Block, ...]:
+        """The accepted blocks of a run, in the order of time, checked against their CRC; with `rejected`, all of them.
 
         Raises:
             StorageError: no such run, or a block that is not what was acknowledged, by name.
         """
-        return tuple(self.iterate(run, refused=refused))
+        return tuple(self.iterate(run, rejected=rejected))
 
-    def iterate(self, run: str, *, refused: bool = False) -> Iterator[Block]:
+    def iterate(self, run: str, *, rejected: bool = False) -> Iterator[Block]:
         """As `blocks`, one after the other."""
         record = self.catalogue.run(run)
-        wanted = [row for row in self.catalogue.blocks(run) if refused or row.note.accepted]
-        if not wanted:
+        requested = [row for row in self.catalogue.blocks(run) if rejected or row.note.accepted]
+        if not requested:
             return
         with open_samples(self.samples_file(run)) as reader:
-            for row in wanted:
+            for row in requested:
                 yield _block(record, row, reader)
 
     def block(self, run: str, name: str) -> Block:
@@ -130,7 +130,7 @@ class Store:
             return _block(record, rows[-1], reader)
 
     def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
-        """Leave one accepted block of a run out from now on; its samples stay, and `refused` still reads them.
+        """Leave one accepted block of a run out from now on; its samples stay, and `rejected` still reads them.
 
         Raises:
             StorageError: no such run, or no block of this name that counts.

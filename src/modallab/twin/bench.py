@@ -56,7 +56,7 @@ class Twin:
         ei_drift: relative change of EI from the first record to the last.
         course: (order over the last order, share of the drift) by which the change went; empty for evenly.
         clock: relative error of the converter's rate.
-        hit_shift_m: every blow lands that much farther from the clamp.
+        hit_shift_m: every hit lands that much farther from the clamp.
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
         stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
         rest: share of what all modes beyond those of the twin add as a static compliance: 1 is the whole beam.
@@ -65,7 +65,7 @@ class Twin:
     structure: Structure
     chain: Chain = Chain()
     ei_drift: float = 0.0
-    course: tuple[tuple[float, float], ...] = ()
+    drift_curve: tuple[tuple[float, float], ...] = ()
     clock: float = 0.0
     hit_shift_m: float = 0.0
     shaker_mass_kg: float = 0.0
@@ -74,9 +74,9 @@ class Twin:
 
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""
-        if not self.course:
+        if not self.drift_curve:
             return np.asarray(tau, dtype=np.float64)
-        at, share = np.array(self.course).T
+        at, share = np.array(self.drift_curve).T
         return np.interp(tau, at, share)
 
     def in_sine(self, shaker_x_m: float) -> Structure:

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from modallab.errors import FormatError
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.effects import Effect
+from modallab.core.errors import FormatError
+from modallab.core.rig import Rig
 from modallab.twin.bench import Mount, Twin
 
 CRACK_WIDTH = 0.04

@@ -7,23 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Chain, Twin, transfer
-from modallab.twin.response import Blows, Rise, Sines
+from modallab.twin.response import Hits, Rise, Sines
 from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
-def predict_blow(
+def predict_hit(
     twin: Twin, force_n: Array, rate_hz: float, drive_x_m: float, channels: tuple[int, ...], x_m: Array, tau: float
 ) -> Array:
-    """(channels, n) accelerations in m/s^2 from a blow.
+    """(channels, n) accelerations in m/s^2 from a hit.
 
     Args:
         twin: the bench.
-        force_n: (n,) force in N, zero outside the blow.
+        force_n: (n,) force in N, zero outside the hit.
         rate_hz: rate the record states.
-        drive_x_m: point of the blow.
+        drive_x_m: point of the hit.
         channels: rows of the accelerometers.
         x_m: their places.
         tau: place of the record in the campaign's time, 0 to 1.
@@ -36,7 +36,7 @@ def predict_blow(
     spectrum = np.fft.rfft(force_n)
     lines = np.arange(float(len(spectrum)))
     one = np.ones((1, len(lines)), dtype=np.complex128)
-    source = Blows(lines, n, dt, force_n[None, first:last], np.array([first]), one)
+    source = Hits(lines, n, dt, force_n[None, first:last], np.array([first]), one)
     residue = _outputs(twin.chain, modes, channels, x_m) * modes.at(x)[0]
     forced_sum = np.zeros((len(channels), len(lines)), dtype=np.complex128)
     total = np.zeros_like(forced_sum)
@@ -44,7 +44,7 @@ def predict_blow(
         forced, tail = source.kernel(poles)
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, channels, poles)) @ tail
-    forced_sum += twin.rest * np.outer(_beyond(twin, modes, channels, x_m, x), source.s**2)
+    forced_sum += twin.rest * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
     chain = transfer(twin.chain, channels, source.s)
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
@@ -94,7 +94,7 @@ def predict_sine(
         # The kernel's decay is per n / 2 and per unit of the complex amplitude.
         weight = r * transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
         rings += np.real(weight @ np.exp(poles[:, None] * t))
-    rest = twin.rest * _beyond(twin, modes, channels, x_m, drive_x_m) * drive**2
+    rest = twin.rest * _out_of_band(twin, modes, channels, x_m, drive_x_m) * drive**2
     up, down = up + rest, down + rest
     steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
     steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
@@ -108,22 +108,25 @@ def drifted(modes: Modes, ei_drift: float, tau: float) -> Modes:
         return modes
     scale = float(np.sqrt(max(1e-3, 1 + ei_drift * tau)))
     return replace(
-        modes, poles=modes.poles * scale, columns=modes.columns / np.sqrt(scale), beyond=modes.beyond / scale**2
+        modes,
+        poles=modes.poles * scale,
+        columns=modes.columns / np.sqrt(scale),
+        out_of_band=modes.out_of_band / scale**2,
     )
 
 
-def seats(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Array:
+def sensor_positions(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Array:
     """(channels,) places where the accelerometers truly sit, none beyond the beam's ends."""
     x = x_m + np.array([chain.shift.get(c, 0.0) for c in channels])
     return np.clip(x, 0.0, modes.length_m)
 
 
 def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) -> Complex:
-    return modes.at(seats(chain, modes, channels, x_m))
+    return modes.at(sensor_positions(chain, modes, channels, x_m))
 
 
-def _beyond(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Array, drive_x_m: float) -> Array:
-    return modes.remainder(seats(twin.chain, modes, channels, x_m), drive_x_m)
+def _out_of_band(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Array, drive_x_m: float) -> Array:
+    return modes.remainder(sensor_positions(twin.chain, modes, channels, x_m), drive_x_m)
 
 
 def _swapped(chain: Chain, channels: tuple[int, ...], y: Array) -> Array:

@@ -24,14 +24,14 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Blows:
-    """Blows at one point, taken together: sum conj(F_j) Y_j / sum |F_j|^2 on each line.
+class Hits:
+    """Hits at one point, taken together: sum conj(F_j) Y_j / sum |F_j|^2 on each line.
 
     Attributes:
         lines: (k,) DFT lines.
         n: samples of a block.
         dt: seconds.
-        pulses: (hits, m) force in N about each blow, zero elsewhere.
+        pulses: (hits, m) force in N about each hit, zero elsewhere.
         first: (hits,) sample at which each pulse begins.
         weights: (hits, k) conj(F_j) / sum |F_j|^2, F the DFT of the force.
     """

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from modallab.schema.rig import Beam
+from modallab.core.rig import Beam
 from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, slope_rows, weakened
 
 MODES = 15
@@ -99,7 +99,7 @@ class Modes:
     poles: Complex
     columns: Complex
     length_m: float
-    beyond: Array
+    out_of_band: Array
 
     def at(self, x_m: float | Array) -> Complex:
         """(points, p) shapes at places on the beam."""
@@ -107,7 +107,7 @@ class Modes:
 
     def remainder(self, x_m: Array, drive_x_m: float) -> Array:
         """(points,) static displacement in m per N at `drive_x_m` that the modes left out add."""
-        return shape_rows(x_m, self.length_m) @ (self.beyond @ shape_rows(drive_x_m, self.length_m)[0])
+        return shape_rows(x_m, self.length_m) @ (self.out_of_band @ shape_rows(drive_x_m, self.length_m)[0])
 
     @property
     def frequency_hz(self) -> Array:
@@ -126,14 +126,14 @@ def believed_root(beam: Beam) -> float:
 
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    omega, phi, beyond = _undamped(structure)
+    omega, phi, out_of_band = _undamped(structure)
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
-        return Modes(poles, phi @ mixing, structure.length_m, beyond)
+        return Modes(poles, phi @ mixing, structure.length_m, out_of_band)
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
     columns = (phi / np.sqrt(2j * damped)).astype(np.complex128)
-    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, beyond)
+    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band)
 
 
 _LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array, Array]] = OrderedDict()
@@ -159,13 +159,13 @@ def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
     omega, phi = 1 / np.sqrt(values[: -MODES - 1 : -1]), np.zeros((len(stiffness), MODES))
     phi[free] = vectors[:, : -MODES - 1 : -1] * omega
     # The vectors have unit strain energy: summed over all of them their squares are the compliance.
-    others, beyond = vectors[:, :-MODES], np.zeros(stiffness.shape)
-    beyond[held] = others @ others.T
+    others, out_of_band = vectors[:, :-MODES], np.zeros(stiffness.shape)
+    out_of_band[held] = others @ others.T
     with _LOCK:
-        _LATEST[key] = omega, phi, beyond
+        _LATEST[key] = omega, phi, out_of_band
         while len(_LATEST) > _KEPT:
             _LATEST.popitem(last=False)
-    return omega, phi, beyond
+    return omega, phi, out_of_band
 
 
 def _undamped_key(s: Structure) -> tuple[object, ...]:

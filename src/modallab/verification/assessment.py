@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import DataError
-from modallab.identification.assumptions import Verdict
-from modallab.identification.criteria import auto_mac, mpc, mpd
-from modallab.schema.model import ModalModel
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.identification.selection.assumptions import Verdict
+from modallab.identification.selection.criteria import auto_mac, mpc, mpd
 
 Real = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import DataError
-from modallab.identification.criteria import comac, mac
-from modallab.schema.model import ModalModel
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.identification.selection.criteria import comac, mac
 from modallab.verification.pairing import nearest
 
 Real = NDArray[np.float64]

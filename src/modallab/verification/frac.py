@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import DataError
+from modallab.core.errors import DataError
 
 
 def frac(measured: NDArray[np.complex128], model: NDArray[np.complex128]) -> NDArray[np.float64]:

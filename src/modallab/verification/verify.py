@@ -6,22 +6,22 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.errors import DataError
-from modallab.identification.excitation import BlowExcitation
-from modallab.identification.fit import Fit
-from modallab.identification.model_of_fit import receptance
-from modallab.identification.tone import ToneExcitation, tone
-from modallab.identification.tones import fit_tone
-from modallab.schema.block import Signals
-from modallab.schema.frf import Frf, FrfQuantity
-from modallab.schema.model import ModalModel
-from modallab.schema.rig import Rig
-from modallab.schema.verification import Verification
-from modallab.spectra.bandpass import bandpass
-from modallab.spectra.border import check_test
-from modallab.spectra.frf import convert, impact_frf
-from modallab.spectra.scale import remove_mean
-from modallab.spectra.stepped import stepped_frf
+from modallab.core.block import Signals
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf, FrfQuantity
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.core.verification import Verification
+from modallab.frf.estimate import convert, impact_frf
+from modallab.frf.stepped import stepped_frf
+from modallab.identification.estimators.tones import fit_tone
+from modallab.identification.likelihood.excitation import HitExcitation
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.sine_block import ToneExcitation, tone
+from modallab.identification.model.modal_model import receptance
+from modallab.signals.bandpass import bandpass
+from modallab.signals.checks import check_test
+from modallab.signals.scaling import remove_mean
 from modallab.verification.frac import frac
 
 FINE_LINES = 2000
@@ -56,11 +56,11 @@ def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
         found = f"there are {len(signals)} records, and the fit is of {len(blocks)} blocks"
         raise DataError(found, remedy="give the records that the model was identified from, in their order")
     for s, block in zip(signals, blocks, strict=True):
-        grid, wanted = block.excitation.grid, len(block.response)
-        if (len(s.responses), s.force.size, 1 / s.rate_hz) != (wanted, grid.n, grid.dt):
+        grid, requested = block.excitation.grid, len(block.response)
+        if (len(s.responses), s.force.size, 1 / s.rate_hz) != (requested, grid.n, grid.dt):
             found = f"{len(s.responses)} outputs of {s.force.size} samples {1 / s.rate_hz:g} s apart"
             raise DataError(
-                f"{found}, and the fit is of {wanted} outputs of {grid.n} samples {grid.dt:g} s apart",
+                f"{found}, and the fit is of {requested} outputs of {grid.n} samples {grid.dt:g} s apart",
                 where=f"record {s.block.name}",
                 remedy="give the records that the model was identified from, in their order",
             )
@@ -71,7 +71,7 @@ def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
     excitation = fit.problem.blocks[block].excitation
     n, rate = signals.force.size, signals.rate_hz
     every = np.arange(1, (n + 1) // 2)
-    if not isinstance(excitation, BlowExcitation | ToneExcitation):
+    if not isinstance(excitation, HitExcitation | ToneExcitation):
         raise DataError("the fit is of FRFs: it has no time records", remedy="compare it with FRFs by verify_frf")
     grid = replace(excitation.grid, omega=2 * np.pi * every * rate / n)
     if isinstance(excitation, ToneExcitation):

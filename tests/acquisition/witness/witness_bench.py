@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from modallab.backend.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, OutputHandle, Request
-from modallab.errors import DeviceGoneError
-from modallab.schema.rig import Rig
+from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, OutputHandle, Request
+from modallab.core.errors import DeviceGoneError
+from modallab.core.rig import Rig
 
 
 class WitnessBench:

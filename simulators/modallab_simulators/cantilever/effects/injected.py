@@ -4,9 +4,9 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from modallab.errors import ConfigurationError
-from modallab.schema.effects import Effect
-from modallab.schema.rig import Rig
+from modallab.core.effects import Effect
+from modallab.core.errors import ConfigurationError
+from modallab.core.rig import Rig
 from modallab_simulators.cantilever.effects.kinds import KINDS, OPTIONS
 
 
@@ -33,12 +33,12 @@ class Injected:
         """The effect of one kind on a row."""
         return next((e for e in self.of(name) if e.place["channel"] == row), None)
 
-    def told(self) -> str:
+    def reported(self) -> str:
         """As JSON, in the form of a campaign's truth: effect, family, parameters, place."""
-        return json.dumps([told(e) for e in self.effects])
+        return json.dumps([reported(e) for e in self.effects])
 
 
-def told(effect: Effect) -> dict[str, object]:
+def reported(effect: Effect) -> dict[str, object]:
     """An effect as a campaign's truth tells it."""
     options = OPTIONS.get(effect.effect, ())
     return {

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import inf
 
-from modallab.schema.effects import CATALOGUE, EffectKind
+from modallab.core.effects import CATALOGUE, EffectKind
 from modallab_simulators.cantilever.effects.outside import OUTSIDE
 
 KINDS: Mapping[str, EffectKind] = {**CATALOGUE, **OUTSIDE}
@@ -14,7 +14,7 @@ OPTIONS: Mapping[str, tuple[str, ...]] = {
     "clearance": ("k_within",),
 }
 """Numbers that say how this bench plays an effect, and are no part of the effect: over how many seconds of bench time a
-drift runs; what a channel would reach, if the bench shall not work it out from its hardest blow; what still holds the
+drift runs; what a channel would reach, if the bench shall not work it out from its hardest hit; what still holds the
 root within the play."""
 
 LIMITS: Mapping[str, tuple[float, float]] = {

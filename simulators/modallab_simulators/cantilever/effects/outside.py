@@ -1,6 +1,6 @@
 """Effects that no catalogue names, for practising what to say then."""
 
-from modallab.schema.effects import EffectKind, Parameter
+from modallab.core.effects import EffectKind, Parameter
 
 _OUTSIDE = (
     EffectKind(
@@ -29,7 +29,7 @@ _OUTSIDE = (
         "sensor",
         (Parameter("share", "", 1e-4, 0.5),),
         "all",
-        "blows, shaker and sensors have a share across the drive's direction, in which the beam has modes of its own",
+        "hits, shaker and sensors have a share across the drive's direction, in which the beam has modes of its own",
     ),
     EffectKind(
         "preamp_lag",

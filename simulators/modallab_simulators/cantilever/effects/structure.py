@@ -6,8 +6,8 @@ from math import inf, pi
 
 import numpy as np
 
-from modallab.schema.rig import Rig
-from modallab.schema.units import Test
+from modallab.core.rig import Rig
+from modallab.core.units import Test
 from modallab_simulators.cantilever.attached import Absorber, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam

@@ -1,0 +1,1 @@
+"""What watches the samples of a running bench: stream, limits, settled or not, live view."""

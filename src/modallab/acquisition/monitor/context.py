@@ -1,0 +1,154 @@
+"""What a running test has at hand."""
+
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.chain import Chain
+from modallab.acquisition.monitor.requests import Excitation, Requests
+from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.settled import Floor, SettledCheck, check_settled, fading, floor_of
+from modallab.acquisition.monitor.stream import Stream, Watch
+from modallab.bench.protocol import Bench
+from modallab.bench.recut import Recut
+from modallab.core.errors import SamplesLostError
+from modallab.core.events import BlockAcknowledged, BlockDropped, Progress
+from modallab.core.rig import Rig
+from modallab.storage import BlockNote, Recorder
+
+MotionWindow = NDArray[np.float64]
+
+FLOOR_WINDOWS = 4
+"""Windows the noise floor is taken from."""
+
+PAUSE_LOOK_S = 0.02
+"""Between two looks whether a pause is over, where time is virtual and does not go on by itself."""
+
+MAX_RESTARTS = 3
+"""Gaps a run survives; a machine that loses samples more often is not fit for the rate."""
+
+WINDOW_BLOCKS = 2
+"""Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Context:
+    """A configured, started bench and where its data go.
+
+    Attributes:
+        bench: streaming.
+        rig: as believed.
+        recorder: open.
+        emit: takes the events.
+        life: the run's state.
+        chain: scales and ranges.
+        stream: its samples.
+        block: samples of a block, as the device counts.
+        recut: how blocks are read back at another rate than the device's; None if at its own.
+        requests: what the owner wants besides.
+        excitation: says whether a burst may be on.
+    """
+
+    bench: Bench
+    rig: Rig
+    recorder: Recorder
+    emit: Emit
+    life: Lifecycle
+    chain: Chain
+    stream: Stream
+    block: int
+    recut: Recut | None = None
+    requests: Requests = field(default_factory=Requests)
+    excitation: Excitation = field(default_factory=Excitation)
+
+    @property
+    def window(self) -> int:
+        """Samples of a window for the look at rest."""
+        return WINDOW_BLOCKS * self.block
+
+    @property
+    def line_hz(self) -> float:
+        """Width of a window's line."""
+        return self.stream.rate_hz / self.window
+
+    def motion(self, first: int, count: int) -> MotionWindow:
+        """(motion channels, count) counts from a remembered stretch."""
+        return self.stream.cut(first, count)[list(self.chain.motion)].astype(float)
+
+    def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
+        """What the last window says; after a restart it must first be read."""
+        self.stream.advance_to(self.window, watch)
+        return check_settled(self.motion(self.stream.next - self.window, self.window), floor)
+
+    def restart(self, after: SamplesLostError, restarts: int) -> None:
+        """Bring the output to zero and start the bench anew after a gap; what came before it is never spliced.
+
+        Raises:
+            SamplesLostError: `after`, once it happened too often.
+        """
+        self.bench.zero()
+        if restarts > MAX_RESTARTS:
+            raise after
+        self.stream.restart()
+
+    def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
+        """Keep the block from sample `first` and tell that it is kept."""
+        if self.recut is not None:
+            # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
+            self.stream.advance_to(first + self.recut.native - self.recut.lead)
+            ends = self.stream.overload(first - self.recut.lead, self.recut.native)
+            note = replace(note, overload=ends, facts=note.facts | self.recut.facts())
+            kept = self.recorder.record(self.stream.cut(first - self.recut.lead, self.recut.native), note)
+        else:
+            kept = self.recorder.record(self.stream.cut(first, self.block), note)
+        self.emit(kept)
+        return kept
+
+    @property
+    def pause_requested(self) -> bool:
+        """Whether the test should go to its next boundary and pause there; before the first block it cannot."""
+        return self.requests.paused and self.life.state in ("acquiring", "paused")
+
+    def pause_if_requested(self, watch: Watch | None = None) -> None:
+        """At a boundary: while a pause is requested, keep the output at 0 V and go on reading and watching."""
+        if self.pause_requested and self.life.state == "acquiring":
+            self.bench.zero()
+            self.life.enter("paused", "paused by the operator")
+        if self.life.state != "paused":
+            return
+        while self.requests.paused:
+            if self.bench.info.real_time:
+                # What the device delivers must be taken, or its buffer would run over.
+                self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
+            else:
+                self.stream.poll()
+                time.sleep(PAUSE_LOOK_S)
+        self.life.enter("acquiring", "resumed by the operator")
+
+    def drop(self, name: str, reason: str) -> bool:
+        """Let a block no longer count, and tell; whether there was one that did."""
+        dropped = self.recorder.drop(name, reason)
+        if dropped:
+            self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
+        return dropped
+
+    def progress(self, done: int, total: int, what: str) -> None:
+        """Tell how far the run is."""
+        self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
+
+
+def measure_floor(context: Context, patience_s: float, watch: Watch | None = None) -> Floor:
+    """The noise floor at the start; if the beam still rings then, wait until it no longer fades, up to `patience_s`."""
+    stream = context.stream
+    last = stream.next + stream.samples_of(patience_s)
+    while True:
+        start = stream.next
+        windows: list[MotionWindow] = []
+        for end in range(start + context.window, start + FLOOR_WINDOWS * context.window + 1, context.window):
+            stream.advance_to(end, watch)
+            windows.append(context.motion(end - context.window, context.window))
+        floor = floor_of(windows, counts=stream.counts)
+        if stream.next >= last or not fading(windows, floor):
+            return floor

@@ -1,0 +1,66 @@
+"""The rig's abort limits, looked at in every chunk while the shaker may move."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.chain import Chain, peaks
+from modallab.bench.protocol import Chunk
+from modallab.core.errors import SafetyError
+from modallab.core.rig import Limits, Rig
+from modallab.storage.samples import Samples
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LimitWatch:
+    """Raises on the first chunk beyond a limit.
+
+    Where a limit lies beyond a channel's range it cannot be seen, so the end of the range is taken as beyond it.
+
+    Attributes:
+        names: (channels,).
+        limit: (channels,) magnitude in counts, infinite where there is no limit.
+        si_per_count: (channels,).
+        units: (channels,) for the message.
+    """
+
+    names: tuple[str, ...]
+    limit: NDArray[np.float64]
+    si_per_count: NDArray[np.float64]
+    units: tuple[str, ...]
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Look at a chunk.
+
+        Raises:
+            SafetyError: names every channel beyond its limit, with the number.
+        """
+        magnitude = peaks(chunk.samples)
+        # Written so that a sample that is no number is beyond every limit.
+        out_of_band = np.flatnonzero(~(magnitude <= self.limit))
+        if out_of_band.size == 0:
+            return
+        reported = ", ".join(
+            f"{self.names[c]} {magnitude[c] * self.si_per_count[c]:.4g} {self.units[c]}"
+            f" (limit {self.limit[c] * self.si_per_count[c]:.4g})"
+            for c in out_of_band
+        )
+        raise SafetyError(
+            f"beyond the abort limit: {reported}; the output was brought to 0 V",
+            remedy="lower the drive level or stay clear of the resonance; the blocks before are kept",
+        )
+
+    def used(self, samples: Samples) -> float:
+        """The largest part of a limit that any of the (channels, n) samples takes."""
+        return float((peaks(samples) / self.limit).max())
+
+
+def watch_of(rig: Rig, limits: Limits, chain: Chain) -> LimitWatch:
+    """The watch for a rig's limits."""
+    per_count = np.abs(chain.si_per_count)
+    allowed = {"force": limits.force_n, "acceleration": limits.acceleration_m_s2}
+    limit = np.array([allowed.get(channel.quantity, np.inf) for channel in rig.channels]) / per_count
+    visible = np.where(np.isfinite(limit) & (limit >= chain.full_scale), chain.full_scale * (1 - 1e-9), limit)
+    units = tuple({"force": "N", "acceleration": "m/s^2"}.get(channel.quantity, "") for channel in rig.channels)
+    return LimitWatch(chain.names, visible, per_count, units)

@@ -1,0 +1,129 @@
+"""The samples of a running bench, without a gap, with a memory of the last few seconds."""
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.chain import Chain
+from modallab.bench.protocol import Bench, Chunk, Delivery
+from modallab.core.errors import SamplesLostError
+from modallab.storage.samples import Samples
+
+Watch = Callable[[Chunk], None]
+
+READ_SLACK_S = 5.0
+
+
+class Stream:
+    """Reads a started bench up to requested places and cuts stretches out of what was read.
+
+    Everything is addressed by the device's own sample count, so what is cut never depends on how it was read.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        delivery: Delivery,
+        chain: Chain,
+        *,
+        keep: int,
+        chunk: int,
+        poll: Callable[[], None],
+        tap: Watch | None = None,
+    ) -> None:
+        """Follow `bench`; remember `keep` samples, read at most `chunk` at once, call `poll` before every read.
+
+        `tap` sees every chunk after it, to show it to others.
+        """
+        self.rate_hz = delivery.rate_hz
+        self.counts = delivery.dtype.kind in "iu"
+        self.next = 0
+        self.chunk = chunk
+        self._bench = bench
+        self._chain = chain
+        self._keep = keep
+        self._poll = poll
+        self._tap = tap
+        self._buffer = np.zeros((len(delivery.units), 2 * (keep + chunk)), dtype=delivery.dtype)
+        self._filled = 0
+        self._overloads: deque[tuple[int, int, NDArray[np.bool_]]] = deque()
+
+    def restart(self) -> None:
+        """Stop and start the bench: the count begins at 0 again, and what was before is forgotten."""
+        self._bench.stop()
+        self._bench.start()
+        self.next = self._filled = 0
+        self._overloads.clear()
+
+    def adopt(self, record: Chunk) -> None:
+        """Remember a record the device has triggered by itself, in place of what was before; its count begins at 0."""
+        self.next = self._filled = 0
+        self._overloads.clear()
+        self._remember(record)
+
+    def samples_of(self, seconds: float) -> int:
+        """Whole number of samples nearest to a duration."""
+        return round(seconds * self.rate_hz)
+
+    def poll(self) -> None:
+        """Look whether the run shall go on, as is done before every read."""
+        self._poll()
+
+    def pull(self, count: int) -> Chunk:
+        """The next `count` samples, at most `chunk`.
+
+        Raises:
+            SamplesLostError: the device's count jumped.
+            BenchError: what the bench raised.
+        """
+        self._poll()
+        count = min(count, self.chunk)
+        chunk = self._bench.read(count, count / self.rate_hz + READ_SLACK_S)
+        if chunk.first_sample != self.next:
+            raise SamplesLostError(
+                f"sample {chunk.first_sample} came where {self.next} was due",
+                where=self._bench.info.url,
+                remedy="start a new run; the blocks before the gap are kept",
+            )
+        self._remember(chunk)
+        if self._tap is not None:
+            self._tap(chunk)
+        return chunk
+
+    def advance_to(self, sample: int, watch: Watch | None = None) -> None:
+        """Read up to `sample` (exclusive); `watch` sees every chunk. Nothing to do if it is already read."""
+        while self.next < sample:
+            chunk = self.pull(sample - self.next)
+            if watch is not None:
+                watch(chunk)
+
+    def cut(self, first: int, count: int) -> Samples:
+        """A copy of (channels, count) samples from `first`, which must still be remembered."""
+        start = self._filled - (self.next - first)
+        if start < 0 or first + count > self.next:
+            raise IndexError(f"samples {first} to {first + count} are not in memory, which ends at {self.next}")
+        return self._buffer[:, start : start + count].copy()
+
+    def overload(self, first: int, count: int) -> tuple[str, ...]:
+        """Names of the channels beyond their range in a stretch: by the samples, or by the device's flag."""
+        flags = self._chain.overload(self.cut(first, count))
+        for begin, end, flag in self._overloads:
+            if begin < first + count and end > first:
+                flags = flags | flag
+        return tuple(name for name, over in zip(self._chain.names, flags, strict=True) if over)
+
+    def _remember(self, chunk: Chunk) -> None:
+        count = chunk.samples.shape[1]
+        if self._filled + count > self._buffer.shape[1]:
+            kept = self._buffer[:, self._filled - self._keep : self._filled].copy()
+            self._buffer[:, : self._keep] = kept
+            self._filled = self._keep
+        self._buffer[:, self._filled : self._filled + count] = chunk.samples
+        self._filled += count
+        self.next += count
+        if chunk.overload.any():
+            self._overloads.append((chunk.first_sample, self.next, chunk.overload))
+        while self._overloads and self._overloads[0][1] < self.next - self._buffer.shape[1]:
+            self._overloads.popleft()

@@ -1,0 +1,110 @@
+"""One burst of a sine test: how long, how hard, and what its block shows."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.limits import LimitWatch
+from modallab.acquisition.procedures.drive import Measured
+from modallab.acquisition.procedures.settling import Settled, Settling, amplitude_at, fit_settling
+from modallab.bench.protocol import Burst
+from modallab.core.plan import SinePlan
+from modallab.storage import BlockNote
+
+HOLD_MARGIN_S = 0.1
+"""Past the block's end: a converter delays its samples by up to some 40 periods of its rate."""
+
+FIT_BLOCKS = 5
+"""The stretch a settling fit looks at, at most; as long as the stream remembers it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a burst is set to.
+
+    Attributes:
+        volts: amplitude of the drive.
+        settle_s: from its start to its block.
+        number: of bursts at this step, from 1.
+    """
+
+    volts: float
+    settle_s: float
+    number: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What a burst's block shows.
+
+    Attributes:
+        measured: force and the part of the limits that was used.
+        settled: whether the decays are gone; "" where that is not judged.
+        missing_s: how much longer to wait for it.
+        unsettled: in words, if it has not settled.
+        facts: for the catalogue.
+    """
+
+    measured: Measured
+    settled: Settled | str = ""
+    missing_s: float = 0.0
+    unsettled: str = ""
+    facts: dict[str, float | str] = field(default_factory=dict[str, float | str])
+
+
+def burst_of(plan: SinePlan, frequency_hz: float, amplitude_v: float, settle_s: float | None = None) -> Burst:
+    """The burst whose settled part holds the block."""
+    settle = plan.settle_s if settle_s is None else settle_s
+    return Burst(frequency_hz, amplitude_v, plan.ramp_s, settle - plan.ramp_s + plan.block_s + HOLD_MARGIN_S)
+
+
+def longest_burst_s(plan: SinePlan) -> float:
+    """How long the longest burst of a plan may last, from 0 V to 0 V."""
+    return burst_of(plan, 1.0, 1.0, max(plan.settle_s, plan.max_settle_s or 0.0)).duration_s
+
+
+def look_at(context: Context, plan: SinePlan, watch: LimitWatch, note: BlockNote, setting: Setting) -> Seen:
+    """Look at the block that has just been read."""
+    block = context.stream.cut(note.first_sample, context.block)
+    force_n = context.chain.force_n(block)
+    assert note.frequency_hz is not None
+    measured = Measured(
+        volts=setting.volts,
+        force_n=amplitude_at(force_n, context.stream.rate_hz, note.frequency_hz),
+        used=float(watch.used(block)),
+    )
+    facts: dict[str, float | str] = {"force_n": measured.force_n, "limit_used": measured.used}
+    settling = _settling(context, plan, note, setting) if plan.modes else None
+    if settling is None:
+        return Seen(measured, facts=facts)
+    verdict = settling.verdict(plan.settled_ratio)
+    return Seen(
+        measured,
+        verdict,
+        settling.missing_s(plan.settled_ratio),
+        _unsettled(settling, plan) if verdict == "no" else "",
+        facts | settling.facts(plan.settled_ratio),
+    )
+
+
+def _settling(context: Context, plan: SinePlan, note: BlockNote, setting: Setting) -> Settling | None:
+    rate_hz = context.stream.rate_hz
+    # Only what lies between the two ramps is a steady sine.
+    steady = int((setting.settle_s - plan.ramp_s) * rate_hz)
+    before = max(0, min(steady, (FIT_BLOCKS - 1) * context.block))
+    samples = context.stream.cut(note.first_sample - before, before + context.block)
+    motion = list(context.chain.motion)
+    values = samples[motion] * context.chain.si_per_count[motion, None]
+    assert note.frequency_hz is not None
+    return fit_settling(
+        context.chain.force_n(samples), values.astype(np.float64), rate_hz, before, note.frequency_hz, plan.modes
+    )
+
+
+def _unsettled(settling: Settling, plan: SinePlan) -> str:
+    worst = int(np.argmax(settling.ratio))
+    return (
+        f"not settled: the decay of {settling.mode_hz[worst]:.4g} Hz is {100 * settling.total:.3g} % of the response,"
+        f" at most {100 * plan.settled_ratio:g} %"
+    )

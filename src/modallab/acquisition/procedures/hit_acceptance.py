@@ -1,0 +1,97 @@
+"""Whether a hit counts: every reason it does not, each with its number."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.plan import HitAcceptance
+
+MERGE_S = 0.002
+"""Pulses closer than this count as one: their first spectral gap, at 250 Hz, is above the paper's band.
+
+A second contact is looked for in the mean over as long, in which the ripple of an anti-alias filter after a short pulse
+cancels and a contact does not."""
+
+CONTACT_LEVEL = 0.05
+"""The hammer touches the beam while the force is above this part of its peak."""
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """The hit in a block, in numbers.
+
+    Attributes:
+        peak_n: largest force.
+        contact_s: duration of the first contact.
+        second_ratio: largest force after the first contact, as part of the first's, both as means over `MERGE_S`.
+        drop_db: how far the force spectrum falls below its maximum within the band.
+    """
+
+    peak_n: float
+    contact_s: float
+    second_ratio: float
+    drop_db: float
+
+
+def hit_of(force_n: Real, rate_hz: float, before: int, band_hz: float) -> Hit:
+    """Measure the hit in a block's (n,) force, whose trigger is at index `before`.
+
+    Bad and good hits alike; the mean of the force before the trigger counts as zero.
+    """
+    force = force_n - force_n[: max(1, before - 1)].mean()
+    peak = float(force.max())
+    merge = max(1, round(MERGE_S * rate_hz))
+    start, end = _contact(force, before, CONTACT_LEVEL * peak, merge)
+    mean = np.convolve(force, np.full(merge, 1 / merge), mode="same")
+    # The mean still holds the contact for half its length after its end.
+    rest = mean[end + merge // 2 + 1 :]
+    return Hit(
+        peak_n=peak,
+        contact_s=(end - start) / rate_hz,
+        second_ratio=max(0.0, float(rest.max() / mean[start:end].max())) if rest.size else 0.0,
+        drop_db=_drop_db(force[max(0, start - 2) : end + 2], rate_hz, band_hz),
+    )
+
+
+def rejections(hit: Hit, limits: HitAcceptance) -> list[str]:
+    """Why this hit does not count; empty if it does."""
+    found: list[str] = []
+    if hit.peak_n < limits.min_force_n:
+        found.append(f"too weak: {hit.peak_n:.3g} N, at least {limits.min_force_n:g} N")
+    if hit.peak_n > limits.max_force_n:
+        found.append(f"too strong: {hit.peak_n:.3g} N, at most {limits.max_force_n:g} N")
+    if hit.contact_s > limits.max_contact_s:
+        found.append(f"contact too long: {1e3 * hit.contact_s:.3g} ms, at most {1e3 * limits.max_contact_s:g} ms")
+    if hit.second_ratio > limits.double_hit_ratio:
+        found.append(
+            f"double hit: a second one of {100 * hit.second_ratio:.3g} %, at most {100 * limits.double_hit_ratio:g} %"
+        )
+    if hit.drop_db > limits.band_drop_db:
+        found.append(
+            f"force spectrum too narrow: down {hit.drop_db:.3g} dB within {limits.min_band_hz:g} Hz,"
+            f" at most {limits.band_drop_db:g} dB"
+        )
+    return found
+
+
+def _contact(force: Real, trigger: int, threshold: float, merge: int) -> tuple[int, int]:
+    touching = np.flatnonzero(force > threshold)
+    # The trigger may stand below the threshold of a strong hit, so the contact is the first stretch at or after it.
+    first = int(np.searchsorted(touching, trigger))
+    touching = touching[min(first, touching.size - 1) :]
+    gaps = np.flatnonzero(np.diff(touching) > merge)
+    last = touching[gaps[0]] if gaps.size else touching[-1]
+    return int(min(touching[0], trigger)), int(last) + 1
+
+
+def _drop_db(pulse: Real, rate_hz: float, band_hz: float) -> float:
+    # Zero-padded so finely that no gap of the spectrum falls between two lines.
+    lines = np.fft.rfftfreq(_FINE, 1 / rate_hz) <= band_hz
+    spectrum = np.abs(np.fft.rfft(pulse, _FINE))[lines]
+    return float(20 * np.log10(spectrum.max() / max(spectrum.min(), 1e-12 * spectrum.max())))
+
+
+_FINE = 4096

@@ -1,0 +1,129 @@
+"""What is wrong with a plan on a rig and a bench: all of it at once, before anything moves."""
+
+from math import pi
+
+from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.drive import HEADROOM
+from modallab.acquisition.procedures.target import block_name
+from modallab.bench.protocol import BenchInfo
+from modallab.core.errors import PlanError
+from modallab.core.plan import ImpactPlan, Plan, SinePlan, least_rate_hz
+from modallab.core.rig import Limits, Rig
+
+USABLE_BAND = 0.4
+"""Anti-alias filters hold the relation between channels up to this part of the rate."""
+
+
+def require_possible(plan: Plan, rig: Rig, bench: BenchInfo) -> None:
+    """Reject a plan that cannot or must not be run.
+
+    Raises:
+        PlanError: one message with every problem.
+        RigError: a channel has no sensitivity for this test.
+    """
+    for channel in rig.channels:
+        channel.sensitivity(plan.kind)
+    problems = (
+        _impact_problems(plan, rig) if isinstance(plan, ImpactPlan) else _sine_problems(plan, rig, bench.can_drive)
+    )
+    if problems:
+        raise PlanError("; ".join(problems), where=f"{plan.kind} plan", remedy="change the plan or the rig file")
+
+
+def _impact_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
+    known = {point.id for point in rig.points}
+    accept = plan.acceptance
+    problems = [f"points: {p} is not on the rig, which has {sorted(known)}" for p in plan.points if p not in known]
+    problems += [f"points: {p} occurs twice" for p in sorted({p for p in plan.points if plan.points.count(p) > 1})]
+    if plan.hysteresis_n >= plan.trigger_n:
+        problems.append(f"hysteresis_n is {plan.hysteresis_n:g}; allowed: less than trigger_n = {plan.trigger_n:g}")
+    if plan.trigger_n > accept.min_force_n:
+        problems.append(f"trigger_n is {plan.trigger_n:g}; allowed: up to min_force_n = {accept.min_force_n:g}")
+    if accept.min_force_n >= accept.max_force_n:
+        problems.append(f"min_force_n is {accept.min_force_n:g}; allowed: less than max_force_n")
+    if plan.pre_trigger_s >= plan.block_s / 2:
+        problems.append(f"pre_trigger_s is {plan.pre_trigger_s:g}; allowed: less than half of block_s = {plan.block_s}")
+    if accept.min_band_hz > USABLE_BAND * least_rate_hz(plan):
+        problems.append(_too_high("min_band_hz", accept.min_band_hz, least_rate_hz(plan)))
+    return problems
+
+
+def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
+    problems: list[str] = []
+    if not can_drive:
+        problems.append("this bench has no excitation output")
+    if rig.shaker_point is None:
+        problems.append("the rig names no shaker_point")
+    names = [block_name("", f) for f in plan.frequencies_hz]
+    problems += [
+        f"frequencies_hz: {f:.3f} Hz occurs twice"
+        for n, f in enumerate(plan.frequencies_hz)
+        if block_name("", f) in names[:n]
+    ]
+    problems += [
+        _too_high("frequencies_hz", f, least_rate_hz(plan))
+        for f in plan.frequencies_hz
+        if f > USABLE_BAND * least_rate_hz(plan)
+    ]
+    if plan.settle_s < plan.ramp_s:
+        problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
+    problems += _settle_problems(plan)
+    if rig.limits is None:
+        return [*problems, "the rig has no limits, and without them nothing is driven"]
+    return [*problems, *_limit_problems(plan, rig.limits)]
+
+
+def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
+    problems: list[str] = []
+    for level, volts in plan.levels_v.items():
+        if volts > limits.drive_v:
+            problems.append(f"levels_v: {level} is {volts:g} V; allowed by the rig: {limits.drive_v:g} V")
+        highest = max(plan.frequencies_hz)
+        slew = 2 * pi * highest * volts
+        if slew > limits.slew_v_per_s:
+            problems.append(
+                f"levels_v: {level} at {highest:.3f} Hz slews {slew:.4g} V/s;"
+                f" allowed by the rig: {limits.slew_v_per_s:g} V/s"
+            )
+    problems += _force_problems(plan, limits)
+    duration = longest_burst_s(plan)
+    if duration > limits.max_burst_s:
+        longest = "settle_s" if plan.max_settle_s is None else "max_settle_s"
+        problems.append(
+            f"a burst of {longest}, block_s and ramp_s lasts {duration:.4g} s;"
+            f" allowed by the rig: {limits.max_burst_s:g} s"
+        )
+    return problems
+
+
+def _settle_problems(plan: SinePlan) -> list[str]:
+    if plan.max_settle_s is None:
+        return []
+    problems: list[str] = []
+    if plan.max_settle_s < plan.settle_s:
+        problems.append(f"max_settle_s is {plan.max_settle_s:g}; allowed: at least settle_s = {plan.settle_s:g}")
+    if not plan.modes:
+        problems.append("max_settle_s: nothing says when it has settled; allowed: together with modes")
+    return problems
+
+
+def _force_problems(plan: SinePlan, limits: Limits) -> list[str]:
+    if plan.force is None:
+        return []
+    problems: list[str] = []
+    if set(plan.force.levels_n) != set(plan.levels_v):
+        problems.append(
+            f"force.levels_n: {', '.join(plan.force.levels_n)}; allowed: the levels of levels_v, which the drive begins"
+            f" with: {', '.join(plan.levels_v)}"
+        )
+    most = HEADROOM * limits.force_n
+    problems += [
+        f"force.levels_n: {level} is {force:g} N; allowed: up to {HEADROOM:g} of the rig's limit, {most:g} N"
+        for level, force in plan.force.levels_n.items()
+        if force > most
+    ]
+    return problems
+
+
+def _too_high(name: str, value_hz: float, rate_hz: float) -> str:
+    return f"{name}: {value_hz:g} Hz; allowed: up to {USABLE_BAND} of the rate, {USABLE_BAND * rate_hz:g} Hz"

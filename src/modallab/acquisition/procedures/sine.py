@@ -1,0 +1,199 @@
+"""The stepped sine test: every burst from rest, one block from its settled part, 0 V at its end."""
+
+from collections import deque
+from dataclasses import dataclass, field, replace
+from math import ceil
+
+from modallab.acquisition.monitor.context import Context, measure_floor
+from modallab.acquisition.monitor.limits import LimitWatch, watch_of
+from modallab.acquisition.monitor.requests import Repeat
+from modallab.acquisition.monitor.settled import Floor, SettledCheck
+from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
+from modallab.acquisition.procedures.drive import Drive
+from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.core.errors import PlanError, SafetyError, SamplesLostError
+from modallab.core.plan import SinePlan
+from modallab.core.rig import Limits
+from modallab.storage import BlockNote
+
+TELL_BLOCKS = 5
+"""While the beam rings down, say so once in so many blocks."""
+
+
+@dataclass(slots=True)
+class SineTest:
+    """One sine test on a started bench.
+
+    Attributes:
+        context: the bench.
+        plan: frequencies, levels, times.
+        limits: of the rig.
+        floor: noise at rest.
+        watch: looks at the limits.
+        restarts: how often the bench had to be started anew.
+        todo: bursts that are still requested.
+        kept: steps that were recorded, by the name of their record.
+        drive: how hard.
+    """
+
+    context: Context
+    plan: SinePlan
+    limits: Limits
+    floor: Floor
+    watch: LimitWatch
+    restarts: int = 0
+    todo: deque[Step] = field(default_factory=deque[Step])
+    kept: dict[str, Step] = field(default_factory=dict[str, Step])
+    drive: Drive = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.drive = Drive(self.plan, self.limits)
+
+    def run(self) -> None:
+        """All levels, all frequencies; one that is to be repeated comes next.
+
+        Raises:
+            SafetyError: a limit was exceeded.
+            SamplesLostError: the device lost samples too often.
+        """
+        self.todo.extend(steps_of(self.plan))
+        self.context.life.enter("armed")
+        self.context.life.enter("acquiring")
+        while self.todo:
+            step = self.todo.popleft()
+            self._take(step)
+            self.kept[step.name] = step
+            if step.replaces and self.context.drop(step.replaces, f"repeated as {step.name}"):
+                del self.kept[step.replaces]
+            self._obey()
+            self._notify(f"level {step.level}, {step.frequency_hz:.3f} Hz")
+
+    def _notify(self, what: str) -> None:
+        done = len(self.kept)
+        self.context.progress(done, done + len(self.todo), what)
+
+    def _obey(self) -> None:
+        for request in self.context.requests.take():
+            if isinstance(request, Repeat):
+                self.todo.extendleft(again(request, self.kept))
+            elif self.context.drop(request.block, request.reason):
+                self.kept.pop(request.block, None)
+
+    def _take(self, step: Step) -> None:
+        """Bursts at one frequency until one counts."""
+        volts = self.drive.first_v(step.level, step.frequency_hz)
+        setting: Setting | None = Setting(volts, self.plan.settle_s)
+        while setting is not None:
+            try:
+                setting = self._burst(step, setting)
+            except SamplesLostError as error:
+                self.restarts += 1
+                self.context.restart(error, self.restarts)
+                self.context.excitation.on = False
+
+    def _burst(self, step: Step, setting: Setting) -> Setting | None:
+        """One burst from rest and its block; what to try next, or None if this one counts."""
+        context, stream = self.context, self.context.stream
+        context.pause_if_requested(self.watch)
+        rest = self._wait_until_settled(step)
+        # What was requested in the rest comes before the burst.
+        context.pause_if_requested(self.watch)
+        burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
+        context.excitation.on = True
+        stream.poll()
+        start = context.bench.play(burst)
+        first = start + stream.samples_of(setting.settle_s)
+        note = self._note(step, setting, start, first, rest)
+        try:
+            stream.advance_to(first + context.block, self.watch)
+        except SafetyError as error:
+            context.bench.zero()
+            self._keep_tripped(note, error)
+            raise
+        seen = look_at(context, self.plan, self.watch, note, setting)
+        following = self._next(step, setting, seen)
+        context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
+        if following is None:
+            self.drive.good(step.level, seen.measured)
+        stream.advance_to(start + ceil(burst.duration_s * stream.rate_hz), self.watch)
+        context.excitation.on = False
+        return following
+
+    def _wait_until_settled(self, step: Step) -> SettledCheck:
+        """The plan's rest, and longer until the beam is at rest; past the plan's patience go on with what there is."""
+        context, stream = self.context, self.context.stream
+        last = stream.next + stream.samples_of(max(self.plan.wait_s, self.plan.settle_timeout_s))
+        stream.advance_to(stream.next + stream.samples_of(self.plan.wait_s), self.watch)
+        waited = 0
+        while not (rest := context.check_settled_now(self.floor, self.watch)).quiet and stream.next < last:
+            waited += 1
+            if waited % TELL_BLOCKS == 0:
+                ringing_hz = rest.line * context.line_hz
+                self._notify(f"{step.frequency_hz:.3f} Hz waits for rest: {ringing_hz:.4g} Hz still rings")
+            stream.advance_to(stream.next + context.block, self.watch)
+        return rest
+
+    def _note(self, step: Step, setting: Setting, start: int, first: int, rest: SettledCheck) -> BlockNote:
+        return BlockNote(
+            name=step.name,
+            test="sine",
+            first_sample=first,
+            drive_point=self.context.rig.shaker_point,
+            level=step.level,
+            frequency_hz=step.frequency_hz,
+            facts={
+                "burst_first_sample": float(start),
+                "drive_v": setting.volts,
+                "settle_s": setting.settle_s,
+                **rest.facts(self.context.line_hz),
+            },
+        )
+
+    def _next(self, step: Step, setting: Setting, seen: Seen) -> Setting | None:
+        """Another burst, where it may be better: longer, as the decay that was seen asks for, or at another drive."""
+        longest = self.plan.max_settle_s or self.plan.settle_s
+        settle_s, volts = setting.settle_s, setting.volts
+        if seen.settled == "no":
+            settle_s = min(longest, settle_s + seen.missing_s)
+        if setting.number < (self.plan.force.max_bursts if self.plan.force is not None else 1):
+            volts = self.drive.next_v(step.level, step.frequency_hz, seen.measured) or volts
+        if settle_s <= setting.settle_s and volts == setting.volts:
+            return None
+        return Setting(volts, settle_s, setting.number + 1)
+
+    def _judged(self, note: BlockNote, seen: Seen, step: Step, setting: Setting, *, rejected: bool) -> BlockNote:
+        overload = self.context.stream.overload(note.first_sample, self.context.block)
+        reasons = [
+            *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
+            *([seen.unsettled] if seen.unsettled else []),
+            *([error] if (error := self.drive.error(step.level, seen.measured)) else []),
+        ]
+        return replace(
+            note,
+            name=f"{note.name}_rejected_{setting.number}" if rejected else note.name,
+            accepted=not rejected,
+            overload=overload,
+            reason="; ".join(reasons),
+            facts=note.facts | seen.facts,
+        )
+
+    def _keep_tripped(self, note: BlockNote, error: SafetyError) -> None:
+        first = self.context.stream.next - self.context.block
+        tripped = replace(
+            note,
+            name=f"{note.name}_tripped",
+            first_sample=first,
+            accepted=False,
+            reason=error.what,
+            overload=self.context.stream.overload(first, self.context.block),
+        )
+        self.context.record(first, tripped)
+
+
+def run_sine(context: Context, plan: SinePlan) -> None:
+    """Measure the floor, then run the test; see `SineTest`."""
+    limits = context.rig.limits
+    if limits is None:
+        raise PlanError("the rig has no limits", remedy="add limits to the rig file")
+    watch = watch_of(context.rig, limits, context.chain)
+    SineTest(context, plan, limits, measure_floor(context, plan.wait_s, watch), watch).run()

@@ -1,0 +1,116 @@
+"""What runs inside a rig's process: the bench, its store, one run after the other."""
+
+import os
+import signal
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.process.link import Link
+from modallab.acquisition.process.messages import Ended, Ready
+from modallab.acquisition.process.output_supervisor import LifeLine
+from modallab.acquisition.process.run import Order, make_safe, run_plan
+from modallab.acquisition.process.trip import TripLatch
+from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Bench
+from modallab.core.errors import BenchError, ModallabError
+from modallab.core.plan import Plan
+from modallab.core.rig import Rig
+from modallab.storage import Store
+
+BROKEN_FILE_EXIT = 3
+
+
+def serve(
+    connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None, supervision: str = ""
+) -> None:
+    """Open the bench, bring its output to zero, and run plans until told to leave or until the owner is gone.
+
+    Args:
+        connection: to the owner.
+        url: address of the bench.
+        rig: what stands on it.
+        folder: where the recordings go.
+        life_line: to the supervisor, if there is one.
+        supervision: what ends the output should this process die, in words; told before anything is driven.
+    """
+    # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    link = Link(connection)
+    try:
+        _serve(link, url, rig, folder, Guard(LifeLine(life_line), TripLatch(folder, url), supervision))
+    except Exception as error:
+        link.send(Ended(_expected(error)))
+    link.flush()
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """What answers for the output besides this process.
+
+    Attributes:
+        life: to the supervisor.
+        latch: of the emergency stop.
+        supervision: in words.
+    """
+
+    life: LifeLine
+    latch: TripLatch
+    supervision: str
+
+
+def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
+    bench = open_bench(url, rig)
+    try:
+        bench.zero()
+        with Store(folder) as store:
+            store.recover()
+            link.send(Ready(bench.info))
+            while (command := link.next_plan()) is not None:
+                _run(link, bench, rig, store, command.plan, guard)
+                guard.life.idle()
+    finally:
+        make_safe(bench)
+        with suppress(BenchError):
+            bench.close()
+
+
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Guard) -> None:
+    error: ModallabError | None = None
+    unusable = False
+    excitation = Excitation()
+
+    def control() -> Order | None:
+        guard.life.working(driving=excitation.on)
+        return link.order()
+
+    try:
+        with store.begin(plan, rig, bench.info) as recorder:
+            try:
+                run_plan(
+                    bench, rig, plan, recorder, link.send, control,
+                    requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
+                    live=link.send,
+                )  # fmt: skip
+            finally:
+                unusable = recorder.unusable
+    except Exception as raised:
+        error = _expected(raised)
+    link.send(Ended(error))
+    if unusable:
+        # HDF5 brings the process down when it ends with a file it could not write; so it ends without HDF5.
+        with suppress(BenchError):
+            bench.close()
+        link.flush()
+        os._exit(BROKEN_FILE_EXIT)
+
+
+def _expected(error: Exception) -> ModallabError:
+    if isinstance(error, ModallabError):
+        return error
+    return BenchError(
+        f"unexpected {type(error).__name__} in the acquisition process: {error}",
+        remedy="report this with the log; the blocks before are kept",
+    )

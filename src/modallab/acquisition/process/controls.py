@@ -1,0 +1,124 @@
+"""What may be done to a run while it goes on, besides ending it, and what is known of it. From any thread."""
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+
+from modallab.acquisition.monitor.requests import Drop, Repeat
+from modallab.acquisition.monitor.run_states import require_legal
+from modallab.acquisition.process.messages import Command, Pause, Resume
+from modallab.acquisition.process.repeat_part import require_recorded, require_step
+from modallab.acquisition.process.run_view import RunView
+from modallab.core.block import Block
+from modallab.core.errors import PlanError
+from modallab.core.events import BlockDropped, Event
+from modallab.core.plan import Plan, SinePlan
+from modallab.storage import Store
+
+
+class RunControls(ABC):
+    """The controls of one rig's active run; `RigProcess` sends what they want to its process."""
+
+    def __init__(self, data_folder: Path) -> None:
+        self._folder = data_folder
+        self._plan: Plan | None = None
+        self._view = RunView()
+        self._running = self._pausing = False
+
+    @property
+    def view(self) -> RunView:
+        """The active run or the last one: state, hits or frequencies so far of how many, the hit that is waited for,
+        the blocks that count, the last block's name. From any thread; as new as the last event that `run` yielded."""
+        return self._view
+
+    def last_block(self) -> Block | None:
+        """The last block that was kept, read back from the disk while the run goes on; None before the first.
+
+        Raises:
+            StorageError: it is not what was acknowledged.
+        """
+        view = self._view
+        if not view.last_block:
+            return None
+        with Store(self._folder) as store:
+            return store.block(view.run, view.last_block)
+
+    def pause(self) -> None:
+        """`acquiring -> paused` at the next boundary between blocks or bursts, with the excitation at 0 V there.
+
+        A burst that is on is played to its end; a hit that is waited for is no longer. The state says when it is done.
+
+        Raises:
+            IllegalTransitionError: the run is not acquiring.
+        """
+        require_legal(self._view.state, "paused")
+        self._pausing = True
+        self._send(Pause())
+
+    def resume(self) -> None:
+        """`paused -> acquiring`: the beam is waited for, then the test goes on; it also takes back a pause to come.
+
+        Raises:
+            IllegalTransitionError: the run neither is paused nor was told to.
+        """
+        if not (self._pausing and self._view.state == "acquiring"):
+            require_legal("armed" if self._view.state == "paused" else "created", "acquiring")
+        self._pausing = False
+        self._send(Resume())
+
+    def repeat(self, frequency_hz: float, level: str = "") -> None:
+        """Record a frequency of the running sine test once more, next; once it is kept, the block before is dropped.
+
+        Args:
+            frequency_hz: one of the plan's that has been recorded.
+            level: one of the plan's; empty: every level it was recorded at.
+
+        Raises:
+            PlanError: no sine test is running, it has no such frequency or level, or it is still to come. When the run
+                has ended, `again.repeat_plan` gives the plan of a new one.
+        """
+        if not self._running or self._plan is None:
+            raise PlanError(
+                "no run is going on",
+                remedy="run the plan that modallab.acquisition.process.repeat_part.repeat_plan gives",
+            )
+        plan = require_step(self._plan, frequency_hz, level)
+        require_recorded(plan, frequency_hz, level, self._view.blocks)
+        self._send(Repeat(frequency_hz, level))
+
+    def drop(self, block: str, reason: str = "dropped by the operator") -> None:
+        """Let a block of this run no longer count, such as one hit; its samples stay on the disk, with the reason.
+
+        While an impact test runs, the hit is asked for again. After the run the block is only left out;
+        `Store.drop(run, block, reason)` does the same for any recorded run, without a process.
+
+        Raises:
+            PlanError: no block of this name counts in the run.
+        """
+        if block not in self._view.blocks:
+            counted = ", ".join(self._view.blocks)
+            raise PlanError(f"no block {block!r} counts in the run", remedy=f"name one of: {counted or 'none yet'}")
+        if self._running:
+            self._send(Drop(block, reason))
+            return
+        with Store(self._folder) as store:
+            store.drop(self._view.run, block, reason)
+        self._view = self._view.after(BlockDropped(run=self._view.run, name=block, reason=reason))
+
+    def _begin(self, plan: Plan) -> None:
+        self._plan, self._view = plan, RunView()
+        self._running, self._pausing = True, False
+
+    def _saw(self, event: Event) -> None:
+        self._view = self._view.after(event)
+
+    @property
+    def _driving(self) -> bool:
+        return isinstance(self._plan, SinePlan) and self._view.state in ("armed", "acquiring", "paused")
+
+    @abstractmethod
+    def _send(self, command: Command) -> None:
+        """Tell the process.
+
+        Raises:
+            BenchError: it died.
+        """

@@ -1,0 +1,113 @@
+"""The rig process's end of the pipe. It never lets the acquisition wait for its owner."""
+
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from threading import Thread
+
+from modallab.acquisition.monitor.requests import Drop, Repeat, Requests
+from modallab.acquisition.process.messages import (
+    Abort,
+    Beat,
+    Close,
+    Command,
+    EmergencyStop,
+    Pause,
+    Report,
+    Resume,
+    RunPlan,
+    Stop,
+)
+from modallab.acquisition.process.run import Order
+
+HEARTBEAT_S = 0.25
+TIMEOUT_S = 5.0
+"""An owner that said nothing for so long is gone. A busy one was measured late by 1.3 s."""
+
+
+class Link:
+    """Two threads on one connection: one hears commands and heartbeats, one sends reports.
+
+    The acquisition only looks at `order` and only puts reports into a queue, so that neither a slow nor a stopped
+    owner can hold it up while the beam is driven.
+    """
+
+    def __init__(self, connection: Connection, timeout_s: float = TIMEOUT_S) -> None:
+        self._connection = connection
+        self._timeout_s = timeout_s
+        self._order: Order | None = None
+        self.requests = Requests()
+        self._plans: SimpleQueue[RunPlan | None] = SimpleQueue()
+        self._reports: SimpleQueue[Report | None] = SimpleQueue()
+        self._sender = Thread(target=self._send_all, name="reports", daemon=True)
+        self._sender.start()
+        Thread(target=self._hear, name="commands", daemon=True).start()
+
+    def order(self) -> Order | None:
+        """What the owner wants of the active run."""
+        return self._order
+
+    def next_plan(self) -> RunPlan | None:
+        """Wait for the next run; None when it is time to leave."""
+        return self._plans.get()
+
+    def send(self, report: Report) -> None:
+        """Queue a report."""
+        self._reports.put(report)
+
+    def flush(self, timeout_s: float = 5.0) -> None:
+        """Send what is queued and no more after it."""
+        self._reports.put(None)
+        self._sender.join(timeout_s)
+
+    def _send_all(self) -> None:
+        while (report := self._reports.get()) is not None:
+            try:
+                self._connection.send(report)
+            except OSError:
+                self._lost()
+                return
+
+    def _hear(self) -> None:
+        heard = time.monotonic()
+        while self._order != "lost":
+            try:
+                if self._connection.poll(HEARTBEAT_S):
+                    self._obey(self._connection.recv())
+                    heard = time.monotonic()
+                elif time.monotonic() - heard > self._timeout_s:
+                    self._lost()
+            except (EOFError, OSError):
+                self._lost()
+
+    def _obey(self, command: Command) -> None:
+        act: dict[type[Command], Callable[[], None]] = {
+            Beat: lambda: None,
+            Stop: lambda: self._request("stop"),
+            Abort: lambda: self._request("abort"),
+            EmergencyStop: lambda: self._request("emergency"),
+            Pause: self.requests.pause,
+            Resume: self.requests.resume,
+            Close: self._leave,
+        }
+        if isinstance(command, RunPlan):
+            # A stop that came too late for the run before is no stop of this one.
+            self._order = None
+            self.requests.forget()
+            self._plans.put(command)
+        elif isinstance(command, Repeat | Drop):
+            self.requests.ask(command)
+        else:
+            act[type(command)]()
+
+    def _request(self, order: Order) -> None:
+        self._order = order
+
+    def _leave(self) -> None:
+        self._order = "stop"
+        self._plans.put(None)
+
+    def _lost(self) -> None:
+        self._order = "lost"
+        self._plans.put(None)

@@ -1,0 +1,72 @@
+"""What goes over the pipe between a rig's process and the one that owns it, besides the events."""
+
+from dataclasses import dataclass
+
+from modallab.acquisition.monitor.live import LiveSamples
+from modallab.acquisition.monitor.requests import Drop, Repeat
+from modallab.bench.protocol import BenchInfo
+from modallab.core.errors import ModallabError
+from modallab.core.events import Event
+from modallab.core.plan import Plan
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """Begin a run."""
+
+    plan: Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """End the run now; its data are valid."""
+
+
+@dataclass(frozen=True, slots=True)
+class Abort:
+    """End the run now; its data are kept and marked as invalid."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmergencyStop:
+    """As abort; the rig is tripped already."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Pause at the next boundary between blocks or bursts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Close:
+    """End the run if there is one, release the bench, and leave."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beat:
+    """The owner lives."""
+
+
+Command = RunPlan | Stop | Abort | EmergencyStop | Pause | Resume | Repeat | Drop | Close | Beat
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """The bench is open, its output at zero."""
+
+    info: BenchInfo
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """No run is active any more; `error` says why, if it is for an error."""
+
+    error: ModallabError | None
+
+
+Report = Event | Ready | Ended | LiveSamples

@@ -1,0 +1,256 @@
+"""One run, from its check to its end: however it ends, the output is at 0 V and what was acknowledged is kept."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from modallab.acquisition.monitor.chain import chain_of
+from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.live import LiveSamples, LiveTap
+from modallab.acquisition.monitor.requests import Drop, Excitation, Requests
+from modallab.acquisition.monitor.run_states import Emit, Lifecycle
+from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.hardware_trigger import require_trigger
+from modallab.acquisition.procedures.impact import run_impact
+from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.process.trip import TripLatch
+from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.bench.recut import Recut
+from modallab.core.errors import BenchError, ModallabError, PlanError
+from modallab.core.events import BlockDropped, Failed, Notice
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig
+from modallab.storage import Recorder, Store
+
+Order = Literal["stop", "abort", "emergency", "lost"]
+"""How a running test may be told to end; `lost`: whoever asked for the run is gone."""
+
+Control = Callable[[], Order | None]
+Live = Callable[[LiveSamples], None]
+
+REAL_TIME_CHUNK_S = 0.05
+FREE_CHUNK_S = 0.5
+"""Read at once where time is virtual. A limit is looked at once a chunk."""
+
+MEMORY_BLOCKS = 6
+"""Blocks the stream remembers: the window before a hit, the hit, and some."""
+
+
+class OrderedEndError(Exception):
+    """The run was told to end; not an error of the run."""
+
+    def __init__(self, order: Order) -> None:
+        super().__init__(order)
+        self.order: Order = order
+
+
+def run_plan(
+    bench: Bench,
+    rig: Rig,
+    plan: Plan,
+    recorder: Recorder,
+    emit: Emit,
+    control: Control = lambda: None,
+    chunk_s: float | None = None,
+    *,
+    requests: Requests | None = None,
+    latch: TripLatch | None = None,
+    supervision: str = "",
+    excitation: Excitation | None = None,
+    live: Live | None = None,
+) -> None:
+    """Run a plan on an open bench, in this process.
+
+    Args:
+        bench: open, not started.
+        rig: what stands on it.
+        plan: what to do.
+        recorder: of a run just begun.
+        emit: takes the events, in order.
+        control: asked before every read whether to end.
+        chunk_s: how much to read at once; nothing that is recorded depends on it.
+        requests: what else is requested of the test while it runs.
+        latch: of the emergency stop; without one there is none.
+        supervision: what ends the output should this process die; told before anything is driven.
+        excitation: is told whether a burst may be on.
+        live: takes a look at the samples as they come.
+
+    Raises:
+        TrippedError: the rig was tripped and not reset.
+        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
+    """
+    life = Lifecycle(recorder, emit)
+    chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
+    setup = Setup(
+        bench, rig, plan, recorder, emit, life, control, chunk_s,
+        requests or Requests(), latch, supervision, excitation or Excitation(), live,
+    )  # fmt: skip
+    try:
+        try:
+            _work(setup)
+        except OrderedEndError as end:
+            make_safe(bench)
+            _drop_left(setup)
+            _end(life, end.order)
+    except BaseException as error:
+        make_safe(bench)
+        _fail(life, recorder, emit, error)
+        raise
+
+
+def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control: Control = lambda: None) -> str:
+    """Begin a run in a store, run the plan, let go of the run; returns its name. Raises as `run_plan`."""
+    with store.begin(plan, rig, bench.info) as recorder:
+        run_plan(bench, rig, plan, recorder, emit, control)
+        return recorder.run
+
+
+def make_safe(bench: Bench) -> None:
+    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried."""
+    for step in (bench.zero, bench.stop):
+        try:
+            step()
+        except BenchError:
+            # The run's own error says more; a burst on a device that is gone ends by itself.
+            continue
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What `run_plan` was given, and the state it keeps."""
+
+    bench: Bench
+    rig: Rig
+    plan: Plan
+    recorder: Recorder
+    emit: Emit
+    life: Lifecycle
+    control: Control
+    chunk_s: float
+    requests: Requests = field(default_factory=Requests)
+    latch: TripLatch | None = None
+    supervision: str = ""
+    excitation: Excitation = field(default_factory=Excitation)
+    live: Live | None = None
+
+    def tap(self, delivery: Delivery) -> LiveTap | None:
+        """Shows what comes, if somebody wants to see it."""
+        if self.live is None:
+            return None
+        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
+
+    def poll(self) -> None:
+        """Look, before every read, whether the run shall go on.
+
+        Raises:
+            OrderedEndError: it was told to end.
+            TrippedError: somebody else has brought the output to 0 V.
+        """
+        order = self.control()
+        if order is not None:
+            raise OrderedEndError(order)
+        trip = self.latch.read() if self.latch is not None and self.latch.tripped else None
+        if trip is not None and trip.cause == "emergency stop":
+            raise OrderedEndError("emergency")
+        if trip is not None and self.latch is not None:
+            self.latch.require_reset()
+
+
+def _work(setup: Setup) -> None:
+    setup.life.enter("arming")
+    if setup.latch is not None:
+        setup.latch.require_reset()
+    require_possible(setup.plan, setup.rig, setup.bench.info)
+    require_trigger(setup.plan, setup.bench)
+    if isinstance(setup.plan, SinePlan):
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
+    context = _prepare(setup)
+    if isinstance(setup.plan, ImpactPlan):
+        run_impact(context, setup.plan)
+    else:
+        run_sine(context, setup.plan)
+    setup.bench.zero()
+    setup.bench.stop()
+    _drop_left(setup)
+    setup.life.enter("processing")
+    setup.recorder.close_file()
+    setup.life.enter("done")
+
+
+def _what_ends_it(plan: SinePlan, supervision: str) -> str:
+    longest = longest_burst_s(plan)
+    reported = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
+    return f"{reported}; {supervision}" if supervision else reported
+
+
+def _drop_left(setup: Setup) -> None:
+    # A request that came after the last look is still a request; there is no more time to ask for the hit again.
+    for request in setup.requests.take():
+        if isinstance(request, Drop) and setup.recorder.drop(request.block, request.reason):
+            setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
+
+
+def _prepare(setup: Setup) -> Context:
+    bench, plan = setup.bench, setup.plan
+    bench.zero()
+    delivery = bench.configure(Request(plan.kind, plan.rate_hz))
+    chain = chain_of(setup.rig, delivery, plan.kind)
+    block = round(plan.block_s * delivery.rate_hz)
+    recut = _recut(plan, delivery)
+    if recut is None:
+        setup.recorder.open(delivery, block)
+    else:
+        setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
+    # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
+    chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
+    keep = MEMORY_BLOCKS * block
+    stream = Stream(bench, delivery, chain, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
+    bench.start()
+    return Context(
+        bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut,
+        setup.requests, setup.excitation,
+    )  # fmt: skip
+
+
+def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
+    if plan.delivered_hz is None or plan.delivered_hz == delivery.rate_hz:
+        return None
+    if plan.delivered_hz > delivery.rate_hz:
+        raise PlanError(
+            f"delivered_hz: {plan.delivered_hz:g} Hz; allowed: up to the device's rate, {delivery.rate_hz:g} Hz",
+            where=f"{plan.kind} plan",
+            remedy="ask for a lower delivered rate, or a higher rate_hz",
+        )
+    return Recut.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
+
+
+def _end(life: Lifecycle, order: Order) -> None:
+    life.enter("stopping", _SAID[order])
+    if order == "stop":
+        life.enter("done", _SAID[order])
+    elif order in ("abort", "emergency"):
+        life.enter("aborted", _SAID[order], valid=False)
+    else:
+        life.enter("failed", _SAID[order])
+
+
+_SAID: dict[Order, str] = {
+    "stop": "stopped by the operator",
+    "abort": "aborted by the operator",
+    "emergency": "emergency stop",
+    "lost": "interrupted: the process that asked for the run is gone",
+}
+
+
+def _fail(life: Lifecycle, recorder: Recorder, emit: Emit, error: BaseException) -> None:
+    known = error if isinstance(error, ModallabError) else ModallabError(f"unexpected {type(error).__name__}: {error}")
+    try:
+        if life.state != "stopping":
+            life.enter("stopping", known.what)
+        life.enter("failed", known.what)
+    except ModallabError:
+        # A full disk may take not even the state; the next start marks the run as interrupted.
+        pass
+    emit(Failed(run=recorder.run, code=known.code, what=known.what, remedy=known.remedy))

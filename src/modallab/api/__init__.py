@@ -1,1 +1,0 @@
-"""The REST service's HTTP side: one file a resource; the rules stand in `modallab.campaign`."""

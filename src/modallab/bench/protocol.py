@@ -1,0 +1,223 @@
+"""What every bench can be asked: real hardware, a simulator, or a replay."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+
+
+@dataclass(frozen=True, slots=True)
+class BenchInfo:
+    """What answers at an address, and what it can do.
+
+    Attributes:
+        url: the address.
+        devices: (name, serial) of each device.
+        can_drive: whether it has an excitation output.
+        real_time: whether samples arrive at the pace of the clock on the wall.
+        facts: what else is known, such as a simulator's seed and true parameters, as text.
+    """
+
+    url: str
+    devices: tuple[tuple[str, str], ...]
+    can_drive: bool
+    real_time: bool
+    facts: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """How to acquire: `test` sets the preamplifiers, `rate_hz` the requested rate per channel."""
+
+    test: Test
+    rate_hz: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Delivery:
+    """What the device will deliver: its rate, type, and unit and scale per channel (rig order)."""
+
+    requested_rate_hz: float
+    actual_rate_hz: float
+    rate_hz: float
+    dtype: np.dtype[np.generic]
+    scale: NDArray[np.float64]
+    units: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chunk:
+    """Contiguous samples.
+
+    Attributes:
+        first_sample: index of the first, counted by the device since `start`.
+        samples: (channels, n) as delivered.
+        overload: (channels,) whether a channel was beyond its range in this stretch.
+    """
+
+    first_sample: int
+    samples: NDArray[np.generic]
+    overload: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Burst:
+    """One finite sine on the output: rises over `ramp_s`, holds, falls over `ramp_s`, ends at exactly 0 V."""
+
+    frequency_hz: float
+    amplitude_v: float
+    ramp_s: float
+    hold_s: float
+
+    @property
+    def duration_s(self) -> float:
+        """From 0 V to 0 V."""
+        return 2 * self.ramp_s + self.hold_s
+
+
+@runtime_checkable
+class Bench(Protocol):
+    """A bench: inputs that stream, and perhaps one excitation output. One owner, one thread.
+
+    Every method may raise DeviceGoneError. The order is configure, start, then read and play; `zero`, `stop`
+    and `close` are legal in every state and never raise for having nothing to do.
+    """
+
+    @property
+    def info(self) -> BenchInfo:
+        """What this bench is."""
+        ...
+
+    def configure(self, request: Request) -> Delivery:
+        """Set rate and ranges. Raises ConfigurationError, DeviceBusyError."""
+        ...
+
+    def start(self) -> None:
+        """Start streaming; the device's sample count begins at 0."""
+        ...
+
+    def read(self, count: int, timeout_s: float) -> Chunk:
+        """The next `count` samples, without a gap. Raises BenchTimeoutError, SamplesLostError, ConfigurationError."""
+        ...
+
+    def play(self, burst: Burst) -> int:
+        """Start a burst; returns the sample count at which its rise begins. Raises UnsupportedError."""
+        ...
+
+    def prompt_hit(self, point: int) -> None:
+        """Tell whoever swings the hammer that a hit at `point` is requested. Hardware has nothing to do here."""
+        ...
+
+    def zero(self) -> None:
+        """Bring the output to 0 V now."""
+        ...
+
+    def stop(self) -> None:
+        """Stop streaming, with the output at 0 V."""
+        ...
+
+    def close(self) -> None:
+        """Release the device, with the output at 0 V."""
+        ...
+
+
+class BenchOpener(Protocol):
+    """What an entry point of the group `modallab.backends` names."""
+
+    def __call__(self, url: str, rig: Rig) -> Bench:
+        """Open the bench at `url`. Raises DeviceGoneError, DeviceBusyError, ConfigurationError."""
+        ...
+
+
+class OutputHandle(Protocol):
+    """A second handle to an excitation output, in another process than the one that drives; it can only end it."""
+
+    def zero(self) -> None:
+        """Bring the output to 0 V, whoever drives it. Raises BenchError."""
+        ...
+
+    def release(self) -> None:
+        """Bring the output to 0 V and give back what an owner that died still holds. Raises BenchError."""
+        ...
+
+    def close(self) -> None:
+        """Let go."""
+        ...
+
+
+class OutputOpener(Protocol):
+    """What an entry point of the group `modallab.outputs` names."""
+
+    def __call__(self, url: str, rig: Rig) -> OutputHandle:
+        """A handle to the output of the bench at `url`. Raises BenchError."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceTrigger:
+    """A finite record about the first crossing of a level, found by the device itself.
+
+    Attributes:
+        channel: place in the rig.
+        level: as the samples are delivered; crossed upwards if positive, downwards if negative.
+        hysteresis: how far from the level the signal must have been before, as delivered.
+        pre_trigger: samples kept before the crossing.
+        count: samples of the record.
+    """
+
+    channel: int
+    level: float
+    hysteresis: float
+    pre_trigger: int
+    count: int
+
+
+@runtime_checkable
+class HardwareTriggered(Protocol):
+    """A bench whose device can wait for a hit by itself. While it does, nothing streams."""
+
+    def arm(self, trigger: ReferenceTrigger) -> None:
+        """Begin to wait, while configured or stopped; `stop` ends it. Raises ConfigurationError, DeviceGoneError."""
+        ...
+
+    def is_armed(self) -> bool:
+        """Whether the pre-trigger is full: what crosses the level before that is ignored by the device."""
+        ...
+
+    def triggered(self, timeout_s: float) -> Chunk:
+        """The record, its first sample counted as 0. Raises BenchTimeoutError: no crossing yet, ask again."""
+        ...
+
+
+@runtime_checkable
+class SelfDescribing(Protocol):
+    """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
+
+    def sensed_sensitivities(self) -> dict[str, float]:
+        """V per SI unit by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A device that was found.
+
+    Attributes:
+        address: to open it by.
+        what: it is, in words.
+    """
+
+    address: str
+    what: str
+
+
+class DeviceFinder(Protocol):
+    """What an entry point of the group `modallab.devices` names."""
+
+    def __call__(self, address: str) -> list[Found]:
+        """Devices of this family: here if `address` is empty, else behind it. Nothing found is no error."""
+        ...

@@ -1,0 +1,1 @@
+"""Before a first test: the check of a rig, and calibration."""

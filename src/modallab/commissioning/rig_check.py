@@ -1,0 +1,199 @@
+"""A walk through every channel of a rig before anything is measured with it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.chain import chain_of
+from modallab.acquisition.procedures.trigger import Trigger
+from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
+from modallab.core.errors import BenchError
+from modallab.core.rig import Channel, Rig
+from modallab.core.units import is_voltage, si_factor
+from modallab.signals.tone_fit import fit_frequency
+
+Verdict = Literal["good", "look", "bad"]
+
+RATE_HZ = 2000.0
+CHUNK_S = 0.1
+TIMEOUT_S = 10.0
+NOISE_FACTOR = 5.0
+OFFSET_PART = 0.05
+TEDS_PART = 0.05
+CLOCK_PPM = 100.0
+CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
+TAP_N = 5.0
+TAP_PATIENCE_S = 60.0
+CONTACT_S = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One verdict.
+
+    Attributes:
+        channel: of the rig, or what else was looked at.
+        what: noise, offset, overload, polarity, sensitivity, clock.
+        value: in words and numbers.
+        verdict: `look` where a person must decide.
+    """
+
+    channel: str
+    what: str
+    value: str
+    verdict: Verdict
+
+
+def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
+    """Noise, offset and overload of every channel, while nothing moves; and what the sensors say of themselves."""
+    delivery = bench.configure(Request("impact", RATE_HZ))
+    findings = _sensitivities(bench, rig)
+    bench.start()
+    try:
+        samples, over = _read(bench, delivery, seconds)
+    finally:
+        bench.stop()
+    volts = samples * delivery.scale[:, None]
+    for channel, row, unit, flag in zip(rig.channels, volts, delivery.units, over, strict=True):
+        factor = si_factor("voltage", unit) if is_voltage(unit) else 1.0
+        findings += _of_channel(channel, rig, row * factor, bool(flag))
+    return findings
+
+
+def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[Finding]:
+    """A tap at every sensor's own point: force and acceleration must go the same way while the hammer touches.
+
+    Args:
+        bench: open, not started.
+        rig: as believed.
+        ask: tells whoever taps which point comes next.
+    """
+    delivery = bench.configure(Request("impact", RATE_HZ))
+    chain = chain_of(rig, delivery, "impact")
+    bench.start()
+    sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
+    try:
+        return [_tap(bench, rig, delivery, channel, chain.si_per_count, ask) for channel in sensors]
+    finally:
+        bench.stop()
+
+
+def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0) -> list[Finding]:
+    """A small burst, whose frequency on the converter's clock is compared with what the generator was set to."""
+    if not bench.info.can_drive:
+        return [Finding("generator", "clock", "this bench has no output", "look")]
+    delivery = bench.configure(Request("sine", RATE_HZ))
+    bench.start()
+    try:
+        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S))
+        count = begin + round(1.0 * delivery.rate_hz)
+        lead, _ = _take(bench, delivery, count)
+        held, _ = _take(bench, delivery, round(3.0 * delivery.rate_hz))
+        _take(bench, delivery, round(1.0 * delivery.rate_hz))
+    finally:
+        bench.zero()
+        bench.stop()
+    force = rig.force_channel.index
+    quiet = lead[force, : max(16, begin // 2)].std()
+    row = (held[force] * delivery.scale[force])[None, :]
+    if held[force].std() < 3 * quiet:
+        return [Finding("generator", "clock", f"{volts:g} V give no force that can be seen", "bad")]
+    found = fit_frequency(row, delivery.rate_hz, frequency_hz).frequency_hz
+    ppm = 1e6 * (found / frequency_hz - 1)
+    verdict: Verdict = "good" if abs(ppm) <= CLOCK_PPM else "bad"
+    return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
+
+
+def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    # What a filter still holds from before the start is let go by first.
+    _take(bench, delivery, round(0.2 * delivery.rate_hz))
+    return _take(bench, delivery, round(seconds * delivery.rate_hz))
+
+
+def _take(bench: Bench, delivery: Delivery, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    pieces: list[NDArray[np.float64]] = []
+    over = np.zeros(len(delivery.units), dtype=np.bool_)
+    step = max(1, round(CHUNK_S * delivery.rate_hz))
+    for first in range(0, count, step):
+        chunk = bench.read(min(step, count - first), TIMEOUT_S)
+        pieces.append(chunk.samples.astype(np.float64))
+        over |= chunk.overload
+    return np.concatenate(pieces, axis=1), over
+
+
+def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
+    noise, offset = float(volts.std()), float(volts.mean())
+    believed = rig.converter.noise_rms_v if rig.converter else 0.0
+    range_v = channel.range_v or (rig.converter.range_v if rig.converter else np.inf)
+    noise_verdict: Verdict = "good"
+    if noise == 0:
+        noise_verdict = "bad"
+    elif believed and noise > NOISE_FACTOR * believed:
+        noise_verdict = "look"
+    reported = f"{1e3 * noise:.4g} mV rms" + (" (a dead channel)" if noise == 0 else f", {1e3 * believed:.4g} believed")
+    offset_verdict: Verdict = "good" if abs(offset) <= OFFSET_PART * range_v else "look"
+    return [
+        Finding(channel.name, "noise", reported, noise_verdict),
+        Finding(channel.name, "offset", f"{1e3 * offset:+.4g} mV of {range_v:g} V", offset_verdict),
+        Finding(channel.name, "overload", "beyond the range at rest" if over else "none", "bad" if over else "good"),
+    ]
+
+
+def _sensitivities(bench: Bench, rig: Rig) -> list[Finding]:
+    if not isinstance(bench, SelfDescribing):
+        return []
+    findings: list[Finding] = []
+    reported = bench.sensed_sensitivities()
+    for channel in rig.channels:
+        if channel.name not in reported:
+            continue
+        believed = abs(channel.sensitivity("impact")) / si_factor(channel.quantity, channel.unit)
+        part = reported[channel.name] / believed - 1
+        verdict: Verdict = "good" if abs(part) <= TEDS_PART else "bad"
+        value = (
+            f"TEDS says {reported[channel.name]:.5g}, the rig file {believed:.5g} V per SI unit ({100 * part:+.2g} %)"
+        )
+        findings.append(Finding(channel.name, "sensitivity", value, verdict))
+    return findings
+
+
+def _tap(
+    bench: Bench,
+    rig: Rig,
+    delivery: Delivery,
+    channel: Channel,
+    si_per_count: NDArray[np.float64],
+    ask: Callable[[int], None],
+) -> Finding:
+    assert channel.point is not None
+    ask(channel.point)
+    bench.prompt_hit(channel.point)
+    trigger, force = Trigger(TAP_N, TAP_N / 2), rig.force_channel.index
+    step = round(CHUNK_S * delivery.rate_hz)
+    before = _take(bench, delivery, step)[0]
+    for _ in range(round(TAP_PATIENCE_S / CHUNK_S)):
+        after = _take(bench, delivery, step)[0]
+        place = trigger.scan(after[force] * si_per_count[force])
+        if place is not None:
+            both = np.concatenate([before, after, _take(bench, delivery, step)[0]], axis=1)
+            return _polarity(channel, both * si_per_count[:, None], step + place, force, delivery.rate_hz)
+        before = after
+    raise BenchError(
+        f"no tap above {TAP_N:g} N at point {channel.point} within {TAP_PATIENCE_S:g} s",
+        remedy="tap harder, or look at the hammer's cable",
+    )
+
+
+def _polarity(channel: Channel, values: NDArray[np.float64], place: int, force: int, rate_hz: float) -> Finding:
+    # At the point that is struck the beam answers at first as a mass does: with the force, as long as it acts.
+    touch = slice(max(0, place - round(CONTACT_S * rate_hz / 2)), place + round(CONTACT_S * rate_hz))
+    push = values[force, touch]
+    answer = values[channel.index, touch] - values[channel.index, : max(1, touch.start)].mean()
+    together = float(push @ answer / np.sqrt((push @ push) * (answer @ answer)))
+    # A sensor mounted the other way round reads the other way round, as its direction says.
+    expected = 1.0 if channel.direction.startswith("+") else -1.0
+    verdict: Verdict = "good" if together * expected > 0.2 else ("bad" if together * expected < -0.2 else "look")
+    return Finding(channel.name, "polarity", f"with the force by {together:+.2f} at point {channel.point}", verdict)

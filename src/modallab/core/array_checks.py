@@ -1,0 +1,188 @@
+"""Checks on arrays: what no measurement can hold is rejected before it turns into a number that looks right.
+
+Each check raises one `DataError` that lists everything it found. They are meant for every border: files, and the
+public functions that take arrays.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.axis_checks import check_frequencies, check_rate, check_time
+from modallab.core.errors import DataError
+
+__all__ = [
+    "LARGEST",
+    "check_frequencies",
+    "check_frf",
+    "check_rate",
+    "check_signals",
+    "check_time",
+    "identical_channels",
+]
+
+_FEW_LEVELS = 4
+"""A living channel that takes no more values than this is at the converter's last count."""
+
+LARGEST = 1e30
+"""No quantity on a bench is as large, in any unit: such a number comes from a damaged file."""
+
+
+class _Finding(NamedTuple):
+    what: str
+    remedy: str
+
+
+_TRANSPOSE = "transpose it: one row per channel, one column per sample"
+_RECORD_AGAIN = "look at the recording there; leave this record out, or record it again"
+_MEND = "check sensor, cable and input, and record again; or leave the channel out of both rig and recording"
+_PHASE = "export the FRF as complex numbers (real and imaginary part)"
+
+
+def check_signals(samples: NDArray[Any], channels: Sequence[str], where: str = "", *, force: str | None = None) -> None:
+    """Reject what no recording of a living bench holds.
+
+    A channel is dead if it holds one value over the whole record. Not so, unless it is the force, in a record so
+    quiet that another channel moves by a few counts only: there a light sensor may well stand below one count.
+    Noise, clipping, a turned or swapped channel are no errors: they are what a diagnosis is for.
+
+    Args:
+        samples: (channels, n), counts or real numbers.
+        channels: (channels,) names.
+        where: file and record, for the message.
+        force: name of the channel without which there is no FRF.
+
+    Raises:
+        DataError: wrong shape or type, transposed, NaN or infinity, dead channels, nothing but zeros.
+    """
+    _check_shape(samples, channels, where)
+    findings = _not_finite(samples, channels)
+    if not findings:
+        findings = _dead(samples, channels, force)
+    _reject(findings, where)
+
+
+def identical_channels(samples: NDArray[Any], channels: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """Pairs of channels that agree in every bit, as copies do and sensors do not. Constant channels do not count."""
+    first: dict[bytes, str] = {}
+    pairs: list[tuple[str, str]] = []
+    for name, row in zip(channels, samples, strict=True):
+        if (row == row[0]).all():
+            continue
+        original = first.setdefault(row.tobytes(), name)
+        if original != name:
+            pairs.append((original, name))
+    return tuple(pairs)
+
+
+def check_frf(
+    frequency_hz: NDArray[np.float64],
+    values: NDArray[Any],
+    outputs: Sequence[str],
+    where: str = "",
+    *,
+    even: bool = True,
+    resolution_hz: float = 0.0,
+) -> None:
+    """Reject what no measured FRF holds.
+
+    Args:
+        frequency_hz: (lines,) in Hz.
+        values: (outputs, inputs, lines) complex.
+        outputs: (outputs,) channel names.
+        where: file, for the message.
+        even: as for `check_frequencies`.
+        resolution_hz: as for `check_frequencies`.
+
+    Raises:
+        DataError: wrong frequencies or shape, NaN or infinity, an output without response, a missing phase.
+    """
+    check_frequencies(frequency_hz, where, even=even, resolution_hz=resolution_hz)
+    if values.ndim != 3 or 0 in values.shape or values.shape[::2] != (len(outputs), len(frequency_hz)):
+        expected = f"({len(outputs)} outputs, inputs, {len(frequency_hz)} lines)"
+        raise DataError(f"the FRF has shape {values.shape}, not {expected}", where=where, remedy="reorder its axes")
+    if np.iscomplexobj(values):
+        findings = [f for name, frf in zip(outputs, values, strict=True) for f in _frf_findings(name, frf)]
+    else:
+        findings = [_Finding(f"the FRF is {_real_kind(values)}: its phase is missing", _PHASE)]
+    _reject(findings, where)
+
+
+def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
+    if not _within(frf):
+        bad = ~((np.abs(frf.real) <= LARGEST) & (np.abs(frf.imag) <= LARGEST))
+        what = f"beyond {LARGEST:g}" if np.isfinite(frf).all() else "NaN or infinite"
+        return [_Finding(f"channel {name}: {int(bad.sum())} lines of its FRF are {what}", _RECORD_AGAIN)]
+    if not frf.any():
+        return [_Finding(f"channel {name}: its FRF is zero at every line", _MEND)]
+    # One line may be real by chance, as the line at 0 Hz is.
+    if frf.shape[-1] > 1 and not frf.imag.any():
+        return [_Finding(f"channel {name}: its FRF is {_real_kind(frf.real)}: the phase is missing", _PHASE)]
+    return []
+
+
+def _within(frf: NDArray[np.complex128]) -> bool:
+    # A largest and a smallest number tell it without an array for every step; NaN compares as false.
+    parts = np.ascontiguousarray(frf, np.complex128).view(np.float64)
+    return float(parts.max()) <= LARGEST and float(parts.min()) >= -LARGEST
+
+
+def _real_kind(values: NDArray[Any]) -> str:
+    return "magnitude only (real, nowhere negative)" if (values >= 0).all() else "real at every line"
+
+
+def _check_shape(samples: NDArray[Any], channels: Sequence[str], where: str) -> None:
+    shape, expected = samples.shape, len(channels)
+    if samples.dtype.kind not in "iuf":
+        kind = "complex numbers, as a spectrum has" if samples.dtype.kind == "c" else f"values of type {samples.dtype}"
+        raise DataError(f"the samples are {kind}", where=where, remedy="give the time record, as real numbers")
+    if samples.size == 0:
+        raise DataError("there are no samples", where=where, remedy="record again, or leave this record out")
+    if samples.ndim != 2:
+        raise DataError(f"the samples have shape {shape}", where=where, remedy="give an array (channels, samples)")
+    if shape[0] > shape[1]:
+        found = f"the samples have shape {shape}, more channels than samples: they look transposed"
+        raise DataError(found, where=where, remedy=_TRANSPOSE)
+    if shape[0] != expected:
+        raise DataError(
+            f"there are {shape[0]} channels, the rig has {expected}: {', '.join(channels)}",
+            where=where,
+            remedy="make rig and recording name the same channels, in the same order",
+        )
+
+
+def _not_finite(samples: NDArray[Any], channels: Sequence[str]) -> list[_Finding]:
+    if samples.dtype.kind != "f":
+        return []
+    bad = ~(np.abs(samples) <= LARGEST)
+    findings: list[_Finding] = []
+    for i in map(int, np.flatnonzero(bad.any(axis=1))):
+        what = f"beyond {LARGEST:g}" if np.isfinite(samples[i]).all() else "NaN or infinite"
+        count, first = int(bad[i].sum()), int(bad[i].argmax())
+        found = f"channel {channels[i]}: {count} of {bad.shape[1]} samples are {what}, the first is sample {first}"
+        findings.append(_Finding(found, _RECORD_AGAIN))
+    return findings
+
+
+def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> list[_Finding]:
+    constant = (samples == samples[:, :1]).all(axis=1)
+    if not constant.any():
+        return []
+    if constant.all():
+        value = "zero" if not samples.any() else "constant"
+        found = f"every channel is {value} ({', '.join(channels)}): nothing was recorded"
+        return [_Finding(found, "check that the inputs are connected and switched on, and record again")]
+    quiet = min(len(np.unique(row)) for row in samples[~constant]) <= _FEW_LEVELS
+    return [
+        _Finding(f"channel {channels[i]} is dead: all {samples.shape[1]} samples are {samples[i, 0] + 0:g}", _MEND)
+        for i in map(int, np.flatnonzero(constant))
+        if not quiet or channels[i] == force
+    ]
+
+
+def _reject(findings: Sequence[_Finding], where: str) -> None:
+    if findings:
+        remedies = dict.fromkeys(finding.remedy for finding in findings)
+        raise DataError("\n  ".join(f.what for f in findings), where=where, remedy="; ".join(remedies))

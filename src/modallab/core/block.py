@@ -1,0 +1,110 @@
+"""What a device delivered, block by block, and a campaign of such blocks."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.frf import Frf
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+
+Ramp = Literal["straight", "cosine"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Block:
+    """One stretch of simultaneous samples, as the device delivered them.
+
+    Attributes:
+        name: name of the record, unique in its campaign.
+        test: which test it belongs to.
+        order: place in the campaign's order of time.
+        rate_hz: rate at which the samples stand.
+        samples: (channels, n), whole counts or real numbers, never scaled; channels in rig order.
+        scale: (channels,) unit per count.
+        units: (channels,) unit after the scale: "V", or an engineering unit if the source held one.
+        channels: (channels,) names, those of the rig.
+        drive_point: point of the hit or of the shaker; None if unknown.
+        level: name of the drive level in a sine test.
+        frequency_hz: frequency the generator was set to in a sine test.
+        first_sample: place of the first sample in the device's own count.
+        requested_rate_hz: what was asked of the device; None if unknown.
+        actual_rate_hz: what its clock gave; None if unknown.
+        overload: (channels,) whether the device reported a channel beyond its range; None if it cannot tell.
+        history_s: from the start of a sine, out of rest, to the first sample, by the samples' count; None if unknown.
+        ramp_s: how long that sine took to rise; None if unknown.
+        ramp: along what it rose; None if unknown.
+    """
+
+    name: str
+    test: Test
+    order: int
+    rate_hz: float
+    samples: NDArray[np.int16] | NDArray[np.int32] | NDArray[np.float32] | NDArray[np.float64]
+    scale: NDArray[np.float64]
+    units: tuple[str, ...]
+    channels: tuple[str, ...]
+    drive_point: int | None = None
+    level: str | None = None
+    frequency_hz: float | None = None
+    first_sample: int = 0
+    requested_rate_hz: float | None = None
+    actual_rate_hz: float | None = None
+    overload: tuple[bool, ...] | None = None
+    history_s: float | None = None
+    ramp_s: float | None = None
+    ramp: Ramp | None = None
+
+    @property
+    def n_samples(self) -> int:
+        """Samples per channel."""
+        return int(self.samples.shape[1])
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the block in s: n / rate."""
+        return self.n_samples / self.rate_hz
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Campaign:
+    """The recordings of one session at the bench, with the rig they were made on.
+
+    Attributes:
+        rig: the bench as believed.
+        blocks: in the order of time.
+        frfs: FRFs that came as such, from a source that holds no time records.
+        provenance: what else the source said (seeds, plan, code version, units), as text.
+        source: file or folder it was read from, for messages.
+    """
+
+    rig: Rig
+    blocks: tuple[Block, ...]
+    frfs: tuple[Frf, ...] = ()
+    provenance: dict[str, str] = field(default_factory=dict[str, str])
+    source: str = ""
+
+    def of(self, test: Test) -> tuple[Block, ...]:
+        """The blocks of one test, in the order of time."""
+        return tuple(sorted((b for b in self.blocks if b.test == test), key=lambda b: b.order))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Signals:
+    """A block in SI units: step A of the paper.
+
+    Attributes:
+        force: (n,) in N.
+        responses: (outputs, n) in SI units of each output's quantity.
+        rate_hz: sampling rate.
+        outputs: (outputs,) channel names.
+        block: the block it came from.
+    """
+
+    force: NDArray[np.float64]
+    responses: NDArray[np.float64]
+    rate_hz: float
+    outputs: tuple[str, ...]
+    block: Block

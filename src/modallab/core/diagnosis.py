@@ -1,0 +1,160 @@
+"""What a diagnosis says, as a document."""
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from modallab.core.effects import Effect, Stage
+from modallab.core.frozen import Frozen
+from modallab.core.versions import DIAGNOSIS
+
+Verdict = Literal["no_gap", "known", "unknown"]
+
+
+class Gap(Frozen):
+    """The gap in noise units; 1 is the floor.
+
+    Attributes:
+        before: rms of (measured - predicted) / noise of the twin without effects, nuisances fitted.
+        floor: what noise alone leaves.
+        after: the same with the effects judged present.
+        by_record: record -> rms.
+        by_test: test -> rms.
+        by_level: level of the sine test -> rms.
+        by_channel: channel -> rms.
+        after_by_channel: the same with the effects judged present.
+        by_band: band in Hz -> share of the squares.
+        by_mode: mode -> share of the squares nearest to it.
+        by_order: third of the campaign's time -> rms.
+        poles_hz: frequencies of the ring-down, without any model.
+    """
+
+    before: float
+    floor: float
+    after: float
+    by_record: dict[str, float]
+    by_test: dict[str, float]
+    by_level: dict[str, float]
+    by_channel: dict[str, float]
+    after_by_channel: dict[str, float]
+    by_band: dict[str, float]
+    by_mode: dict[str, float]
+    by_order: dict[str, float]
+    poles_hz: list[float]
+
+
+class Where(Frozen):
+    """Where the gap lies.
+
+    Attributes:
+        stage: where in the chain; None if there is no gap. That of the models which explain the gap where some do,
+            otherwise what the tests on the residual say.
+        tested_stage: what the tests on the residual say, before any effect has been fitted and without a name; None if
+            the records show it without a model.
+        channels: rows concerned: force, a01, ...; empty if it is none of them.
+        x_m: place from the clamp; None where it has none or none was found.
+        tests: tests that show it.
+        bands: (low, high) in Hz that hold most of it.
+        share: of the squares above the floor that lie in these tests, channels and bands.
+        why: the tests on the residual that decided, in plain words.
+    """
+
+    stage: Stage | None
+    tested_stage: Stage | None = None
+    channels: list[str]
+    x_m: float | None
+    tests: list[str]
+    bands: list[tuple[float, float]]
+    share: float
+    why: list[str]
+
+
+class Found(Frozen):
+    """An effect judged present.
+
+    Attributes:
+        effect: its name in the catalogue.
+        stage: its stage.
+        probability: calibrated, that it is this one.
+        parameters: SI.
+        interval: parameter -> (low, high) of 95 %.
+        place: as in the catalogue; x is a share of the length, x_m metres.
+    """
+
+    effect: str
+    stage: Stage
+    probability: float
+    parameters: dict[str, float]
+    interval: dict[str, tuple[float, float]]
+    place: dict[str, Any]
+
+    def as_effect(self) -> Effect:
+        """The effect for the twin."""
+        place = {k: tuple(v) if isinstance(v, list) else v for k, v in self.place.items() if k != "x_m"}
+        return Effect(effect=self.effect, parameters=self.parameters, place=place)
+
+
+class CandidateSet(Frozen):
+    """An explanation and its probability; `gap` is what it leaves."""
+
+    effects: list[str]
+    probability: float
+    gap: float
+
+
+class Shrink(Frozen):
+    """How far the gap shrank on records that were not fitted.
+
+    Attributes:
+        held_out: names of those records.
+        before: gap there without effects.
+        after: gap there with them.
+        closed: 1 - (after^2 - 1) / (before^2 - 1).
+        interval: 95 % of `closed`, by bootstrap over records.
+        rival: `closed` of the best explanation of another name, and its name.
+    """
+
+    held_out: list[str]
+    before: float
+    after: float
+    closed: float | None
+    interval: tuple[float, float] | None
+    rival: dict[str, float]
+
+
+class Calibrated(Frozen):
+    """The twin's own numbers after the fit.
+
+    Attributes:
+        youngs_modulus_pa: E.
+        thickness_m: h.
+        density_kg_m3: rho.
+        zeta: damping ratio of each mode.
+        gains: channel number -> factor, where sensitivities were free.
+        rest: share of the static compliance of the modes beyond the twin's own.
+        root_rotation: compliance of the root in L / EI, where the rig file tells of one; 0 is rigid.
+    """
+
+    youngs_modulus_pa: float
+    thickness_m: float
+    density_kg_m3: float
+    zeta: list[float]
+    gains: dict[int, float] = Field(default_factory=dict[int, float])
+    rest: float = 0.0
+    root_rotation: float = 0.0
+
+
+class Diagnosis(Frozen):
+    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin."""
+
+    format_version: Literal[1] = DIAGNOSIS
+    rig: str
+    verdict: Verdict
+    gap: Gap
+    where: Where
+    effects: list[Found]
+    candidates: list[CandidateSet]
+    shrink: Shrink
+    next_experiment: str
+    twin: Calibrated
+    notes: list[str]

@@ -1,0 +1,38 @@
+"""Campaigns: one session at a bench, its runs and what became of them."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from modallab.core.frozen import Frozen
+
+Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f\x7f]+$")]
+Note = Annotated[str, Field(max_length=4000)]
+
+
+class CampaignNew(Frozen):
+    """A new campaign on a rig of this service."""
+
+    name: Name
+    rig: Annotated[str, Field(min_length=1, max_length=64)]
+    note: Note = ""
+
+
+class CampaignChange(Frozen):
+    """What may be changed afterwards; what is left out stays."""
+
+    name: Name | None = None
+    note: Note | None = None
+
+
+class CampaignView(Frozen):
+    """A campaign; `revision` is its ETag and grows with every change."""
+
+    id: str
+    name: str
+    note: str
+    rig: str
+    operator: str
+    created_utc: str
+    revision: int
+    runs: tuple[str, ...] = ()

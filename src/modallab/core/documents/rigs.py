@@ -1,0 +1,90 @@
+"""Rigs as the service shows them: what stands there, who holds it, whether it may move."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from modallab.core.frozen import Frozen
+
+RigState = Literal["starting", "idle", "running", "unavailable"]
+
+Operator = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f\x7f]+$")]
+"""Name of a person, as it stands in the record of who did what."""
+
+
+class Trip(Frozen):
+    """Why nothing may be driven until someone resets the rig."""
+
+    cause: str
+    reason: str
+    utc: str
+
+
+class LeaseHolder(Frozen):
+    """Who may command the rig, and for how long without renewal."""
+
+    operator: str
+    fence: int
+    remaining_s: float
+
+
+class RigView(Frozen):
+    """One rig of this service.
+
+    Attributes:
+        id: made by the service from the rig's name.
+        name: from the rig file.
+        bench: address of the bench.
+        rig_hash: SHA-256 of the rig's JSON.
+        state: of its process.
+        can_drive: whether the bench has an excitation output; None until it is open.
+        run: the active run.
+        trip: None if it may be driven.
+        lease: None if nobody holds it.
+        error: why it is unavailable.
+    """
+
+    id: str
+    name: str
+    bench: str
+    rig_hash: str
+    state: RigState
+    can_drive: bool | None = None
+    run: str | None = None
+    trip: Trip | None = None
+    lease: LeaseHolder | None = None
+    error: str = ""
+
+
+class LeaseNew(Frozen):
+    """Ask for the right to command a rig; renew it before `ttl_s` is over.
+
+    With `take_over` it is taken from whoever holds it, as long as no run is on: for when the holder's program is gone.
+    """
+
+    operator: Operator
+    ttl_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
+    take_over: bool = False
+
+
+class Lease(Frozen):
+    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder."""
+
+    id: str
+    rig: str
+    operator: str
+    fence: int
+    ttl_s: float
+
+
+class StopReason(Frozen):
+    """Why someone stops or resets a rig."""
+
+    reason: Annotated[str, Field(max_length=400)] = ""
+
+
+class DeviceView(Frozen):
+    """A device that was found, and the address to open it by."""
+
+    address: str
+    what: str

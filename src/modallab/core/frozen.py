@@ -1,0 +1,57 @@
+"""The base of every document, and NumPy arrays as fields of one."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+
+
+class Frozen(BaseModel):
+    """An immutable document that rejects fields it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def _real(value: object) -> NDArray[np.float64]:
+    # JSON has no NaN: an unknown number is written as null and read back as NaN, as float() does for None in NumPy.
+    array = np.array(value, dtype=object).astype(np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def _complex(value: object) -> NDArray[np.complex128]:
+    if isinstance(value, Mapping):
+        parts = cast("Mapping[str, object]", value)
+        array = _real(parts["re"]) + 1j * _real(parts["im"])
+    else:
+        array = np.array(value, dtype=np.complex128)
+    array.flags.writeable = False
+    return array
+
+
+def _plain(array: NDArray[np.float64]) -> list[Any]:
+    listed = array.astype(object)
+    listed[~np.isfinite(array)] = None
+    return listed.tolist()
+
+
+def _plain_complex(array: NDArray[np.complex128]) -> dict[str, Any]:
+    return {"re": _plain(array.real), "im": _plain(array.imag)}
+
+
+_NUMBERS = {"type": "array", "items": {}}
+
+RealArray = Annotated[
+    NDArray[np.float64], BeforeValidator(_real), PlainSerializer(_plain), WithJsonSchema(cast("Any", _NUMBERS))
+]
+"""A real array; in JSON nested lists, null where unknown."""
+
+ComplexArray = Annotated[
+    NDArray[np.complex128],
+    BeforeValidator(_complex),
+    PlainSerializer(_plain_complex),
+    WithJsonSchema({"type": "object", "properties": {"re": cast("Any", _NUMBERS), "im": cast("Any", _NUMBERS)}}),
+]
+"""A complex array; in JSON an object with `re` and `im`."""

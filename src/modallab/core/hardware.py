@@ -1,0 +1,43 @@
+"""What the rig file says of the devices: how the shaker is driven, and what was calibrated when."""
+
+from datetime import date
+from typing import Annotated, Literal
+
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from modallab.core.frozen import Frozen
+
+Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]
+Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
+
+
+class Excitation(Frozen):
+    """What drives the shaker's amplifier.
+
+    Attributes:
+        kind: an analog output of the device that also samples, or a generator on a serial line.
+        output: the device's name of the output (`cDAQ1Mod4/ao0`), or the serial port (`COM3`); empty: the first output.
+        dialect: how the generator speaks.
+        baud: of the serial line.
+        watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.
+        heartbeat_line: digital line that toggles while all is well, for an external relay.
+    """
+
+    kind: Literal["analog-output", "generator"] = "analog-output"
+    output: str = ""
+    dialect: Dialect | None = None
+    baud: PositiveInt = 115200
+    watchdog_s: Positive | None = None
+    heartbeat_line: str = ""
+
+
+class Calibration(Frozen):
+    """One calibration of one channel, as it was found; nothing here is ever changed, only added to."""
+
+    date: date
+    channel: str
+    serial: str = ""
+    method: Literal["turnover", "shunt", "reference", "rigid-mass"]
+    sensitivity_v_per_unit: Annotated[float, Field(allow_inf_nan=False)]
+    sigma_v_per_unit: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    remark: str = ""

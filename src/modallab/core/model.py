@@ -1,0 +1,74 @@
+"""The modal model in the paper's form (eqs. 13 and 14), with its uncertainty."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from modallab.core.frozen import ComplexArray, Frozen, RealArray
+from modallab.core.units import Test
+from modallab.core.versions import MODEL
+
+Method = Literal["peak", "circle", "plscf", "era"]
+
+
+class ModalModel(Frozen):
+    """Modes of a structure, from one test.
+
+    The receptance is the sum over modes of A_r / (omega_r^2 - omega^2 + 2 j zeta_r omega_r omega), with the modal
+    constant A_r,jk = phi_jr phi_kr at unit modal mass (eq. 13). The paper's loss factor is eta = 2 zeta.
+    Arrays are sorted by frequency. Sigmas are one standard deviation, NaN (null in JSON) where not known.
+
+    Attributes:
+        method: the estimator.
+        test: the test it came from; None for FRFs of unknown origin.
+        band_hz: lines that were used.
+        frequency_hz: (modes,) undamped natural frequency omega_r / 2 pi.
+        damping_ratio: (modes,) zeta.
+        frequency_sigma_hz: (modes,)
+        damping_sigma: (modes,)
+        outputs: (outputs,) channel names.
+        output_points: (outputs,) points, None where unknown.
+        input_points: (inputs,) drive points, None where unknown.
+        modal_constants: (modes, outputs, inputs) complex, kg^-1; real for proportional damping.
+        modal_constant_sigma: (modes, outputs, inputs) of the complex number.
+        modal_constant_part_sigma: (modes, outputs, inputs), the real part that of the real part, the imaginary part
+            that of the imaginary part; None where not known.
+        residuals: (terms, outputs, inputs) real: what modes outside the band add to the receptance, as the
+            coefficient of s^p for p in `residual_powers`, in m/N s^p.
+        residual_powers: (terms,) powers of s.
+        shapes: (modes, outputs) phi at unit modal mass, kg^-1/2; None where `shapes_unavailable` says why.
+        shape_sigma: (modes, outputs) or None.
+        shapes_unavailable: why there are no shapes or no modal mass, else "".
+        half_power: (modes,) damping ratio the half-power rule reads off the peak of the same blocks; NaN where it
+            can't be read. Half the paper's delta-f / f.
+        half_power_floor: (modes,) what half-power reads for an undamped mode in a block of this length.
+        notes: plain sentences on what was found on the way.
+    """
+
+    format_version: Literal[1] = MODEL
+    method: Method
+    test: Test | None = None
+    band_hz: tuple[float, float]
+    frequency_hz: RealArray
+    damping_ratio: RealArray
+    frequency_sigma_hz: RealArray
+    damping_sigma: RealArray
+    outputs: tuple[str, ...]
+    output_points: tuple[int | None, ...]
+    input_points: tuple[int | None, ...]
+    modal_constants: ComplexArray
+    modal_constant_sigma: RealArray
+    modal_constant_part_sigma: ComplexArray | None = None
+    residuals: RealArray
+    residual_powers: tuple[int, ...] = ()
+    shapes: ComplexArray | None = None
+    shape_sigma: RealArray | None = None
+    shapes_unavailable: str = ""
+    half_power: RealArray
+    half_power_floor: RealArray
+    notes: tuple[str, ...] = Field(default=())
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes."""
+        return len(self.frequency_hz)

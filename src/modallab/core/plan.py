@@ -1,0 +1,117 @@
+"""What to do on the bench, as data."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from modallab.core.frozen import Frozen
+
+BLOCK_S = 1.024
+"""The paper's block, which sets df = 0.9766 Hz."""
+
+PAPER_LINES = (3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72, 84, 88, 90, 92, 96, 108)
+"""24 multiples of df in the paper's band of 3 to 110 Hz, closer together about the three modes."""
+
+
+class HitAcceptance(Frozen):
+    """When a hit counts. Each rejection names its number."""
+
+    min_force_n: PositiveFloat = 10.0
+    max_force_n: PositiveFloat = 480.0
+    double_hit_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.05
+    max_contact_s: PositiveFloat = 0.02
+    max_residual_ratio: PositiveFloat = 0.01
+    min_band_hz: PositiveFloat = 110.0
+    band_drop_db: PositiveFloat = 20.0
+
+
+class ImpactPlan(Frozen):
+    """An impact test: a number of good hits at each point.
+
+    `rate_hz` is asked of the device, which may give a higher one; blocks then have the whole number of samples nearest
+    to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
+    The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
+    """
+
+    kind: Literal["impact"] = "impact"
+    points: Annotated[tuple[PositiveInt, ...], Field(min_length=1)]
+    hits: PositiveInt = 5
+    rate_hz: PositiveFloat = 2000.0
+    delivered_hz: PositiveFloat | None = None
+    block_s: PositiveFloat = BLOCK_S
+    pre_trigger_s: PositiveFloat = 0.05
+    trigger_n: PositiveFloat = 2.0
+    hysteresis_n: PositiveFloat = 1.0
+    trigger: Literal["software", "hardware"] = "software"
+    hit_timeout_s: PositiveFloat = 300.0
+    max_rejections: PositiveInt = 20
+    acceptance: HitAcceptance = HitAcceptance()
+
+
+class KnownMode(Frozen):
+    """A mode of the structure, as a test before found it: enough to know its free decay."""
+
+    frequency_hz: PositiveFloat
+    damping_ratio: Annotated[float, Field(gt=0, lt=1)]
+
+
+class ForceControl(Frozen):
+    """The force's amplitude that each level shall have. The drive is corrected between bursts, never within one.
+
+    Attributes:
+        levels_n: N by level, the levels of `levels_v`, which then is the drive that is begun with.
+        tolerance: relative, within which a force is good.
+        max_bursts: so many bursts a frequency may take; the last one counts, and is flagged if it is off.
+    """
+
+    levels_n: Annotated[dict[str, PositiveFloat], Field(min_length=1)]
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.05
+    max_bursts: PositiveInt = 4
+
+
+class SinePlan(Frozen):
+    """A stepped sine test: one burst per frequency and level, each from rest, each ending at exactly 0 V.
+
+    Rates are as in the impact test. With `modes`, every block is asked whether their free decays are still in it: one
+    that is not settled is recorded again with a longer burst, up to `max_settle_s`, and past that flagged.
+
+    Attributes:
+        frequencies_hz: to drive at, best on lines of the block.
+        levels_v: amplitude of the drive by level.
+        sweep: order of the frequencies: as given, upwards, downwards, or both in turn.
+        rate_hz: asked of the device.
+        delivered_hz: of the blocks as they are read back.
+        block_s: length of a block.
+        ramp_s: of the cosine taper at both ends of a burst.
+        settle_s: from the start of a burst to its block.
+        max_settle_s: the same, at most; left out: `settle_s`, so that no burst is lengthened.
+        modes: whose decays to look for; none: whether it has settled is not judged.
+        settled_ratio: a decay below this part of the response is settled.
+        wait_s: after each burst, at least.
+        settle_timeout_s: past it a burst begins though the beam still moves, which is recorded with it.
+        force: amplitude of the force instead of a constant drive.
+    """
+
+    kind: Literal["sine"] = "sine"
+    frequencies_hz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] = tuple(n / BLOCK_S for n in PAPER_LINES)
+    levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
+    sweep: Literal["given", "up", "down", "up-down"] = "given"
+    rate_hz: PositiveFloat = 1000.0
+    delivered_hz: PositiveFloat | None = None
+    block_s: PositiveFloat = BLOCK_S
+    ramp_s: PositiveFloat = 1.0
+    settle_s: PositiveFloat = 8.0
+    max_settle_s: PositiveFloat | None = None
+    modes: tuple[KnownMode, ...] = ()
+    settled_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.005
+    wait_s: PositiveFloat = 10.0
+    settle_timeout_s: PositiveFloat = 60.0
+    force: ForceControl | None = None
+
+
+def least_rate_hz(plan: "ImpactPlan | SinePlan") -> float:
+    """The lowest rate the samples of a plan pass through."""
+    return min(plan.rate_hz, plan.delivered_hz or plan.rate_hz)
+
+
+Plan = Annotated[ImpactPlan | SinePlan, Field(discriminator="kind")]

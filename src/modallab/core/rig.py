@@ -1,0 +1,195 @@
+"""What stands on the bench: beam, points, channels, converter, limits, tolerances."""
+
+from collections.abc import Sequence
+from datetime import date
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, PositiveFloat, PositiveInt, model_validator
+
+from modallab.core.errors import RigError
+from modallab.core.frozen import Frozen
+from modallab.core.hardware import Calibration, Excitation
+from modallab.core.rig_checks import Problem, channel_problems, cross_problems
+from modallab.core.units import Quantity, Test
+from modallab.core.versions import RIG
+
+Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Beam(Frozen):
+    """A prismatic cantilever, clamped at x = 0."""
+
+    length_m: Positive
+    width_m: Positive
+    thickness_m: Positive
+    youngs_modulus_pa: Positive
+    density_kg_m3: Positive
+    clamp: str = "rigid at x = 0"
+
+
+class Tolerance(Frozen):
+    """One standard deviation, relative, of what is believed about the beam and the sensors."""
+
+    youngs_modulus: NonNegative = 0.012
+    thickness: NonNegative = 0.003
+    density: NonNegative = 0.003
+    sensitivity: NonNegative = 0.01
+    meaning: str = "one standard deviation, relative"
+
+
+class DampingPrior(Frozen):
+    """What is believed about the damping ratio of every mode: log-normal about `guess`."""
+
+    guess: Positive = 0.006
+    factor: Annotated[float, Field(gt=1, allow_inf_nan=False)] = 2.0
+    meaning: str = "every mode, log-normal"
+
+
+class Point(Frozen):
+    """A measurement point on the beam."""
+
+    id: PositiveInt
+    x_m: NonNegative
+
+
+class Channel(Frozen):
+    """One channel of the chain: transducer, preamplifier, input.
+
+    Attributes:
+        index: place in the rig, from 0.
+        name: unique.
+        quantity: what is measured.
+        unit: of the sensitivity.
+        point: where on the beam.
+        direction: of positive readings.
+        mass_kg: of the sensor.
+        sensitivity_v_per_unit: one, or one per test.
+        coupling: of the input; IEPE and bridge also feed the sensor.
+        range_v: of the input, if it is not the converter's.
+        serial: of the sensor.
+        calibrated_on: day of its calibration.
+        input: the device's own name of the input, such as `cDAQ1Mod1/ai0`; empty: the next one in order.
+        excitation_v: feeds a bridge sensor.
+        excitation_a: feeds an IEPE sensor.
+        ac_corner_hz: corner of the first-order AC coupling; 0 for DC.
+        delay_s: by how much the samples lag what the sensor felt, as a converter's digital filter does.
+        skew_s: by how much later than channel 0 a multiplexer reads this channel.
+    """
+
+    index: Annotated[int, Field(ge=0)]
+    name: Annotated[str, Field(min_length=1)]
+    quantity: Quantity
+    unit: str
+    point: PositiveInt | None = None
+    direction: Direction = "+z"
+    mass_kg: NonNegative = 0.0
+    sensitivity_v_per_unit: Finite | dict[Test, Finite] = 1.0
+    coupling: Literal["DC", "AC", "IEPE", "bridge"] = "DC"
+    range_v: Positive | None = None
+    serial: str = ""
+    calibrated_on: date | None = None
+    input: str = ""
+    excitation_v: Positive | None = None
+    excitation_a: Positive | None = None
+    ac_corner_hz: NonNegative = 0.0
+    delay_s: NonNegative = 0.0
+    skew_s: NonNegative = 0.0
+
+    def sensitivity(self, test: Test) -> float:
+        """Volts per unit in a test; the preamplifier may stand differently in each."""
+        value = self.sensitivity_v_per_unit
+        if isinstance(value, float | int):
+            return float(value)
+        if test not in value:
+            raise RigError(
+                f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",
+                where=f"channel {self.name}",
+                remedy=f"add sensitivity_v_per_unit: {{{test}: ...}} to the rig file",
+            )
+        return value[test]
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        _reject(channel_problems(self.model_dump()))
+        return self
+
+
+class Converter(Frozen):
+    """The analog-to-digital converter behind every channel."""
+
+    bits: Annotated[int, Field(ge=8, le=32)] = 16
+    range_v: Positive = 10.0
+    noise_rms_v: NonNegative = 0.0003
+
+    @property
+    def volts_per_count(self) -> float:
+        """Volts of one count, full scale +-range_v."""
+        return self.range_v / 2 ** (self.bits - 1)
+
+
+class Limits(Frozen):
+    """What the excitation may never exceed. Needed to drive, not to read."""
+
+    drive_v: Positive
+    slew_v_per_s: Positive
+    force_n: Positive
+    acceleration_m_s2: Positive
+    max_burst_s: Positive
+
+
+class Rig(Frozen):
+    """The bench as the operator believes it to be."""
+
+    format_version: Literal[1] = RIG
+    name: str
+    model: Literal["cantilever", "unknown"] = "cantilever"
+    bench: str | None = None
+    beam: Beam | None = None
+    tolerance: Tolerance = Tolerance()
+    damping_ratio: DampingPrior = DampingPrior()
+    gravity_axis: Direction = "-y"
+    drive_direction: Direction = "+z"
+    points: tuple[Point, ...] = ()
+    channels: Annotated[tuple[Channel, ...], Field(min_length=2)]
+    converter: Converter | None = None
+    shaker_point: PositiveInt | None = None
+    limits: Limits | None = None
+    excitation: Excitation | None = None
+    history: tuple[Calibration, ...] = ()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        _reject(cross_problems(self.model_dump()))
+        return self
+
+    @property
+    def force_channel(self) -> Channel:
+        """The force transducer's channel."""
+        return next(c for c in self.channels if c.quantity == "force")
+
+    @property
+    def responses(self) -> tuple[Channel, ...]:
+        """All channels but the force, in rig order."""
+        return tuple(c for c in self.channels if c.quantity != "force")
+
+    def x_of(self, point: int) -> float:
+        """Distance of a point from the clamp, in m.
+
+        Raises:
+            RigError: no such point.
+        """
+        for candidate in self.points:
+            if candidate.id == point:
+                return candidate.x_m
+        raise RigError(
+            f"point {point} is not on the rig, which has {[p.id for p in self.points]}",
+            remedy="add the point to the rig file",
+        )
+
+
+def _reject(problems: Sequence[Problem]) -> None:
+    if problems:
+        raise ValueError("\n".join(str(problem) for problem in problems))

@@ -1,0 +1,140 @@
+"""What must hold between the fields of a rig, checked as far as the fields themselves are valid."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple, cast
+
+from modallab.core.units import TO_SI
+
+INVALID: Final = object()
+"""Stands where a field was found to be wrong on its own: nothing further can be said about it."""
+
+_ROUNDING = 1e-9
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong in a rig: the field, what it holds, what it may hold."""
+
+    field: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.found}; allowed: {self.allowed}"
+
+
+def cross_problems(content: Mapping[str, object]) -> list[Problem]:
+    """Everything wrong between the fields of a rig.
+
+    Args:
+        content: the rig as plain lists and mappings, with `INVALID` for each field that is wrong on its own.
+    """
+    points, channels = _entries(content, "points"), _entries(content, "channels")
+    problems = [*_beam_problems(content), *_point_problems(content, points)]
+    for place, channel in enumerate(channels):
+        problems += channel_problems(channel, f"channels[{place}].")
+    return [*problems, *_channel_set_problems(channels), *_reference_problems(content, points, channels)]
+
+
+def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Problem]:
+    """What is wrong between the fields of one channel."""
+    problems: list[Problem] = []
+    quantity, unit = channel.get("quantity"), channel.get("unit")
+    if isinstance(quantity, str) and isinstance(unit, str) and quantity in TO_SI:
+        units = TO_SI[quantity]
+        if unit not in units:
+            problems.append(Problem(f"{prefix}unit", f"found {unit!r}", f"{', '.join(units)} (units of {quantity})"))
+    value = channel.get("sensitivity_v_per_unit", 1.0)
+    named = cast("Mapping[object, object]", value).items() if isinstance(value, Mapping) else (("", value),)
+    for test, number in named:
+        if _number(number) == 0:
+            field = f"{prefix}sensitivity_v_per_unit{f'.{test}' if test else ''}"
+            problems.append(Problem(field, f"found {number}", "any number but 0 (negative for a turned sensor)"))
+    return problems
+
+
+def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
+    if content.get("model", "cantilever") == "cantilever" and content.get("beam") is None:
+        return [Problem("beam", "missing", "a beam, or model: unknown")]
+    return []
+
+
+def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
+    problems = _repeated("points", "id", [_number(point.get("id")) for point in points])
+    beam = content.get("beam")
+    length = _number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
+    for place, point in enumerate(points):
+        x = _number(point.get("x_m"))
+        if x is not None and length is not None and x > length * (1 + _ROUNDING):
+            problems.append(Problem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
+    return problems
+
+
+def _channel_set_problems(channels: Sequence[Mapping[str, object]]) -> list[Problem]:
+    names = [channel.get("name") for channel in channels]
+    problems = _repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
+    inputs = [channel.get("input") for channel in channels]
+    problems += _repeated("channels", "input", [name if isinstance(name, str) and name else None for name in inputs])
+    for place, channel in enumerate(channels):
+        index = _number(channel.get("index"))
+        if index is not None and index != place:
+            problems.append(
+                Problem(
+                    f"channels[{place}].index", f"found {index:g}", f"{place}: channels stand in order 0, 1, 2, ..."
+                )
+            )
+    quantities = [channel.get("quantity", INVALID) for channel in channels]
+    forces = [place for place, quantity in enumerate(quantities) if quantity == "force"]
+    if channels and (len(forces) > 1 or (not forces and INVALID not in quantities)):
+        found = "quantity: force at " + ", ".join(f"channels[{i}]" for i in forces) if forces else "no quantity: force"
+        problems.append(Problem("channels", found, "exactly one channel of quantity force"))
+    return problems
+
+
+def _reference_problems(
+    content: Mapping[str, object], points: Sequence[Mapping[str, object]], channels: Sequence[Mapping[str, object]]
+) -> list[Problem]:
+    ids = [_number(point.get("id")) for point in points]
+    if None in ids or content.get("points") is INVALID:
+        return []
+    named = [(f"channels[{place}].point", channel.get("point")) for place, channel in enumerate(channels)]
+    allowed = "the id of a point of this rig" + (
+        f": {', '.join(f'{i:g}' for i in ids if i is not None)}" if ids else ""
+    )
+    return [
+        Problem(field, f"found {value}", allowed)
+        for field, value in [*named, ("shaker_point", content.get("shaker_point"))]
+        if _number(value) is not None and _number(value) not in ids
+    ]
+
+
+def _repeated(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
+    return [
+        Problem(
+            f"{group}[{place}].{field}", f"found {_shown(value)}, as in {group}[{values.index(value)}]", "each once"
+        )
+        for place, value in enumerate(values)
+        if value is not None and values.index(value) < place
+    ]
+
+
+def _shown(value: str | float) -> str:
+    return repr(value) if isinstance(value, str) else f"{value:g}"
+
+
+def _entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object]]:
+    entries = content.get(key)
+    if not isinstance(entries, Sequence) or isinstance(entries, str):
+        return []
+    # A wrong entry keeps its place as one of which nothing is known.
+    nothing: Mapping[str, object] = {"id": INVALID, "quantity": INVALID}
+    listed = cast("Sequence[object]", entries)
+    return [cast("Mapping[str, object]", e) if isinstance(e, Mapping) else nothing for e in listed]
+
+
+def _number(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        return float(value)
+    except (ValueError, OverflowError):
+        return None

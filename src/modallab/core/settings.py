@@ -1,0 +1,61 @@
+"""The settings of the service: from the environment (MODALLAB_...), a file, or the command line."""
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, SecretStr
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
+
+
+class Settings(BaseSettings):
+    """How the service runs.
+
+    Attributes:
+        data: folder of the recordings.
+        host: address to listen on.
+        port: of the REST service; 0 for any free one.
+        stop_port: of the emergency stop; 0 for any free one.
+        token: that every request must carry; made at random if there is none.
+        token_file: where it is kept, for its owner only; by default `token` in the data folder.
+        hosts: names the service is known by, besides its own address.
+        body_bytes: largest body of a request.
+        database: of a data folder that names none yet: `postgresql://...`. The address may hold a password, so that it
+            is no option of the command line.
+        scheduler: address of a Dask scheduler; none: workers of this machine.
+        scheduler_ca: certificate of the authority, for a scheduler at `tls://`; all three, or those of Dask's own
+            configuration.
+        scheduler_cert: this machine's certificate.
+        scheduler_key: its key.
+        jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
+        workers: processes that compute jobs on this machine; none: one less than there are processors.
+        timeout_s: when the REST process is there and gives no sign of life for so long, what is driven is stopped; when
+            it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times as long.
+        log_level: of the log on standard error.
+    """
+
+    model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True)
+
+    data: Path = Path("data")
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 8000
+    stop_port: Annotated[int, Field(ge=0, le=65535)] = 8001
+    token: Annotated[str, Field(min_length=16)] | None = None
+    token_file: Path | None = None
+    hosts: tuple[str, ...] = ()
+    body_bytes: Annotated[int, Field(ge=1024)] = 1 << 20
+    database: SecretStr | None = None
+    scheduler: str | None = None
+    scheduler_ca: Path | None = None
+    scheduler_cert: Path | None = None
+    scheduler_key: Path | None = None
+    jobs: bool = True
+    workers: Annotated[int, Field(ge=1)] | None = None
+    timeout_s: Annotated[float, Field(ge=1, le=60)] = 1.0
+    log_level: str = "INFO"
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can reach the service."""
+        return self.host in LOOPBACK

@@ -1,0 +1,46 @@
+"""Units accepted at the border, each with its factor to SI. Inside, everything is SI."""
+
+from typing import Literal
+
+from modallab.core.errors import DataError
+
+Quantity = Literal["force", "acceleration", "velocity", "displacement", "voltage"]
+Test = Literal["impact", "sine"]
+
+STANDARD_GRAVITY = 9.80665
+
+TO_SI: dict[Quantity, dict[str, float]] = {
+    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
+    "acceleration": {"m/s^2": 1.0, "m/s2": 1.0, "m/s**2": 1.0, "mm/s^2": 1e-3, "g": STANDARD_GRAVITY},
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
+    "voltage": {"V": 1.0, "mV": 1e-3},
+}
+SI_UNIT: dict[Quantity, str] = {
+    "force": "N",
+    "acceleration": "m/s^2",
+    "velocity": "m/s",
+    "displacement": "m",
+    "voltage": "V",
+}
+
+
+def si_factor(quantity: Quantity, unit: str, where: str = "") -> float:
+    """Factor from `unit` to the SI unit of `quantity`.
+
+    Raises:
+        DataError: the unit is not one of this quantity.
+    """
+    factors = TO_SI[quantity]
+    if unit not in factors:
+        raise DataError(
+            f"unit {unit!r} is no unit of {quantity}",
+            where=where,
+            remedy=f"use one of {', '.join(factors)}",
+        )
+    return factors[unit]
+
+
+def is_voltage(unit: str) -> bool:
+    """Whether samples in this unit are still volts, to be scaled by the channel's sensitivity."""
+    return unit in TO_SI["voltage"]

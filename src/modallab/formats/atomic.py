@@ -1,0 +1,52 @@
+"""Files that appear whole or not at all."""
+
+import errno
+import os
+import secrets
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from modallab.core.errors import DiskFullError, StorageError
+
+
+@contextmanager
+def replacing(path: Path) -> Generator[Path]:
+    """A temporary file in the folder of `path`, which takes its place once everything is written and on the disk.
+
+    Raises:
+        StorageError: the folder is missing or cannot be written.
+        DiskFullError: the disk is full.
+    """
+    with _disk_errors(path):
+        temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
+        temporary.touch(exist_ok=False)
+        try:
+            yield temporary
+            _flush(temporary)
+            os.replace(temporary, path)
+        except BaseException:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+            raise
+
+
+def _flush(path: Path) -> None:
+    with path.open("rb+") as written:
+        os.fsync(written.fileno())
+
+
+@contextmanager
+def _disk_errors(path: Path) -> Generator[None]:
+    try:
+        yield
+    except OSError as error:
+        if error.errno == errno.ENOSPC:
+            raise DiskFullError(
+                "the disk is full; nothing was written", where=str(path), remedy="free some space, or write elsewhere"
+            ) from error
+        raise StorageError(
+            f"cannot be written: {error.strerror or error}",
+            where=str(path),
+            remedy="check that the folder exists, is not a file of the same name, and may be written to",
+        ) from error

@@ -1,0 +1,1 @@
+"""Campaign files: one HDF5 file with everything that was recorded."""

@@ -1,0 +1,124 @@
+"""CSV files: a column of times and one column per channel, by the names of the rig; or FRFs as they are exported."""
+
+from pathlib import Path
+
+import numpy as np
+
+from modallab.core.array_checks import check_rate, check_time
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.formats.block_facts import facts_or_options, read_facts
+from modallab.formats.csv.csv_frf import frf_of, is_frf
+from modallab.formats.csv.csv_table import Table, read_table
+from modallab.formats.options import ImportOptions
+from modallab.formats.unit_text import normal_unit
+
+_TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
+_TIME_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
+_FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "hz", "frequenz"}
+
+
+def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
+    """Read one block, or one matrix of FRFs.
+
+    Columns are told by the names in the header, whatever their order; units stand in brackets after the name or in
+    a line of their own, else numbers are in each channel's own unit (or volts, if the options say so). Without a
+    header, columns are times and then the channels in rig order.
+
+    Raises:
+        FormatError: no table, or cut off.
+        DataError: uneven times, wrong units, or not the channels of the rig.
+    """
+    where = str(path)
+    table = read_table(path)
+    if is_frf(table):
+        return Campaign(rig, (), (frf_of(table, rig, where),), source=where)
+    names = table.names or _names_by_place(table, rig, options, where)
+    places = _places(names, rig, where)
+    time = _time_column(names)
+    rate = _rate(table, names, time, options, where)
+    units = [table.units[places[c.name]] if table.units else "" for c in rig.channels]
+    order = [places[channel.name] for channel in rig.channels]
+    facts = facts_or_options(read_facts(table.remark, where), path.stem, rate, options)
+    samples = np.ascontiguousarray(table.values[:, order].T)
+    block = Block(
+        name=facts.name,
+        test=facts.test,
+        order=0,
+        rate_hz=facts.rate_hz,
+        level=facts.level,
+        frequency_hz=facts.frequency_hz,
+        first_sample=facts.first_sample,
+        samples=samples,
+        scale=np.ones(len(order)),
+        units=tuple(unit or options.unit(c) for unit, c in zip(units, rig.channels, strict=True)),
+        channels=tuple(channel.name for channel in rig.channels),
+        drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
+    )
+    note = f"{path.name}: the last line has no end; if the file was cut off there, its last number is wrong"
+    return Campaign(rig, (block,), provenance={} if table.ended else {"notes": note}, source=where)
+
+
+def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) -> tuple[str, ...]:
+    channels = tuple(channel.name for channel in rig.channels)
+    columns = table.values.shape[1]
+    if columns == len(channels) + 1:
+        return ("time", *channels)
+    if columns == len(channels) and options.rate_hz is not None:
+        return channels
+    raise DataError(
+        f"has {columns} columns and no header; the rig has {len(channels)} channels ({', '.join(channels)})",
+        where=where,
+        remedy="add a header line with time and the names of the channels",
+    )
+
+
+def _time_column(names: tuple[str, ...]) -> int | None:
+    return next((place for place, name in enumerate(names) if name.lower() in _TIME_NAMES), None)
+
+
+def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
+    """The column of each channel. Rejects channels that are missing, unknown or there twice."""
+    lowered = [name.lower() for name in names]
+    if lowered[0] in _FREQUENCY_NAMES:
+        raise DataError(
+            f"its first column is {names[0]!r}: of FRFs only those that modallab exported are read from CSV",
+            where=where,
+            remedy="give the time records, or the FRFs as a universal file (dataset 58)",
+        )
+    requested = {channel.name.lower(): channel.name for channel in rig.channels}
+    missing = [name for low, name in requested.items() if low not in lowered]
+    unknown = [name for name in names if name.lower() not in requested and name.lower() not in _TIME_NAMES]
+    twice = sorted({name for name in names if lowered.count(name.lower()) > 1})
+    parts = [f"no column for channel {', '.join(missing)}"] if missing else []
+    parts += [f"column {', '.join(map(repr, unknown))} is no channel of the rig"] if unknown else []
+    parts += [f"column {', '.join(twice)} is there twice"] if twice else []
+    if parts:
+        raise DataError(
+            "; ".join(parts),
+            where=where,
+            remedy=f"name the columns time, {', '.join(requested.values())}, and remove others; or mend the rig",
+        )
+    return {name: lowered.index(low) for low, name in requested.items()}
+
+
+def _rate(table: Table, names: tuple[str, ...], time: int | None, options: ImportOptions, where: str) -> float:
+    if time is None:
+        if options.rate_hz is None:
+            raise DataError(
+                f"has no column of times among {', '.join(names)}, and no rate is given",
+                where=where,
+                remedy="add a column named time, or give the rate with --rate",
+            )
+        return check_rate(options.rate_hz, where)
+    unit = normal_unit(table.units[time]) if table.units else ""
+    if unit not in _TIME_UNITS:
+        raise DataError(
+            f"unit {unit!r} is no unit of time", where=f"{where}, column {names[time]}", remedy="use s, ms or us"
+        )
+    factor = _TIME_UNITS[unit]
+    resolution = table.resolution * factor if time == 0 else 0.0
+    rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
+    options.agree(rate, where)
+    return rate

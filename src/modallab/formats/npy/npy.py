@@ -1,0 +1,114 @@
+"""NPY files: rows are channels in rig order, after a row of times unless a rate is given."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_rate, check_time
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError, FormatError
+from modallab.core.rig import Rig
+from modallab.formats.options import ImportOptions
+
+MAGIC = b"\x93NUMPY"
+
+_LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
+
+
+def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
+    """Read one block.
+
+    The array is (1 + channels, n) with times in s in its first row, or (channels, n) if the options give a rate.
+    Numbers are in each channel's own unit, or volts if the options say so.
+
+    Raises:
+        FormatError: not an NPY file, or cut off.
+        DataError: another layout or type, uneven times, not the channels of the rig.
+    """
+    where = str(path)
+    array = _load(path)
+    _check_layout(array, rig, options, where)
+    rate, samples = _split(array, rig, options, where)
+    channels = tuple(channel.name for channel in rig.channels)
+    block = Block(
+        name=path.stem,
+        test=options.test,
+        order=0,
+        rate_hz=rate,
+        samples=samples,
+        scale=np.ones(len(samples)),
+        units=tuple(options.unit(channel) for channel in rig.channels),
+        channels=channels,
+        drive_point=options.drive_point,
+    )
+    return Campaign(rig, (block,), source=where)
+
+
+def _load(path: Path) -> NDArray[Any]:
+    try:
+        with warnings.catch_warnings():
+            # NumPy's remarks on old or odd headers say nothing to the user.
+            warnings.simplefilter("ignore")
+            mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+            expected = int(mapped.offset) + int(mapped.nbytes)
+            array = np.array(mapped)
+            del mapped
+    except Exception as error:  # On damaged headers NumPy raises nearly every type there is.
+        raise FormatError(
+            f"is no whole NPY file: {str(error).splitlines()[0] if str(error) else type(error).__name__}",
+            where=str(path),
+            remedy="copy the file again, or save it again with numpy.save",
+        ) from error
+    if path.stat().st_size != expected:
+        raise FormatError(
+            f"has {path.stat().st_size} bytes where its header says {expected}",
+            where=str(path),
+            remedy="copy the file again",
+        )
+    return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+
+def _check_layout(array: NDArray[Any], rig: Rig, options: ImportOptions, where: str) -> None:
+    n = len(rig.channels)
+    if array.dtype.kind in "iu":
+        raise DataError(
+            f"holds whole numbers ({array.dtype}), whose scale is not known",
+            where=where,
+            remedy="save them in volts or in the channels' units as floating-point numbers",
+        )
+    if array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
+        raise DataError(f"holds values of type {array.dtype}", where=where, remedy=_LAYOUT)
+    if array.ndim != 2 or array.size == 0:
+        raise DataError(f"holds an array of shape {array.shape}", where=where, remedy=_LAYOUT)
+    if array.shape[0] > array.shape[1]:
+        raise DataError(
+            f"holds an array of shape {array.shape}: more rows than columns, it looks transposed",
+            where=where,
+            remedy="save its transpose: one row per channel, one column per sample",
+        )
+    if array.shape[0] == n and options.rate_hz is None:
+        raise DataError(
+            f"has {n} rows, as many as the rig has channels: no times, and no rate is given",
+            where=where,
+            remedy="give the rate with --rate, or put a row of times in s first",
+        )
+    if array.shape[0] not in (n, n + 1):
+        raise DataError(
+            f"has {array.shape[0]} rows; the rig has {n} channels ({', '.join(c.name for c in rig.channels)}), "
+            f"so {n + 1} rows with times or {n} with --rate",
+            where=where,
+            remedy="make rig and recording name the same channels, in the same order",
+        )
+
+
+def _split(array: NDArray[Any], rig: Rig, options: ImportOptions, where: str) -> tuple[float, NDArray[Any]]:
+    if len(array) == len(rig.channels):
+        return check_rate(options.rate_hz or 0.0, where), array
+    times = array[0]
+    resolution = float(np.spacing(np.abs(times).max())) / 2 if np.isfinite(times).all() else 0.0
+    rate = check_time(times, f"{where}, row 0 (times)", resolution_s=resolution)
+    options.agree(rate, where)
+    return rate, np.ascontiguousarray(array[1:])

@@ -1,0 +1,58 @@
+"""What a file without such facts is to be taken for."""
+
+from dataclasses import dataclass
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Rig
+from modallab.core.units import Test
+
+_AGREE = 1e-3
+"""Relative difference allowed between a rate that was given and that of the times."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImportOptions:
+    """What the user says about recordings that do not say it themselves.
+
+    Attributes:
+        test: which test they belong to.
+        rate_hz: sampling rate of recordings without times.
+        drive_point: point of the hit or of the shaker.
+        volts: numbers without a unit are volts, to be scaled by the sensitivities of the rig; otherwise they are in
+            each channel's own unit.
+    """
+
+    test: Test = "impact"
+    rate_hz: float | None = None
+    drive_point: int | None = None
+    volts: bool = False
+
+    def unit(self, channel: Channel) -> str:
+        """The unit of a channel's numbers where the file names none."""
+        return "V" if self.volts else channel.unit
+
+    def check(self, rig: Rig) -> None:
+        """Reject what does not fit the rig.
+
+        Raises:
+            DataError: the drive point is not on the rig.
+        """
+        known = [point.id for point in rig.points]
+        if self.drive_point is not None and self.drive_point not in known:
+            raise DataError(
+                f"the drive point is {self.drive_point}; the rig has {', '.join(map(str, known)) or 'no points'}",
+                remedy="name a point of the rig, or add the point to the rig file",
+            )
+
+    def agree(self, found_hz: float, where: str) -> None:
+        """Reject a recording whose own rate is not the one that was given.
+
+        Raises:
+            DataError: names both.
+        """
+        if self.rate_hz is not None and abs(found_hz - self.rate_hz) > _AGREE * found_hz:
+            raise DataError(
+                f"the file says {found_hz:g} Hz, --rate says {self.rate_hz:g} Hz",
+                where=where,
+                remedy="leave --rate out",
+            )

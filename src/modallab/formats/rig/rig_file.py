@@ -1,0 +1,85 @@
+"""The rig file: YAML to a validated `Rig`, and back."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+import yaml
+from pydantic import ValidationError
+
+from modallab.core.errors import RigError
+from modallab.core.rig import Rig
+from modallab.core.rig_checks import Problem
+from modallab.formats.atomic import replacing
+from modallab.formats.rig.messages import rig_problems
+from modallab.formats.rig.rig_yaml import load_yaml
+
+
+def read_rig(path: Path) -> Rig:
+    """Read a rig file.
+
+    Raises:
+        RigError: the file is missing or no YAML, or one message with every error of the rig: field, value, what is
+            allowed.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise RigError("is not text in UTF-8", where=str(path), remedy="save the rig file as UTF-8 text") from error
+    except OSError as error:
+        found = "is a folder" if path.is_dir() else f"cannot be read: {error.strerror or error}"
+        raise RigError(found, where=str(path), remedy="name the YAML file that describes the rig") from error
+    return parse_rig(text, str(path))
+
+
+def parse_rig(text: str, where: str) -> Rig:
+    """Read a rig from the text of its file; `where` names it in messages.
+
+    Raises:
+        RigError: as for `read_rig`.
+    """
+    try:
+        content, problems = load_yaml(text)
+    except Exception as error:  # PyYAML lets AttributeError, OverflowError and others through on odd text.
+        raise RigError(f"is not YAML: {_syntax(error)}", where=where, remedy="mend the syntax there") from error
+    if not isinstance(content, Mapping):
+        found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
+        raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
+    fields = cast("Mapping[str, object]", content)
+    try:
+        rig = Rig.model_validate(fields)
+    except ValidationError as error:
+        raise _rejection([*problems, *rig_problems(fields, error)], where) from error
+    if problems:
+        raise _rejection(problems, where)
+    return rig
+
+
+def dump_rig(rig: Rig) -> str:
+    """The text of a rig file, from which `parse_rig` gets an equal rig."""
+    content = rig.model_dump(mode="json", exclude_none=True)
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
+
+
+def write_rig(rig: Rig, path: Path) -> None:
+    """Write a rig file, whole or not at all.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+    with replacing(Path(path)) as temporary:
+        temporary.write_text(dump_rig(rig), encoding="utf-8")
+
+
+def _rejection(problems: list[Problem], where: str) -> RigError:
+    count = "1 field is wrong" if len(problems) == 1 else f"{len(problems)} fields are wrong"
+    lines = "".join(f"\n  {problem}" for problem in problems)
+    return RigError(f"{count}:{lines}", where=where, remedy="mend the fields named above; docs/reference/rig-file.md")
+
+
+def _syntax(error: Exception) -> str:
+    if isinstance(error, yaml.MarkedYAMLError) and error.problem_mark is not None:
+        mark = error.problem_mark
+        return f"line {mark.line + 1}, column {mark.column + 1}: {error.problem or error.context}"
+    return "nested too deeply" if isinstance(error, RecursionError) else str(error).partition("\n")[0]

@@ -1,0 +1,1 @@
+"""SEP005 time series."""

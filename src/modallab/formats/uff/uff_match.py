@@ -1,0 +1,126 @@
+"""Which channel of the rig a function of a universal file belongs to, and in which sense."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Rig
+from modallab.core.units import SI_UNIT, Quantity
+from modallab.formats.uff.uff_functions import Function
+from modallab.formats.unit_text import quantity_of
+
+SPECIFIC: dict[int, Quantity] = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
+"""What the format's specific data types mean."""
+
+_AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Match:
+    """A channel, and the sign that turns the function's sense into the channel's."""
+
+    channel: Channel
+    sign: int
+
+
+def match_channel(function: Function, candidates: Sequence[Channel], where: str) -> Match:
+    """The channel of a function: the one of the same name, else at the same node and axis, else alone of its kind.
+
+    Raises:
+        DataError: no channel or several fit, or the direction is not the channel's.
+    """
+    names = {name.casefold() for name in function.names}
+    quantity = quantity_of(function.unit) or SPECIFIC.get(function.specific)
+    groups = (
+        [c for c in candidates if c.name.casefold() in names],
+        [c for c in candidates if quantity == "force" == c.quantity],
+        [c for c in candidates if function.node and c.point == function.node and _same_axis(function.direction, c)],
+        [c for c in candidates if c.quantity == quantity and all(other.point is None for other in candidates)],
+    )
+    found = next((group[0] for group in groups if len(group) == 1), None)
+    if found is None:
+        known = ", ".join(f"{c.name} (point {c.point}, {c.direction})" for c in candidates)
+        raise DataError(
+            f"set {function.place}, {_place_of(function)}, is no single channel of the rig; it has {known}",
+            where=where,
+            remedy="give the rig's channel this point and direction, or the set the channel's name",
+        )
+    return Match(found, sense(function.direction, found.direction, f"{where}, set {function.place}"))
+
+
+def sense(direction: int, own: str, where: str) -> int:
+    """1 or -1: whether a direction of the format has the sense of one of the rig, such as "+z".
+
+    Raises:
+        DataError: another axis, or a rotation.
+    """
+    if direction == 0:
+        return 1
+    if abs(direction) > len(_AXES) or _AXES[abs(direction) - 1] != own[1]:
+        raise DataError(
+            f"direction {_direction(direction)} is not that of the rig, {own}",
+            where=where,
+            remedy="mend the direction in the rig file, or leave this set out",
+        )
+    return 1 if (direction > 0) == (own[0] == "+") else -1
+
+
+def known_point(node: int, rig: Rig, where: str) -> int | None:
+    """The point of a node; None if the node is unknown or the rig has no points.
+
+    Raises:
+        DataError: the rig has points, but not this one.
+    """
+    points = [point.id for point in rig.points]
+    if node == 0 or not points:
+        return None
+    if node not in points:
+        raise DataError(
+            f"node {node} is no point of the rig, which has {', '.join(map(str, points))}",
+            where=where,
+            remedy="add the point to the rig file",
+        )
+    return node
+
+
+def unit_of(function: Function, units_code: int | None, where: str) -> str:
+    """Unit of a function's ordinate: its label, else the SI unit of what it is; "" if it says neither.
+
+    Raises:
+        DataError: no label, and the file says that its units are not SI.
+    """
+    return _unit(function, function.unit, function.specific, units_code, where)
+
+
+def divisor_unit_of(function: Function, units_code: int | None, where: str) -> str:
+    """The same for the denominator."""
+    return _unit(function, function.divisor_unit, function.divisor_specific, units_code, where)
+
+
+def _unit(function: Function, label: str, specific: int, units_code: int | None, where: str) -> str:
+    if label or specific not in SPECIFIC:
+        return label
+    if units_code not in (None, 1):
+        raise DataError(
+            f"set {function.place} has no unit label, and the units of the file are not SI (code {units_code})",
+            where=where,
+            remedy="export the file again with unit labels, or in SI units",
+        )
+    return SI_UNIT[SPECIFIC[specific]]
+
+
+def _same_axis(direction: int, channel: Channel) -> bool:
+    return direction == 0 or (abs(direction) <= len(_AXES) and _AXES[abs(direction) - 1] == channel.direction[1])
+
+
+def _place_of(function: Function) -> str:
+    node = f"node {function.node} {_direction(function.direction)}" if function.node else "without a node"
+    return f"{function.names[1] or function.names[0]!r}, {node}"
+
+
+def _direction(direction: int) -> str:
+    sign = "-" if direction < 0 else "+"
+    if direction == 0:
+        return "without a direction"
+    kind = "" if abs(direction) <= len(_AXES) else "rotation about "
+    return f"{kind}{sign}{_AXES[(abs(direction) - 1) % len(_AXES)]}"

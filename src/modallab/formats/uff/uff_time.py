@@ -1,0 +1,119 @@
+"""Time records of a universal file, as blocks: a channel that comes again begins the next block."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from modallab.core.array_checks import check_rate, check_time
+from modallab.core.axis_checks import whole_rate
+from modallab.core.block import Block
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Rig
+from modallab.formats.block_facts import facts_or_options, read_facts
+from modallab.formats.options import ImportOptions
+from modallab.formats.uff.uff_functions import Function, UniversalFile
+from modallab.formats.uff.uff_match import Match, known_point, match_channel, unit_of
+
+_Group = dict[str, tuple[Function, Match]]
+
+
+def read_blocks(content: UniversalFile, path: Path, rig: Rig, options: ImportOptions) -> tuple[Block, ...]:
+    """The blocks of the time records.
+
+    Raises:
+        DataError: complex or uneven records, channels missing or unequal in length, rate or start.
+    """
+    where = str(path)
+    groups: list[_Group] = []
+    for function in (f for f in content.functions if f.kind == 1):
+        if np.iscomplexobj(function.values):
+            raise DataError(
+                f"set {function.place} is a time record of complex numbers", where=where, remedy="export it as real"
+            )
+        match = match_channel(function, rig.channels, where)
+        if not groups or match.channel.name in groups[-1]:
+            groups.append({})
+        groups[-1][match.channel.name] = (function, match)
+    blocks: list[Block] = []
+    for order, group in enumerate(groups):
+        name = path.stem if len(groups) == 1 else f"{path.stem}_{order + 1}"
+        blocks.append(_block(group, name, order, content.units_code, rig, options, where))
+    return tuple(blocks)
+
+
+def _block(
+    group: _Group, name: str, order: int, units_code: int | None, rig: Rig, options: ImportOptions, where: str
+) -> Block:
+    _check_complete(group, rig, where)
+    parts = [group[channel.name] for channel in rig.channels]
+    functions = [function for function, _ in parts]
+    rate = _common_rate(functions, rig.channels, options, where)
+    # Our own files carry the facts of a block in the last two identification lines.
+    facts = facts_or_options(
+        read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
+    )
+    return Block(
+        name=facts.name,
+        test=facts.test,
+        order=order,
+        rate_hz=facts.rate_hz,
+        level=facts.level,
+        frequency_hz=facts.frequency_hz,
+        first_sample=facts.first_sample,
+        samples=np.stack([np.asarray(f.values, dtype=np.float64) for f in functions]),
+        scale=np.array([match.sign for _, match in parts], dtype=np.float64),
+        units=tuple(
+            unit_of(f, units_code, where) or options.unit(channel)
+            for f, channel in zip(functions, rig.channels, strict=True)
+        ),
+        channels=tuple(channel.name for channel in rig.channels),
+        drive_point=_drive_point(group, rig, options, where),
+    )
+
+
+def _check_complete(group: _Group, rig: Rig, where: str) -> None:
+    missing = [channel.name for channel in rig.channels if channel.name not in group]
+    if missing:
+        places = ", ".join(str(function.place) for function, _ in group.values())
+        raise DataError(
+            f"no time record for channel {', '.join(missing)} beside sets {places}",
+            where=where,
+            remedy="export every channel of the rig, or leave these channels out of the rig",
+        )
+
+
+def _common_rate(
+    functions: Sequence[Function], channels: Sequence[Channel], options: ImportOptions, where: str
+) -> float:
+    rates = [_rate(function, where) for function in functions]
+    first = (rates[0], len(functions[0].values), functions[0].axis[0])
+    for rate, function, channel in zip(rates, functions, channels, strict=True):
+        own = (rate, len(function.values), function.axis[0])
+        if own != first:
+            raise DataError(
+                f"channel {channel.name} (set {function.place}) has {own[1]} samples at {own[0]:g} Hz "
+                f"from {own[2]:g} s, channel {channels[0].name} has {first[1]} at {first[0]:g} Hz from {first[2]:g} s",
+                where=where,
+                remedy="export channels that were recorded together, over the same time",
+            )
+    options.agree(rates[0], where)
+    return rates[0]
+
+
+def _rate(function: Function, where: str) -> float:
+    where = f"{where}, set {function.place}"
+    if not function.even:
+        return check_time(function.axis, where, resolution_s=function.axis_error)
+    step = float(function.axis[1] - function.axis[0]) if len(function.axis) > 1 else 0.0
+    if not step > 0:
+        raise DataError(f"the time step is {step:g} s", where=where, remedy="export the record with its time step")
+    return check_rate(whole_rate(1 / step, function.axis_error / step**2), where)
+
+
+def _drive_point(group: _Group, rig: Rig, options: ImportOptions, where: str) -> int | None:
+    if options.drive_point is not None:
+        return options.drive_point
+    force = group[rig.force_channel.name][0]
+    nodes = [force.node, *(function.reference_node for function, _ in group.values())]
+    return known_point(next((node for node in nodes if node), 0), rig, where)

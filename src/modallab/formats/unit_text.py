@@ -1,0 +1,78 @@
+"""Units as people and analysers write them, turned into those of `modallab.core.units`."""
+
+import re
+
+from modallab.core.frf import UNIT, FrfQuantity
+from modallab.core.units import TO_SI, Quantity
+
+_ALIASES = {
+    "m/s/s": "m/s^2",
+    "m/sec^2": "m/s^2",
+    "mm/s2": "mm/s^2",
+    "mm/s**2": "mm/s^2",
+    "mm/s/s": "mm/s^2",
+    "G": "g",
+    "gn": "g",
+    "Newton": "N",
+    "newton": "N",
+    "lb": "lbf",
+    "Lb": "lbf",
+    "LBF": "lbf",
+    "µm": "um",
+    "μm": "um",
+    "Volt": "V",
+    "Volts": "V",
+    "volt": "V",
+    "volts": "V",
+    "v": "V",
+    "sec": "s",
+    "seconds": "s",
+    "msec": "ms",
+}
+_WHOLE_FRF: dict[str, FrfQuantity] = {
+    **{unit: quantity for quantity, unit in UNIT.items()},
+    "m/(N*s)": "mobility",
+    "m/(N*s^2)": "inertance",
+    "m/Ns": "mobility",
+    "m/Ns^2": "inertance",
+    "1/kg": "inertance",
+    "kg^-1": "inertance",
+}
+_FRF_OF: dict[Quantity, FrfQuantity] = {
+    "displacement": "receptance",
+    "velocity": "mobility",
+    "acceleration": "inertance",
+}
+
+
+def normal_unit(text: str) -> str:
+    """A unit in the project's own spelling; an unknown one as it is. "" for NONE and the like."""
+    unit = re.sub(r"\s+", " ", text.strip().strip('"').replace("²", "^2").replace("**", "^"))
+    if unit.startswith("(") and unit.endswith(")"):
+        unit = unit[1:-1].strip()
+    if unit.upper() in {"", "NONE", "-"}:
+        return ""
+    return _ALIASES.get(unit, unit)
+
+
+def quantity_of(unit: str) -> Quantity | None:
+    """What a unit measures; None if it is not known."""
+    return next((quantity for quantity, units in TO_SI.items() if unit in units), None)
+
+
+def frf_unit(numerator: str, denominator: str) -> tuple[FrfQuantity, float] | None:
+    """Quantity and factor to SI of an FRF; None if the units are not those of one.
+
+    Args:
+        numerator: unit of the response, or of the whole FRF, as in "m/s^2/N".
+        denominator: unit of the force, "" if the numerator's text holds both.
+    """
+    if not denominator and numerator in _WHOLE_FRF:
+        return _WHOLE_FRF[numerator], 1.0
+    if not denominator:
+        left, _, right = numerator.rpartition("/")
+        numerator, denominator = normal_unit(left), normal_unit(right)
+    response = quantity_of(numerator)
+    if response not in _FRF_OF or denominator not in TO_SI["force"]:
+        return None
+    return _FRF_OF[response], TO_SI[response][numerator] / TO_SI["force"][denominator]

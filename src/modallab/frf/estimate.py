@@ -1,0 +1,224 @@
+"""Steps B and C: spectra of blocks, and FRFs with coherence from them."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.axis_checks import check_frequencies, check_rate
+from modallab.core.block import Signals
+from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.rig import Rig
+from modallab.core.units import Quantity
+from modallab.signals.checks import check_outputs, check_test
+from modallab.signals.hit import find_hit, windowed_force
+
+Estimator = Literal["H1", "H2", "Hv"]
+
+_DERIVATIVE: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
+
+
+def output_quantity(rig: Rig) -> FrfQuantity:
+    """Which FRF the outputs give directly: inertance for accelerometers.
+
+    Raises:
+        DataError: the outputs differ in quantity, or are none of motion.
+    """
+    kinds = {c.quantity for c in rig.responses}
+    by_derivative: dict[int, FrfQuantity] = {d: q for q, d in DERIVATIVES.items()}
+    quantity = next(iter(kinds)) if len(kinds) == 1 else "voltage"
+    if quantity not in _DERIVATIVE:
+        raise DataError(
+            f"the outputs measure {', '.join(sorted(kinds))}",
+            remedy="identify channels of one kind of motion together: acceleration, velocity or displacement",
+        )
+    return by_derivative[_DERIVATIVE[quantity]]
+
+
+def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
+    """The same FRF as receptance, mobility or inertance: times a power of s = damping_shift + j omega.
+
+    Raises:
+        DataError: lines that do not ascend, values that are not finite or not complex, or a division by s = 0.
+    """
+    check_frequencies(frf.frequency_hz, even=False)
+    _check_shape(frf)
+    if not (np.iscomplexobj(frf.values) and np.isfinite(frf.values).all()):
+        raise DataError("the FRF holds NaN, or has no phase", remedy="give finite complex numbers")
+    power = DERIVATIVES[quantity] - DERIVATIVES[frf.quantity]
+    if power == 0:
+        return frf
+    s = frf.damping_shift + 2j * np.pi * frf.frequency_hz
+    if power < 0 and s[0] == 0:
+        raise DataError(
+            f"{frf.quantity} at 0 Hz has no {quantity}", remedy="leave the line at 0 Hz out before converting"
+        )
+    return Frf(
+        frequency_hz=frf.frequency_hz,
+        values=frf.values * s**power,
+        quantity=quantity,
+        outputs=frf.outputs,
+        output_points=frf.output_points,
+        input_points=frf.input_points,
+        coherence=frf.coherence,
+        variance=None if frf.variance is None else frf.variance * np.abs(s) ** (2 * power),
+        averages=frf.averages,
+        damping_shift=frf.damping_shift,
+    )
+
+
+def _check_shape(frf: Frf) -> None:
+    shape, lines = frf.values.shape, frf.frequency_hz.size
+    if len(shape) != 3 or 0 in shape or shape[2] != lines or shape[0] != len(frf.outputs):
+        raise DataError(
+            f"the FRF has shape {shape}, with {len(frf.outputs)} outputs and {lines} lines",
+            remedy="give (outputs, inputs, lines), at least one of each",
+        )
+
+
+def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.int64]:
+    """Indices of the DFT lines of an n-sample block inside a band, never the line at 0 Hz.
+
+    Raises:
+        DataError: fewer than 4 lines lie inside.
+    """
+    check_rate(rate_hz)
+    if not (n > 0 and np.isfinite(band_hz).all() and band_hz[0] < band_hz[1]):
+        raise DataError(
+            f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz of a block of {n} samples has no lines",
+            remedy="give the lower edge first, both in Hz, and a block with samples",
+        )
+    resolution = rate_hz / n
+    first = max(1, int(np.ceil(band_hz[0] / resolution - 1e-9)))
+    last = min((n - 1) // 2, int(np.floor(band_hz[1] / resolution + 1e-9)))
+    if last - first < 3:
+        raise DataError(
+            f"the band {band_hz[0]:g} to {band_hz[1]:g} Hz holds {max(0, last - first + 1)} of the block's lines, "
+            f"which stand {resolution:.4g} Hz apart up to {rate_hz / 2:g} Hz",
+            remedy="widen the band or record longer blocks",
+        )
+    return np.arange(first, last + 1)
+
+
+def combine(
+    force: NDArray[np.complex128], response: NDArray[np.complex128], estimator: Estimator = "H1"
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """One input's FRF and ordinary coherence from averaged spectra.
+
+    H1 = Sfy / Sff is unbiased under noise on the response, H2 = Syy / Syf under noise on the force,
+    Hv (total least squares of the two, equal relative noise) lies between.
+
+    Args:
+        force: (blocks, lines) spectra of the force.
+        response: (blocks, outputs, lines) spectra of the responses.
+        estimator: which of the three.
+
+    Returns:
+        FRF (outputs, lines) and coherence (outputs, lines) in 0 to 1; with one block coherence is 1 by construction.
+
+    Raises:
+        DataError: shapes that do not fit, NaN, or a line without force.
+    """
+    _check_spectra(force, response)
+    power_f = np.sum(np.abs(force) ** 2, axis=0)
+    power_y = np.sum(np.abs(response) ** 2, axis=0)
+    cross = np.sum(np.conj(force)[:, None] * response, axis=0)
+    if np.any(power_f == 0):
+        raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
+    h1 = cross / power_f
+    magnitude = np.abs(cross)
+    coherence = np.divide(magnitude**2, power_f * power_y, out=np.zeros_like(magnitude), where=power_y > 0)
+    if estimator == "H1":
+        return h1, coherence
+    safe = np.where(magnitude > 0, magnitude, 1.0)
+    h2_magnitude = power_y / safe
+    phase = np.where(magnitude > 0, cross / safe, 1.0)
+    if estimator == "H2":
+        return phase * h2_magnitude, coherence
+    return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
+
+
+def _check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128]) -> None:
+    if (
+        force.ndim != 2
+        or response.ndim != 3
+        or (response.shape[0], response.shape[2]) != force.shape
+        or not response.size
+    ):
+        raise DataError(
+            f"force {force.shape} and response {response.shape} do not belong together",
+            remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",
+        )
+    if not (np.isfinite(force).all() and np.isfinite(response).all()):
+        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
+
+
+def impact_frf(
+    groups: Sequence[Sequence[Signals]],
+    rig: Rig,
+    band_hz: tuple[float, float],
+    *,
+    estimator: Estimator = "H1",
+    damping_shift: float = 0.0,
+) -> Frf:
+    """FRFs of an impact test, one input per group of hits at one point.
+
+    With a damping shift sigma both force and response are multiplied by exp(-sigma t). The result is then the
+    structure's FRF at s = sigma + j omega, in which even a ring-down longer than the block has died out;
+    a pole found in it is the structure's pole less sigma. (Exact for a block that begins at rest.)
+
+    Args:
+        groups: per input the hits, equal in rate and length.
+        rig: names, points and quantities of the channels.
+        band_hz: lines to give.
+        estimator: H1, H2 or Hv.
+        damping_shift: sigma in 1/s.
+
+    Raises:
+        DataError: no blocks, blocks that differ or that no bench records, other outputs than the rig's, a block without
+            a hit, a band without lines.
+    """
+    check_test([s for group in groups for s in group])
+    first = groups[0][0]
+    check_outputs(first, rig)
+    n, rate = first.force.size, first.rate_hz
+    chosen = lines(n, rate, band_hz)
+    window = np.exp(-damping_shift * np.arange(n) / rate)
+    values, coherences = [], []
+    for group in groups:
+        force = np.stack([windowed_force(s.force, find_hit(s.force)) for s in group])
+        response = np.stack([s.responses - pre_trigger_level(s)[:, None] for s in group])
+        spectrum_f = np.fft.rfft(force * window)[:, chosen]
+        spectrum_y = np.fft.rfft(response * window)[..., chosen]
+        value, coherence = combine(spectrum_f, spectrum_y, estimator)
+        values.append(value)
+        coherences.append(coherence)
+    return Frf(
+        frequency_hz=chosen * rate / n,
+        values=np.stack(values, axis=1),
+        quantity=output_quantity(rig),
+        outputs=first.outputs,
+        output_points=tuple(c.point for c in rig.responses),
+        input_points=tuple(group[0].block.drive_point for group in groups),
+        coherence=np.stack(coherences, axis=1),
+        averages=tuple(len(group) for group in groups),
+        damping_shift=damping_shift,
+    )
+
+
+def pre_trigger_level(signals: Signals) -> NDArray[np.float64]:
+    """Level of each output (outputs,) before the hit; where there is too little of it, the block's mean."""
+    first = find_hit(signals.force).first
+    if first < 16:
+        return signals.responses.mean(axis=1)
+    return signals.responses[:, :first].mean(axis=1)
+
+
+def group_by_point(signals: Sequence[Signals]) -> list[list[Signals]]:
+    """Blocks by drive point, in the order in which the points came."""
+    groups: dict[int | None, list[Signals]] = {}
+    for item in signals:
+        groups.setdefault(item.block.drive_point, []).append(item)
+    return list(groups.values())

@@ -1,0 +1,84 @@
+"""The mass between a force transducer and the structure, taken off again.
+
+The transducer feels what the structure takes and what the mass in front of it takes: F = F_structure + m a, with a at
+the driving point. So A_jk = A'_jk / (1 - m A'_kk) for measured inertances A'. Left in, it lowers every frequency at
+which the driven point moves.
+Source: Ewins, "Modal Testing", 2nd ed. (2000), section 3.8.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.block import Signals
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.rig import Rig
+from modallab.frf.estimate import convert, output_quantity
+from modallab.signals.checks import check_outputs, check_test
+
+
+def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:
+    """The FRFs of the structure alone.
+
+    Args:
+        frf: any quantity, with a sensor at every driven point in front of which there is a mass.
+        mass_kg: (inputs,) between transducer and structure, 0 for none.
+
+    Returns:
+        The same quantity; the variance goes with the values, coherence stays.
+
+    Raises:
+        DataError: masses that are none or not one an input, no sensor at the driven point, or a mass that is more than
+            the transducer felt: 1 - m A vanishes.
+    """
+    inertance = convert(frf, "inertance")
+    _check(mass_kg, len(frf.input_points))
+    factor = np.ones((len(mass_kg), frf.frequency_hz.size), complex)
+    for k, (mass, point) in enumerate(zip(mass_kg, frf.input_points, strict=True)):
+        if mass > 0:
+            factor[k] = 1 - mass * inertance.values[_driving(frf.output_points, point), k]
+    if np.any(factor == 0):
+        raise DataError("the masses take all of the force at some line", remedy="check the masses, in kg")
+    cleared = replace(
+        inertance,
+        values=inertance.values / factor,
+        variance=None if inertance.variance is None else inertance.variance / np.abs(factor) ** 2,
+    )
+    return convert(cleared, frf.quantity)
+
+
+def without_mass_in(signals: Sequence[Signals], mass_kg: float, rig: Rig) -> list[Signals]:
+    """Blocks with the force that the structure took: what an identification from time records needs.
+
+    Args:
+        signals: blocks of one test, whose outputs are accelerations.
+        mass_kg: between transducer and structure.
+        rig: channels and points.
+
+    Raises:
+        DataError: no mass, no accelerometer at the driven point, or blocks that make no test.
+    """
+    check_test(signals)
+    check_outputs(signals[0], rig)
+    _check((mass_kg,), 1)
+    if output_quantity(rig) != "inertance":
+        raise DataError("the outputs are no accelerations", remedy="use accelerometers, or `without_mass` on FRFs")
+    points = tuple(c.point for c in rig.responses)
+    return [replace(s, force=s.force - mass_kg * s.responses[_driving(points, s.block.drive_point)]) for s in signals]
+
+
+def _check(mass_kg: Sequence[float], inputs: int) -> None:
+    if len(mass_kg) != inputs or not all(np.isfinite(m) and m >= 0 for m in mass_kg):
+        found = f"masses {[float(m) for m in mass_kg]} kg are not one for each of {inputs} inputs, or below zero"
+        raise DataError(found, remedy="give one mass an input in kg, 0 for none")
+
+
+def _driving(points: Sequence[int | None], point: int | None) -> int:
+    if point is None or point not in points:
+        raise DataError(
+            f"no sensor stands at the driven point {'(unknown)' if point is None else point}",
+            remedy="put one there: only its acceleration says what force the mass takes",
+        )
+    return list(points).index(point)

@@ -1,0 +1,1 @@
+"""From a campaign to the data the fits see."""

@@ -1,0 +1,201 @@
+"""What the accelerometers read without a force: ringing from before a hit, and a floor that shakes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.reduce import AFTER, BEFORE, on_line, scaled
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+FLOOR_TOP_HZ = 60.0
+"""A floor's shaking is looked for below this."""
+LEADS = 1.024
+"""Time by which a hit of the same kind came earlier, s: one block."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Ringing:
+    """Free decay at the start of the hits.
+
+    Attributes:
+        fraction: size of the decay over that which the hit itself leaves, as if an equal hit had come a block before.
+        z: rms before the hit over the noise.
+        states: record -> (channels, modes) complex amplitude of each decay at the record's start.
+        poles: (modes,) the decays.
+    """
+
+    fraction: float
+    z: float
+    states: dict[str, Complex]
+    poles: Complex
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Floor:
+    """Base motion.
+
+    Attributes:
+        rms_acc: m/s^2 of the base.
+        z: how far its spectrum stands above the noise.
+        spectrum: (channels, lines) variance per sample of the response on each line, in (m/s^2)^2.
+        density: (channels, lines) the same under a Hann window, where resonances do not leak into all lines.
+    """
+
+    rms_acc: float
+    z: float
+    spectrum: Array
+    density: Array
+
+
+def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
+    """Rms of the accelerometers before the hits, over their noise; 1 is silence."""
+    ratios: list[float] = []
+    for b in blocks:
+        force, a = scaled(b, rig)
+        quiet = a[:, : max(1, int(np.argmax(np.abs(force))) - BEFORE)]
+        if quiet.shape[1] > 20:
+            ratios.append(float(np.median(np.sqrt(np.mean(quiet**2, axis=1)) / _sigma(b, rig, noise_v))))
+    return float(np.median(ratios)) if ratios else 1.0
+
+
+def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex, ratio: float = 1.0) -> Floor | None:
+    """Base motion that stands in most sine blocks beside the drive and the decays; None if there is none."""
+    sines = [b for b in blocks if b.test == "sine"]
+    if len(sines) < 4:
+        return None
+    residuals = [_beside_drive(b, rig, noise_v, poles, ratio) for b in sines]
+    stack = np.ma.masked_invalid(np.array(residuals))
+    n, rate = sines[0].n_samples, sines[0].rate_hz
+    low = slice(2, int(FLOOR_TOP_HZ * n / rate))
+    # Median over lines and channels of each block: a few lines of a decay or a harmonic cannot raise it.
+    excess = np.ma.median(stack[:, :, low], axis=(1, 2)).filled(1.0) / np.log(2)
+    z = float(np.quantile(excess, 0.25))
+    hits = [b for b in blocks if b.test == "impact"]
+    if z < 2.0 or (hits and before_hit(hits, rig, noise_v) < 1.15):
+        return None
+    sigma = _sigma(sines[0], rig, noise_v)
+    spectrum = _above_noise(stack) * sigma[:, None] ** 2
+    windowed = [_beside_drive(b, rig, noise_v, poles, ratio, np.hanning) for b in sines]
+    density = _above_noise(np.ma.masked_invalid(np.array(windowed))) * sigma[:, None] ** 2
+    # Near the clamp an accelerometer moves with the base: the one with the least motion shows it best.
+    base = float(np.sqrt(np.min(np.sum(spectrum, axis=1)) * 2 / n))
+    return Floor(base, float(np.sqrt(z)), spectrum, density)
+
+
+def _above_noise(stack: "np.ma.MaskedArray[Any, Any]") -> Array:
+    """(channels, lines) mean over the blocks less the noise, smoothed over five lines."""
+    middle = np.ma.median(stack, axis=0).filled(np.log(2)) / np.log(2) - 1
+    return np.apply_along_axis(lambda row: np.convolve(row, np.ones(5) / 5, mode="same"), 1, np.maximum(middle, 0))
+
+
+def _beside_drive(
+    block: Block,
+    rig: Rig,
+    noise_v: Array,
+    poles: Complex,
+    ratio: float,
+    window: Callable[[int], Array] = np.ones,
+) -> Array:
+    """(channels, lines) |residual|^2 over the noise after the drive and the decays are taken out; NaN at harmonics."""
+    _, a = scaled(block, rig)
+    n, dt = block.n_samples, 1 / block.rate_hz
+    t = np.arange(n) * dt
+    drive = on_line(block.frequency_hz or 0.0, n, dt) * ratio * n * dt
+    columns = [np.ones(n), np.cos(2 * np.pi * drive * t / (n * dt)), np.sin(2 * np.pi * drive * t / (n * dt))]
+    for pole in poles[:3]:
+        wave = np.exp(pole * t)
+        columns += [wave.real, wave.imag]
+    basis = np.column_stack(columns)
+    rest = a.T - basis @ np.linalg.lstsq(basis, a.T, rcond=None)[0]
+    w = window(n)
+    power = np.abs(np.fft.rfft(rest.T * w)) ** 2 / np.sum(w**2) / _sigma(block, rig, noise_v)[:, None] ** 2
+    lines = np.arange(power.shape[1])
+    for k in range(1, 8):
+        power[:, np.abs(lines - k * drive) < 3.5] = np.nan
+    return power
+
+
+def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex) -> Ringing | None:
+    """Decays before the hits; None if the beam is at rest, or if what stands there is no decay."""
+    hits = [b for b in blocks if b.test == "impact"]
+    z = before_hit(hits, rig, noise_v)
+    if z < 1.3 or not len(poles) or not hits:
+        return None
+    poles = poles[: min(5, len(poles))]
+    shapes = _shapes(hits, rig, poles)
+    states: dict[str, Complex] = {}
+    left, fractions = [], []
+    for b in hits:
+        state, rest, fraction = _state(b, rig, noise_v, poles, shapes)
+        states[b.name] = state
+        left.append(rest)
+        fractions.append(fraction)
+    explained = 1 - (np.median(left) ** 2 - 1) / max(z**2 - 1, 1e-9)
+    if explained < 0.5:
+        return None
+    return Ringing(float(np.median(fractions)), z, states, poles)
+
+
+def without_ringing(block: Block, rig: Rig, ringing: Ringing) -> Block:
+    """The record less its decay from before."""
+    if block.name not in ringing.states:
+        return block
+    t = np.arange(block.n_samples) / block.rate_hz
+    decay = 2 * np.real(ringing.states[block.name] @ np.exp(ringing.poles[:, None] * t))
+    samples = np.array(block.samples, dtype=np.float64)
+    for i, channel in enumerate(rig.responses):
+        samples[channel.index] -= decay[i] * channel.sensitivity(block.test) / block.scale[channel.index]
+    return replace(block, samples=samples)
+
+
+def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
+    """(channels, modes) shapes of the decays after the hits, each of unit length."""
+    stacks: list[Complex] = []
+    for b in hits:
+        force, a = scaled(b, rig)
+        start = int(np.argmax(np.abs(force))) + AFTER
+        stacks.append(_decays(a[:, start:], poles, b.rate_hz))
+    residues = np.array(stacks)
+    shapes = np.zeros(residues.shape[1:], dtype=np.complex128)
+    for r in range(len(poles)):
+        shapes[:, r] = np.linalg.svd(residues[:, :, r].T, full_matrices=False)[0][:, 0]
+    return shapes
+
+
+def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
+    """(channels, modes) complex amplitudes at the start of a stretch of free decay."""
+    t = np.arange(a.shape[1]) / rate_hz
+    wave = np.exp(poles[:, None] * t)
+    basis = np.concatenate([2 * wave.real, -2 * wave.imag]).T
+    found = np.linalg.lstsq(basis, a.T, rcond=None)[0]
+    return (found[: len(poles)] + 1j * found[len(poles) :]).T
+
+
+def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
+    force, a = scaled(block, rig)
+    quiet = max(24, int(np.argmax(np.abs(force))) - BEFORE)
+    sigma = _sigma(block, rig, noise_v)
+    t = np.arange(quiet) / block.rate_hz
+    wave = shapes[:, :, None] * np.exp(poles[:, None] * t) / sigma[:, None, None]
+    basis = np.concatenate([2 * wave.real, -2 * wave.imag], axis=1).transpose(0, 2, 1).reshape(-1, 2 * len(poles))
+    y = (a[:, :quiet] / sigma[:, None]).ravel()
+    found = np.linalg.lstsq(basis, y, rcond=1e-6)[0]
+    rest = float(np.sqrt(np.mean((y - basis @ found) ** 2)))
+    amplitude = found[: len(poles)] + 1j * found[len(poles) :]
+    after = _decays(a[:, quiet + BEFORE + AFTER :], poles, block.rate_hz)
+    later = np.exp(poles * (quiet + BEFORE + AFTER) / block.rate_hz)
+    # What the hit itself leaves, referred to the start of the record, less what rang before.
+    own = np.linalg.norm(after / later - shapes * amplitude, axis=0)
+    heard = np.abs(amplitude) / np.maximum(np.abs(np.exp(poles * LEADS)) * own, 1e-300)
+    return shapes * amplitude, rest, float(heard[0])
+
+
+def _sigma(block: Block, rig: Rig, noise_v: Array) -> Array:
+    return np.array([noise_v[c.index] / abs(c.sensitivity(block.test)) for c in rig.responses])

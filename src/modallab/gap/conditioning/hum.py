@@ -1,0 +1,152 @@
+"""Mains hum: a sine of the mains on every row, with the same amplitudes in every record."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from modallab.core.block import Block
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+MAINS_HZ = (50.0, 60.0)
+CLEAR = 6.0
+"""Deviations of the noise from which an amplitude counts."""
+STEADY = 0.1
+"""Median deviation from record to record, over the amplitude, that hum stays below."""
+SCATTER = 1.3
+"""The same that noise may add, in deviations of its part: half of all lie within 0.67 of them."""
+
+OFF = 0.035
+"""Relative error of a converter's clock within which the mains is looked for."""
+BESIDE_HZ = 8.0
+"""So near the mains, a drive must be known better than by its line."""
+PLAINLY = 1.02
+"""How much more power another frequency must hold."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Hum:
+    """What was found.
+
+    Attributes:
+        hz: the mains.
+        seen_hz: where it stands in the records, whose clock may be off.
+        volts: (rows,) amplitude.
+        z: how many deviations of its noise the force row's amplitude has.
+    """
+
+    hz: float
+    seen_hz: float
+    volts: Array
+    z: float
+
+
+def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | None:
+    """Hum that stands in most records on most rows, clear of noise; None if there is none.
+
+    It comes with the wiring and is on the row of the force too, where a floor that shakes at the mains' frequency, as
+    below a transformer, is not; and its amplitude is the same in every record.
+
+    Args:
+        blocks: the records.
+        noise_v: (rows,) V rms of each row.
+        force: number of the row of the force.
+    """
+    best: Hum | None = None
+    for hz in MAINS_HZ:
+        heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
+        if len(heard) < 4:
+            heard = [b for b in blocks if b.test == "impact"]
+        if len(heard) < 3:
+            continue
+        seen_hz = _tuned(heard, hz)
+        size = np.abs(np.array([_amplitudes(b, seen_hz) for b in heard]))
+        volts = np.median(size, axis=0)
+        n = int(np.median([_heard_samples(b) for b in heard]))
+        sigma = noise_v * np.sqrt(2 / n)
+        z = volts / sigma
+        # Steady: a response to the drive would change from record to record; hum does not.
+        steady = np.median(np.abs(size - volts), axis=0) < STEADY * volts + SCATTER * sigma
+        stands = (z > CLEAR) & steady
+        clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
+        if clear and (best is None or float(z[force]) > best.z):
+            best = Hum(hz, seen_hz, volts, float(z[force]))
+    return best
+
+
+def without_hum(block: Block, hum: Hum) -> Block:
+    """The record less its hum; the phase is the record's own."""
+    volts = block.samples * block.scale[:, None]
+    t = np.arange(block.n_samples) / block.rate_hz
+    phases = _amplitudes(block, hum.seen_hz)
+    # One phase for all rows, weighed by how far each stands out.
+    phase = np.angle(np.sum(phases * hum.volts))
+    cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
+    return replace(block, samples=cleaned / block.scale[:, None])
+
+
+def _tuned(heard: Sequence[Block], hz: float) -> float:
+    """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
+
+    def power(f: float) -> float:
+        return float(np.median([np.sum(np.abs(_amplitudes(b, f)) ** 2) for b in heard]))
+
+    if heard[0].test != "sine":
+        return hz
+    return _strongest(power, hz, 15)
+
+
+def _strongest(power: Callable[[float], float], hz: float, points: int) -> float:
+    """The frequency around `hz`, within what a clock may be off, that holds most; `hz` unless that is plainly more."""
+    grid = hz * (1 + np.linspace(-OFF, OFF, points))
+    start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
+    step = float(grid[1] - grid[0])
+    found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
+    return float(found.x) if -float(found.fun) > PLAINLY * power(hz) else hz
+
+
+def _clear(block: Block, hz: float) -> bool:
+    return abs((block.frequency_hz or 0.0) - hz) > 3.0
+
+
+def _amplitudes(block: Block, hz: float) -> Complex:
+    """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
+    volts = block.samples * block.scale[:, None]
+    volts = volts[:, : _heard_samples(block)]
+    t = np.arange(volts.shape[1]) / block.rate_hz
+    columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
+    if block.test == "sine" and block.frequency_hz:
+        near = abs(block.frequency_hz - hz) < BESIDE_HZ
+        drive = _drive_hz(block, t) if near else _line(block.frequency_hz, t, block.rate_hz)
+        columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
+    window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
+    basis = np.column_stack(columns)
+    a = np.linalg.lstsq(basis * window[:, None], (volts * window).T, rcond=None)[0]
+    return a[0] + 1j * a[1]
+
+
+def _line(hz: float, t: Array, rate_hz: float) -> float:
+    return round(hz * len(t) / rate_hz) * rate_hz / len(t)
+
+
+def _drive_hz(block: Block, t: Array) -> float:
+    """Where the drive stands in a record, by the row of the force: beside the mains its nominal line is not enough."""
+    window = np.hanning(len(t))
+    force = block.samples[0] * block.scale[0]
+    weighed = (force - np.mean(force)) * window
+
+    def power(f: float) -> float:
+        return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
+
+    return _strongest(power, _line(block.frequency_hz or 0.0, t, block.rate_hz), 29)
+
+
+def _heard_samples(block: Block) -> int:
+    """Samples from which the hum is told: of a hit those before it, where they suffice."""
+    before = int(np.argmax(np.abs(block.samples[0]))) - 30
+    return before if block.test == "impact" and before > 60 else block.n_samples

@@ -1,0 +1,61 @@
+"""The noise of each row of the converter, from the records themselves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+from modallab.core.rig import Rig
+
+Array = NDArray[np.float64]
+
+QUIET = (0.62, 0.94)
+"""Share of the Nyquist frequency in which a bench answers little."""
+PRE_TRIGGER = 64
+"""Samples before a hit that are used, fewer if there are fewer."""
+
+
+def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
+    """(rows,) V rms the rig file promises: the converter's noise and its rounding."""
+    step = max((float(np.max(b.scale)) for b in blocks), default=0.0)
+    own = rig.converter.noise_rms_v if rig.converter is not None else step
+    return np.full(len(rig.channels), float(np.hypot(own, step / np.sqrt(12))))
+
+
+def measured_noise(blocks: Sequence[Block]) -> Array:
+    """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record tells.
+
+    The lower quartile over the records: what is in every record is noise, what is in some is a response.
+    """
+    spreads = [spread for b in blocks if (spread := _of_block(b)) is not None]
+    if not spreads:
+        return np.full(len(blocks[0].scale) if blocks else 0, np.nan)
+    return np.quantile(np.array(spreads), 0.25, axis=0)
+
+
+def reported_by(blocks: Sequence[Block]) -> int:
+    """Lines of spectra that the measured noise rests on."""
+    share = (QUIET[1] - QUIET[0]) / 2
+    return sum(int(share * (b.n_samples if b.test == "sine" else PRE_TRIGGER)) for b in blocks)
+
+
+def _of_block(block: Block) -> Array | None:
+    volts = block.samples * block.scale[:, None]
+    if block.test == "impact":
+        before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[0]))) - 30)
+        if before < 24:
+            return None
+        volts = volts[:, :before]
+    n = volts.shape[1]
+    window = np.hanning(n)
+    spectrum = np.fft.rfft((volts - volts.mean(axis=1, keepdims=True)) * window, axis=1)
+    low, high = (int(share * n / 2) for share in QUIET)
+    power = np.abs(spectrum[:, low:high]) ** 2
+    # The median of an exponential variable is its mean times ln 2; a line of a harmonic cannot move it.
+    return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))
+
+
+def noise_in_use(measured: Array, believed: Array) -> Array:
+    """(rows,) V rms to weigh with: what was measured where it is beyond doubt larger than believed."""
+    return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)

@@ -1,0 +1,211 @@
+"""From a campaign to what the fits see: noise, overloads, hum, ringing, floor, poles."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
+from modallab.gap.conditioning.clipped import Clipped, find_clipped
+from modallab.gap.conditioning.hum import Hum, find_hum, without_hum
+from modallab.gap.conditioning.noise import believed_noise, measured_noise, noise_in_use, reported_by
+from modallab.gap.conditioning.reduce import Weights, sine_ratio
+from modallab.gap.conditioning.ring_down_poles import ring_down_poles
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+REPEATS = 0.025
+"""Share of samples equal to the one before that no lively signal has."""
+NOISY = 1.3
+"""A row this far above the others is noisy."""
+CHANCE = 4.0
+"""The same over what one line scatters, where few lines tell: beyond chance in eleven rows."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prepared:
+    """A campaign made ready.
+
+    Attributes:
+        campaign: with its records as they came.
+        blocks: records cleaned of hum and ringing.
+        believed_v: (rows,) noise by the rig file.
+        noise_v: (rows,) noise in use.
+        measured_v: (rows,) noise the records show.
+        masked: (record, row) not to be used.
+        hum: mains hum, None if there is none.
+        clipped: channels with flat tops.
+        ringing: decays before the hits.
+        floor: motion of the base.
+        noisy: rows whose noise stands out.
+        repeated: rows whose samples repeat, as after drop-outs.
+        poles: of the ring-down.
+        notes: plain sentences on what was left out or could not be told.
+    """
+
+    campaign: Campaign
+    blocks: tuple[Block, ...]
+    believed_v: Array
+    noise_v: Array
+    measured_v: Array
+    masked: frozenset[tuple[str, int]]
+    hum: Hum | None
+    clipped: tuple[Clipped, ...]
+    ringing: Ringing | None
+    floor: Floor | None
+    noisy: tuple[int, ...]
+    repeated: tuple[int, ...]
+    poles: Complex
+    notes: tuple[str, ...]
+
+
+def prepare(campaign: Campaign) -> Prepared:
+    """Look at a campaign before any fit.
+
+    Raises:
+        DataError: there are no records, or none that says what drove it.
+    """
+    blocks = usable(campaign)
+    believed = believed_noise(campaign.rig, blocks)
+    measured = measured_noise(blocks)
+    noise = noise_in_use(measured, believed)
+    overloaded = _overloaded(blocks)
+    full_scale = _full_scale_v(blocks)
+    clipped = tuple(find_clipped(blocks, noise, full_scale))
+    masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
+    noisy = _standing_out(measured, reported_by(blocks))
+    repeated = _repeating(blocks, noise)
+    hum = find_hum(blocks, noise, campaign.rig.force_channel.index)
+    cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
+    poles = _poles(campaign, cleaned, masked, noisy)
+    floor = find_floor(cleaned, campaign.rig, noise, poles, _ratio(campaign, cleaned, noise))
+    ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
+    if ringing is not None:
+        cleaned = tuple(without_ringing(b, campaign.rig, ringing) for b in cleaned)
+    return Prepared(
+        campaign,
+        cleaned,
+        believed,
+        noise,
+        measured,
+        frozenset(masked),
+        hum,
+        clipped,
+        ringing,
+        floor,
+        () if floor is not None else tuple(row for row in noisy if row not in repeated),
+        repeated,
+        poles,
+        _notes(campaign, blocks, overloaded),
+    )
+
+
+def usable(campaign: Campaign) -> tuple[Block, ...]:
+    """The records that say where they were driven and hold a force.
+
+    Raises:
+        DataError: there are none.
+    """
+    rig = campaign.rig
+    found = [
+        b
+        for b in campaign.blocks
+        if b.drive_point is not None
+        and len(b.samples) == len(rig.channels)
+        and np.ptp(b.samples[rig.force_channel.index]) > 0
+        and (b.test == "impact" or b.frequency_hz)
+    ]
+    if not found:
+        raise DataError(
+            f"none of {len(campaign.blocks)} records has a force, a drive point and all channels of the rig",
+            where=campaign.source,
+            remedy="record hits or sines with the force channel connected, and say where they act",
+        )
+    return tuple(sorted(found, key=lambda b: b.order))
+
+
+def _ratio(campaign: Campaign, blocks: Sequence[Block], noise_v: Array) -> float:
+    sines = [b for b in blocks if b.test == "sine"]
+    if not sines:
+        return 1.0
+    ratio, spread = sine_ratio(sines, campaign.rig, Weights(noise_v).force(campaign.rig, "sine"))
+    return ratio if abs(ratio - 1) > 5 * spread else 1.0
+
+
+def _overloaded(blocks: Sequence[Block]) -> set[tuple[str, int]]:
+    found: set[tuple[str, int]] = set()
+    for b in blocks:
+        top = _top(b)
+        if top is None:
+            continue
+        for row in np.flatnonzero(np.max(np.abs(b.samples.astype(np.int64)), axis=1) >= top):
+            found.add((b.name, int(row)))
+    return found
+
+
+def _full_scale_v(blocks: Sequence[Block]) -> float:
+    top = _top(blocks[0])
+    return float("inf") if top is None else top * float(np.max(blocks[0].scale))
+
+
+def _top(block: Block) -> int | None:
+    """Largest count of the converter, None if the record holds no counts."""
+    bits = {"int16": 15, "int32": 31}.get(block.samples.dtype.name)
+    return None if bits is None else 2**bits - 1
+
+
+def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
+    """Rows whose noise stands above the others by more than chance, where it is told by so many lines."""
+    middle = float(np.nanmedian(measured)) if np.any(np.isfinite(measured)) else np.inf
+    limit = max(NOISY, 1 + CHANCE / np.sqrt(max(lines, 1)))
+    raised = np.flatnonzero(np.nan_to_num(measured) > limit * middle)
+    return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
+
+
+def _repeating(blocks: Sequence[Block], noise_v: Array) -> tuple[int, ...]:
+    """Rows that hold a value over samples between which a signal of this size moves on."""
+    shares: list[Array] = []
+    for b in blocks:
+        volts = b.samples * b.scale[:, None]
+        lively = np.median(np.abs(np.diff(volts, axis=1)), axis=1) > 8 * noise_v
+        shares.append(np.where(lively, np.mean(np.diff(b.samples, axis=1) == 0, axis=1), np.nan))
+    stack = np.ma.masked_invalid(np.array(shares))
+    middle = np.ma.median(stack, axis=0).filled(0.0)
+    counted = stack.count(axis=0)
+    return tuple(int(i) for i in np.flatnonzero((middle > REPEATS) & (counted > 2)) if i > 0)
+
+
+def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]) -> Complex:
+    rig = campaign.rig
+    hits = [b for b in blocks if b.test == "impact"]
+    points = sorted({b.drive_point for b in hits if b.drive_point is not None})
+    chosen = [next(b for b in hits if b.drive_point == p) for p in points]
+    bad = {row for _, row in masked} | set(noisy)
+    keep = [i for i, c in enumerate(rig.responses) if c.index not in bad]
+    if not chosen or len(keep) < 2:
+        return np.zeros(0, dtype=np.complex128)
+    poles = ring_down_poles(chosen, rig, keep)
+    # A line that does not decay is no mode.
+    return poles[-poles.real / np.abs(poles) > 2e-4]
+
+
+def _notes(campaign: Campaign, blocks: Sequence[Block], overloaded: set[tuple[str, int]]) -> tuple[str, ...]:
+    notes: list[str] = []
+    if len(blocks) < len(campaign.blocks):
+        notes.append(f"{len(campaign.blocks) - len(blocks)} records were left out: no force, drive point or frequency.")
+    if overloaded:
+        notes.append(f"{len(overloaded)} channels of records ran into the converter's full scale and were left out.")
+    tests = {b.test for b in blocks}
+    if tests == {"impact"}:
+        notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be told.")
+    if tests == {"sine"}:
+        notes.append("Only a sine test: the place of hits and ringing before them cannot be told.")
+    levels = {b.level for b in blocks if b.test == "sine"}
+    if "sine" in tests and len(levels) < 2:
+        notes.append("Only one level: whether the bench answers in proportion cannot be told.")
+    return tuple(notes)

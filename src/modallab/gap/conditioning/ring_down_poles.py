@@ -1,0 +1,69 @@
+"""Poles of the ring-down after the hits, without any model of the beam: where the fits begin.
+
+Eigensystem realisation (Juang and Pappa, J. Guidance 8, 1985, 620) on the decays of all accelerometers after hits.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.reduce import AFTER, scaled
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+ROWS = 24
+"""Block rows of the Hankel matrix."""
+ORDERS = (16, 20, 24)
+"""Model orders that must agree on a pole."""
+
+
+def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_hz: float = 260.0) -> Complex:
+    """Poles with 0 < frequency < top_hz that several model orders agree on, sorted by frequency; rad/s.
+
+    Args:
+        blocks: hits.
+        rig: the bench.
+        keep: indices of the accelerometers to use.
+        top_hz: end of the band.
+    """
+    decays = [_decay(b, rig, keep, top_hz) for b in blocks]
+    if not decays:
+        return np.zeros(0, dtype=np.complex128)
+    dt = decays[0][1]
+    n = min(d.shape[1] for d, _ in decays)
+    columns = n - ROWS
+    hankel = np.concatenate(
+        [np.concatenate([d[:, i : i + columns] for i in range(ROWS)]) / np.linalg.norm(d) for d, _ in decays], axis=1
+    )
+    values, vectors = np.linalg.eigh(hankel @ hankel.T)
+    left = vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0))
+    sets = [_poles_of(left[:, :order], len(keep), dt, top_hz) for order in ORDERS]
+    agreed = [p for p in sets[-1] if all(len(s) and np.min(np.abs(s - p)) < 0.004 * abs(p) for s in sets[:-1])]
+    return np.array(sorted(agreed, key=abs), dtype=np.complex128)
+
+
+def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Array, float]:
+    force, acceleration = scaled(block, rig)
+    start = int(np.argmax(np.abs(force))) + AFTER
+    step = max(1, int(block.rate_hz / (2.2 * top_hz)))
+    spectrum = np.fft.rfft(acceleration[list(keep), start:], axis=1)
+    length = acceleration.shape[1] - start
+    hz = np.fft.rfftfreq(length, 1 / block.rate_hz)
+    smooth = np.fft.irfft(spectrum * (1 / (1 + (hz / (1.05 * top_hz)) ** 16)), n=length, axis=1)
+    # The cut at both ends rings under the filter: leave those samples out.
+    edge = int(block.rate_hz / top_hz)
+    return smooth[:, edge : length - edge : step], step / block.rate_hz
+
+
+def _poles_of(left: Array, outputs: int, dt: float, top_hz: float) -> Complex:
+    shift = np.linalg.lstsq(left[:-outputs], left[outputs:], rcond=None)[0]
+    z = np.linalg.eigvals(shift).astype(np.complex128)
+    poles = np.log(z[np.abs(z) > 1e-6]) / dt
+    zeta = -poles.real / np.abs(poles)
+    good = (poles.imag > 2 * np.pi) & (poles.imag < 2 * np.pi * top_hz) & (zeta > -0.01) & (zeta < 0.3)
+    return poles[good].astype(np.complex128)

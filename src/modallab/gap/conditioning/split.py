@@ -1,0 +1,58 @@
+"""Which records are held out: those a fit has never seen say how far the gap shrinks."""
+
+from collections.abc import Sequence
+
+from modallab.core.block import Block
+from modallab.core.errors import PlanError
+
+RULES = "mixed, point:N, level:NAME, test:impact, test:sine, last:SHARE"
+
+
+def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]:
+    """(fitted, held out).
+
+    Args:
+        blocks: all records, in the order of time.
+        rule: `mixed` (one drive point of several, every third sine frequency), `point:N`, `level:NAME`, `test:sine`,
+            `test:impact`, or `last:SHARE` of the records in time.
+
+    Raises:
+        PlanError: the rule is not one of these, or leaves nothing to fit or nothing held out.
+    """
+    kind, _, value = rule.partition(":")
+    if kind == "mixed":
+        held = _mixed(blocks)
+    elif kind == "point" and value.isdigit():
+        held = {b.name for b in blocks if b.drive_point == int(value)}
+    elif kind == "level" and value:
+        held = {b.name for b in blocks if b.level == value}
+    elif kind == "test" and value in {"impact", "sine"}:
+        held = {b.name for b in blocks if b.test == value}
+    elif kind == "last" and _is_share(value):
+        held = {b.name for b in blocks[round(len(blocks) * (1 - float(value))) :]}
+    else:
+        raise PlanError(f"no rule {rule!r} to hold records out", remedy=f"use one of {RULES}")
+    fitted = [b for b in blocks if b.name not in held]
+    if not fitted or (not held and kind != "mixed"):
+        raise PlanError(
+            f"the rule {rule!r} holds out {len(held)} of {len(blocks)} records",
+            remedy=f"choose another: {RULES}",
+        )
+    return fitted, [b for b in blocks if b.name in held]
+
+
+def _mixed(blocks: Sequence[Block]) -> set[str]:
+    hits = [b for b in blocks if b.test == "impact"]
+    points = list(dict.fromkeys(b.drive_point for b in hits))
+    several = len(points) > 1
+    held = {b.name for b in hits if b.drive_point == points[-1]} if several else {b.name for b in hits[2::3]}
+    frequencies = sorted({b.frequency_hz for b in blocks if b.test == "sine" and b.frequency_hz})
+    chosen = set(frequencies[1::3])
+    return held | {b.name for b in blocks if b.test == "sine" and b.frequency_hz in chosen}
+
+
+def _is_share(value: str) -> bool:
+    try:
+        return 0 < float(value) < 1
+    except ValueError:
+        return False

@@ -1,0 +1,1 @@
+"""What a plan can tell apart, and what another campaign would read."""

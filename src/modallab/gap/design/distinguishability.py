@@ -1,0 +1,163 @@
+"""Which effects a campaign cannot tell apart, before any data: cosines between their signatures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.design.planned import planned
+from modallab.gap.model.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.minimise import jacobian
+from modallab.gap.model.nuisances import nuisances
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.95
+"""Cosine from which two effects count as not to be distinguished."""
+PLACES = (0.37, 0.63, 0.92, 1.0)
+"""Where on the beam an effect with a place is tried."""
+SEEN = 5.0
+"""Noise units that an effect of a plain size must leave to be seen at all."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Distinguishability:
+    """Cosines between the signatures of effects, nuisances projected out.
+
+    Attributes:
+        effects: names; those with a place stand for the place where they are most alike.
+        cosine: (effects, effects) largest |cosine| over the places tried.
+        strength: (effects,) noise units a small such effect leaves after the nuisances, over before.
+        left: (effects,) noise units that one of a plain size leaves, in the mean over the places tried.
+    """
+
+    effects: tuple[str, ...]
+    cosine: Array
+    strength: Array
+    left: Array
+
+    def hidden(self) -> list[str]:
+        """Effects of a plain size that pass for a beam and a chain within their tolerances."""
+        return [name for name, left in zip(self.effects, self.left, strict=True) if left < SEEN]
+
+    def alike(self) -> list[tuple[str, str, float]]:
+        """Pairs that cannot be distinguished, worst first."""
+        n = len(self.effects)
+        pairs = [
+            (self.effects[i], self.effects[j], float(self.cosine[i, j]))
+            for i in range(n)
+            for j in range(i + 1, n)
+            if self.cosine[i, j] >= ALIKE
+        ]
+        return sorted(pairs, key=lambda p: -p[2])
+
+
+def distinguishability(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Distinguishability:
+    """The distinguishability of a plan on a rig."""
+    return of_data(planned(rig, plans))
+
+
+def of_data(data: Reduced) -> Distinguishability:
+    """The distinguishability of reduced data, around the nominal bench."""
+    rig = data.rig
+    free = nuisances(rig, 450.0)
+    base = Problem(data, free)
+    zero = np.zeros(free.size)
+    r0 = base.residual(zero)
+    J = jacobian(base, zero, r0)
+    # Priors are data too: a row of the identity each.
+    q, _ = np.linalg.qr(np.vstack([J, np.eye(free.size)]))
+    found: dict[str, list[Array]] = {}
+    strength: dict[str, list[float]] = {}
+    left: dict[str, list[float]] = {}
+    for candidate, values in _signatures(rig, data):
+        u = np.concatenate([zero, values])
+        r = Problem(data, free, (candidate,)).residual(u) - r0
+        padded = np.concatenate([r, np.zeros(free.size)])
+        rest = padded - q @ (q.T @ padded)
+        whole = float(np.linalg.norm(r))
+        if whole > 0:
+            found.setdefault(candidate.effect, []).append(rest / max(float(np.linalg.norm(rest)), 1e-300))
+            strength.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) / whole)
+            left.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) * _plainly(candidate))
+    names = tuple(found)
+    cosine = np.eye(len(names))
+    for i, a in enumerate(names):
+        for j, b in enumerate(names[:i]):
+            cosine[i, j] = cosine[j, i] = min(1.0, float(np.max(np.abs(np.array(found[a]) @ np.array(found[b]).T))))
+    strengths, lefts = (np.array([f(of[name]) for name in names]) for f, of in ((max, strength), (np.mean, left)))
+    return Distinguishability(names, cosine, strengths, lefts)
+
+
+def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
+    """Every effect in a small size, at a few places."""
+    middle = data.channels[len(data.channels) // 2]
+    candidates = structural(rig) + chained(rig) + of_channel(rig, middle)
+    found: list[tuple[Candidate, Array]] = []
+    for c in candidates:
+        # A turned sensor is a gain of -1: the same signature, distinguished by nothing but its size.
+        if c.effect == "polarity":
+            continue
+        if (c.effect in {"shaker_mass", "stinger_moment", "clock_error"} and data.sines is None) or (
+            c.effect == "hit_position" and not data.impacts
+        ):
+            continue
+        places = PLACES if any(s.name == "x" for s in c.slots) else (None,)
+        for x in places:
+            values = [
+                s.coordinate(x) if s.name == "x" and x is not None else s.coordinate(_small(c, s.name)) for s in c.slots
+            ]
+            found.append((c, np.array(values)))
+    return found
+
+
+def _small(candidate: Candidate, name: str) -> float:
+    starts = next(s.starts for s in candidate.slots if s.name == name)
+    if candidate.effect in {"clamp_rotation", "clamp_translation"} or name == "hz":
+        return 10 * max(starts)
+    if name == "gain":
+        return 1.003
+    return min((v for v in starts if v > 0), key=abs) / (30 if name != "zeta" else 1)
+
+
+def _plainly(candidate: Candidate) -> float:
+    """How many times larger than the small effect's a plain one's signature is: one in the middle of those looked for.
+
+    Signatures grow with a mass, with the compliance of a spring that something stands on, and so on.
+    """
+    slot = next(s for s in candidate.slots if s.name != "x")
+    positive = [v for v in slot.starts if v > 0]
+    plain, small = positive[len(positive) // 2], _small(candidate, slot.name)
+    if candidate.effect in {"clamp_rotation", "clamp_translation"}:
+        return small / plain
+    if slot.name == "hz":
+        return (small / plain) ** 2
+    if slot.name == "gain":
+        return abs(float(np.log(min(v for v in positive if v > 1)) / np.log(small)))
+    return plain / small
+
+
+def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) -> list[str]:
+    """What to add to the plan."""
+    kinds = {p.kind for p in plans}
+    said: list[str] = []
+    if "sine" not in kinds:
+        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be told.")
+    if "impact" not in kinds:
+        said.append("Add an impact test: free decays give the poles without the shaker.")
+    points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
+    if "impact" in kinds and len(points) < 3:
+        said.append("Strike at three points or more: residues at several points tell masses from springs and the root.")
+    if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
+        said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
+    pairs = {frozenset(pair[:2]) for pair in found.alike()}
+    if frozenset({"added_mass", "sensor_mass"}) in pairs:
+        said.append("Repeat the hits with one accelerometer only: that tells the sensors' mass from another.")
+    if any("force_gain" in pair for pair in pairs):
+        said.append("Strike a free known mass: that calibrates the hammer apart from the beam's density.")
+    return said

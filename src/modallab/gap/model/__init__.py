@@ -1,0 +1,1 @@
+"""The twin with free parameters, fitted to the data."""

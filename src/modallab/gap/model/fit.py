@@ -1,0 +1,159 @@
+"""What is fitted: the twin's free numbers to the reduced data, in noise units, priors included."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.model.candidates import Candidate
+from modallab.gap.model.forward import forward
+from modallab.gap.model.nuisances import Nuisances
+from modallab.twin.bench import Twin
+from modallab.twin.effects import apply
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+HELD_WEIGHT = 300.0
+"""Weight that holds the beam, in deviations of its priors, per unit of the relative error that is forgiven."""
+GENERATOR = 2e-5
+"""Relative deviation of a generator's own frequency: quartz, some tens of parts in a million."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Problem:
+    """Data and what is free.
+
+    Attributes:
+        data: the reduced campaign.
+        free: the nuisances.
+        candidates: effects whose numbers are free.
+        floor: relative error of the model that is forgiven, for the first steps of a fit.
+        course: course of a drift, where it is known; see `Twin`.
+        held: Young's modulus, thickness and density, in deviations of their priors, where a fit of a wrong model stays.
+    """
+
+    data: Reduced
+    free: Nuisances
+    candidates: tuple[Candidate, ...] = ()
+    floor: float = 0.0
+    drift_curve: tuple[tuple[float, float], ...] = ()
+    held: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def held_weight(self) -> float:
+        """Weight that keeps the beam at `held`: while the model is wrong the beam must not be bent to it."""
+        return HELD_WEIGHT * self.floor
+
+    def priors(self, u: Array) -> tuple[float, Array, Array]:
+        """Squares of the priors at u, half their slope and half their curvature, one entry a nuisance each."""
+        own = u[: self.free.size]
+        away = np.zeros(len(own))
+        away[:3] = self.held_weight * (own[:3] - np.array(self.held))
+        weight = np.ones(len(own))
+        weight[:3] += self.held_weight**2
+        slope = own.copy()
+        slope[:3] += self.held_weight * away[:3]
+        return float(own @ own + away @ away), slope, weight
+
+    @property
+    def size(self) -> int:
+        """Free numbers in all."""
+        return self.free.size + sum(len(c.slots) for c in self.candidates)
+
+    def effects(self, u: Array) -> list[Effect]:
+        """The effects at u."""
+        found, at = [], self.free.size
+        for candidate in self.candidates:
+            found.append(candidate.at(u[at : at + len(candidate.slots)]))
+            at += len(candidate.slots)
+        return found
+
+    def twin(self, u: Array) -> Twin:
+        """The twin at u."""
+        # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
+        held = [c.place[0][1] for c in self.candidates if c.effect == "gain_error"]
+        twin = self.free.build(self.free.without_gains(u[: self.free.size], held))
+        for effect in self.effects(u):
+            twin = apply(twin, effect, self.data.rig)
+        return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin
+
+    def residual(self, u: Array) -> Array:
+        """Everything measured less everything predicted, in noise units, real and imaginary parts in one row."""
+        twin = self.twin(u)
+        parts = [
+            softened(rows, self.floor).whiten(rows.y - y).ravel()
+            for rows, y in zip(all_rows(self.data), forward(twin, self.data), strict=True)
+        ]
+        values = np.concatenate(parts)
+        clock = _clock(self.data, twin)
+        real = np.concatenate([values.real, values.imag, clock])
+        return np.where(np.isfinite(real), real, 1e6)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fit:
+    """Where a fit ended.
+
+    Attributes:
+        problem: what was fitted.
+        u: the free numbers.
+        cost: squares of residuals and of priors.
+        residual: in noise units.
+        normal: (u, u) curvature, priors included.
+    """
+
+    problem: Problem
+    u: Array
+    cost: float
+    residual: Array
+    normal: Array
+
+    @property
+    def gap(self) -> float:
+        """Rms of what is left, in noise units; 1 is the floor."""
+        used = self.residual[self.residual != 0]
+        return float(np.sqrt(np.mean(used**2))) if len(used) else 0.0
+
+    @property
+    def effects(self) -> list[Effect]:
+        """The effects found."""
+        return self.problem.effects(self.u)
+
+
+def all_rows(data: Reduced) -> list[Rows]:
+    """The rows of the data, in the order `forward` answers."""
+    return [*(d.rows for d in data.impacts), *([data.sines.rows] if data.sines is not None else [])]
+
+
+def all_hz(data: Reduced) -> list[Array]:
+    """(rows,) frequency of each row in Hz, in the order of `all_rows`; negative where a line is a conjugate's."""
+    found = [d.source.lines / (d.source.n * d.source.dt) for d in data.impacts]
+    if data.sines is not None:
+        found.append((data.sines.source.lines / (data.sines.source.n * data.sines.source.dt)).ravel())
+    return found
+
+
+def softened(rows: Rows, floor: float) -> Rows:
+    """Rows whose noise is at least a share of the response itself."""
+    if not floor:
+        return rows
+    largest = np.maximum(np.abs(rows.y), 0.3 * np.sqrt(np.mean(np.abs(rows.y) ** 2, axis=0)))
+    return replace(rows, sigma=np.hypot(rows.sigma, floor * largest), common=np.zeros_like(rows.common))
+
+
+def _clock(data: Reduced, twin: Twin) -> Array:
+    if data.sines is None:
+        return np.zeros(0)
+    # Far beyond any doubt either way; a bound keeps it from outweighing all other evidence.
+    z = (data.sines.ratio - 1 / (1 + twin.clock)) / max(data.sines.ratio_sigma, GENERATOR)
+    return np.array([np.clip(z, -1e4, 1e4)])
+
+
+def extend(fit: Fit, candidates: tuple[Candidate, ...], values: Array) -> tuple[Problem, Array]:
+    """The fit's problem with other candidates, and where to begin."""
+    problem = replace(fit.problem, candidates=candidates)
+    return problem, np.concatenate([fit.u[: fit.problem.free.size], values])

@@ -1,0 +1,132 @@
+"""The twin's answer on the reduced data."""
+
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.twin.bench import Chain, Twin, transfer
+from modallab.twin.predict import sensor_positions
+from modallab.twin.response import Hits, Sines
+from modallab.twin.structure import Modes, solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+S = TypeVar("S", Hits, Sines)
+
+
+def forward(twin: Twin, data: Reduced) -> list[Complex]:
+    """What the twin says the reduced data are: (channels, rows) for each drive point, then for the sine test."""
+    modes = solve(twin.structure)
+    answers = [_impact(twin, modes, d, data) for d in data.impacts]
+    if data.sines is not None:
+        hung = twin.in_sine(data.sines.pieces[0].drive_x_m)
+        answers.append(_sines(twin, modes if hung is twin.structure else solve(hung), data.sines, data))
+    return answers
+
+
+def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
+    poles, residue = impact_residue(twin, modes, d, data)
+    source = on_clock(d.source, twin)
+    total = np.zeros(d.rows.y.shape, dtype=np.complex128)
+    forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
+    for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
+        forced, tail = source.kernel(pole)
+        forced_sum += r @ forced
+        total += (r * transfer(twin.chain, data.channels, pole)) @ tail
+    return swapped(twin.chain, data, total + transfer(twin.chain, data.channels, source.s) * forced_sum)
+
+
+def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
+    """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
+    tau = d.piece.order / data.last_order
+    scale = np.sqrt(max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau))))
+    drive = modes.at(min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m))[0]
+    return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
+
+
+def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
+    """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
+    tau = d.piece.order / data.last_order
+    drive = min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
+    softer = max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau)))
+    return twin.rest / softer * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
+
+
+def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> Array:
+    """(channels, blocks) the same in the sine test."""
+    softer = np.ones(len(d.pieces)) if scale is None else scale**2
+    static = modes.remainder(_sensor_positions(twin.chain, modes, data), d.pieces[0].drive_x_m)
+    return twin.rest * np.outer(static, 1 / softer)
+
+
+def on_clock(source: S, twin: Twin) -> S:
+    """The source on the clock of the world."""
+    if not twin.clock:
+        return source
+    if isinstance(source, Sines):
+        hz, rise = source.frequency_hz * (1 + twin.clock), source.rise.on_clock(twin.clock)
+        return replace(source, dt=source.dt / (1 + twin.clock), frequency_hz=hz, rise=rise)
+    return replace(source, dt=source.dt / (1 + twin.clock))
+
+
+def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Array | None:
+    """(blocks,) factor on the frequencies at each block; None without a drift."""
+    if not twin.ei_drift:
+        return None
+    tau = np.array([p.order for p in d.pieces]) / data.last_order
+    return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(tau)))
+
+
+def sine_residue(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> tuple[Complex, Complex]:
+    """(p,) or (p, blocks) poles and (channels, p) residues of the sine test, those without drift."""
+    poles = modes.poles if scale is None else modes.poles[:, None] * scale
+    return poles, _outputs(twin.chain, modes, data) * modes.at(d.pieces[0].drive_x_m)[0]
+
+
+def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
+    source = on_clock(d.source, twin)
+    scale = sine_drift(twin, d, data)
+    poles, residue = sine_residue(twin, modes, d, data, scale)
+    up = sine_residual(twin, modes, d, data, scale) * source.drive**2
+    down = up.copy()
+    rings = np.zeros((len(data.channels), *source.lines.shape), dtype=np.complex128)
+    for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
+        a, b, decay = source.kernel(pole)
+        if scale is not None:
+            a, b, decay = a / scale, b / scale, decay / scale
+        up += r @ a
+        down += r @ b
+        amplitude = r[:, :, None] * decay * at_poles(twin.chain, data, pole)
+        shape = source.decay_shape(pole)
+        rings += np.moveaxis(np.moveaxis(amplitude, 2, 0) @ np.moveaxis(shape, 1, 0), 0, 1)
+    at_up, at_down = (transfer(twin.chain, data.channels, sign * source.drive) for sign in (1, -1))
+    share_up, share_down = source.shares()
+    total = rings + (up * at_up)[:, :, None] * share_up + (down * at_down)[:, :, None] * share_down
+    return swapped(twin.chain, data, total.reshape(len(data.channels), -1))
+
+
+def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:
+    """(channels, p, blocks or 1) what the chain makes of a decay at each pole."""
+    values = transfer(chain, data.channels, pole)
+    return values if values.ndim == 3 else values[:, :, None]
+
+
+def _sensor_positions(chain: Chain, modes: Modes, data: Reduced) -> Array:
+    return sensor_positions(chain, modes, data.channels, data.x_m)
+
+
+def _outputs(chain: Chain, modes: Modes, data: Reduced) -> Complex:
+    return modes.at(_sensor_positions(chain, modes, data))
+
+
+def swapped(chain: Chain, data: Reduced, y: Complex) -> Complex:
+    """The rows with two channels exchanged, where the chain exchanges them."""
+    if chain.swap is None:
+        return y
+    order = np.arange(len(data.channels))
+    i, j = (data.channels.index(c) for c in chain.swap)
+    order[[i, j]] = order[[j, i]]
+    return y[..., order, :]

@@ -1,0 +1,101 @@
+"""Levenberg-Marquardt of the twin's free numbers on the reduced data, priors included."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.model.fit import Fit, Problem, all_rows, softened
+from modallab.gap.model.sensitivity import Tangent, smooth_in
+from modallab.twin.bench import Twin
+
+Array = NDArray[np.float64]
+
+STEP = 1e-4
+"""Step of the numerical derivative, in deviations of the prior or in coordinates of an effect."""
+
+
+def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4) -> Fit:
+    """Levenberg-Marquardt from u.
+
+    Args:
+        problem: what to fit.
+        u: where to begin.
+        iterations: most steps.
+        tolerance: relative fall of the cost at which to stop.
+    """
+    r = problem.residual(u)
+    n = problem.free.size
+    cost = float(r @ r + problem.priors(u)[0])
+    # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
+    damping = 1e-4 if problem.floor else 1e-8
+    normal = np.eye(len(u))
+    for _ in range(iterations):
+        J = jacobian(problem, u, r)
+        normal, gradient = J.T @ J, J.T @ r
+        _, slope, weight = problem.priors(u)
+        normal[np.arange(n), np.arange(n)] += weight
+        gradient[:n] += slope
+        u_next, r_next, cost_next, damping = _step(problem, u, (cost, normal, gradient), damping)
+        fall = cost - cost_next
+        if fall > 0:
+            u, r, cost = u_next, r_next, cost_next
+        if fall < tolerance * cost + 1e-2:
+            break
+    return Fit(problem, u, cost, r, normal)
+
+
+def jacobian(problem: Problem, u: Array, r: Array) -> Array:
+    """(residuals, u): through poles and residues where the beam, its places or gains move, else by differences."""
+    J = np.zeros((len(r), len(u)))
+    here = problem.twin(u)
+    moved = u + STEP * np.eye(len(u))
+    twins = [problem.twin(v) for v in moved]
+    smooth = [k for k, twin in enumerate(twins) if smooth_in(here, twin)]
+    if smooth:
+        J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], len(r)) / STEP
+    for k in set(range(len(u))) - set(smooth):
+        J[:, k] = (problem.residual(moved[k]) - r) / STEP
+    return J
+
+
+def _columns(problem: Problem, here: Twin, twins: list[Twin], size: int) -> Array:
+    changes = Tangent(here, problem.data).changes(twins)
+    weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
+    values = np.concatenate(
+        [w.whiten(-y).reshape(len(twins), -1) for w, y in zip(weights, changes, strict=True)], axis=1
+    )
+    # What the clock says of the sines does not depend on the beam.
+    columns = np.zeros((size, len(twins)))
+    n = values.shape[1]
+    columns[:n], columns[n : 2 * n] = values.real.T, values.imag.T
+    return np.where(np.isfinite(columns), columns, 0.0)
+
+
+def _step(
+    problem: Problem, u: Array, here: tuple[float, Array, Array], damping: float
+) -> tuple[Array, Array, float, float]:
+    cost, normal, gradient = here
+    scale = _scale(problem, normal)
+    u_next, r_next, cost_next = u, np.zeros(0), cost
+    while damping < 1e7:
+        step = -np.linalg.solve(normal + damping * scale, gradient)
+        u_next = u + np.clip(step, -4, 4)
+        r_next = problem.residual(u_next)
+        cost_next = float(r_next @ r_next + problem.priors(u_next)[0])
+        if cost_next < cost:
+            return u_next, r_next, cost_next, max(damping / 10, 1e-9)
+        damping *= 10
+    return u, r_next, cost, damping
+
+
+def _scale(problem: Problem, normal: Array) -> Array:
+    """What damps a step: the curvature along each axis, which for the beam are those that the data part.
+
+    Frequencies tell E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
+    the rotary inertia only. Damped along E, t and rho, a fit would creep along that valley and seem to have ended.
+    """
+    axes = np.eye(len(normal))
+    if not problem.floor:
+        axes[:3, :3] = problem.free.axes
+    across = np.linalg.inv(axes)
+    curvature = np.maximum(np.einsum("ij,ik,kj->j", axes, normal, axes), 1e-9)
+    return across.T @ (curvature[:, None] * across)

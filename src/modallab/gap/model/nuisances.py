@@ -1,0 +1,133 @@
+"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import RigError
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.structure import MODES, Structure, believed_root
+
+Array = NDArray[np.float64]
+
+
+FREE = 3.0
+"""Deviations of a tolerance up to which they are free."""
+BEYOND = 4.5
+"""Deviations of a tolerance beyond which Young's modulus, thickness and density never go."""
+
+
+ROOT = 0.1
+"""Relative deviation of a rotational spring at the root that the rig file tells of as "about" so much."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Nuisances:
+    """Free numbers in units of their prior's deviation: E, thickness, density, damping ratios, sensitivities.
+
+    Then the root's spring, where the rig file tells of one, and the share of the static compliance of the modes that
+    the twin leaves out.
+
+    Attributes:
+        rig: the bench as believed.
+        modes: damping ratios that are free; those beyond the band stay at the guess.
+        gains: accelerometers whose sensitivity is free.
+        tolerance: relative deviation of a sensitivity.
+        root: whether the root's spring is free.
+    """
+
+    rig: Rig
+    modes: int
+    gains: tuple[int, ...] = ()
+    tolerance: float = 0.0
+    root: bool = False
+
+    @property
+    def size(self) -> int:
+        """How many."""
+        return 4 + self.modes + len(self.gains) + self.root
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) columns: what moves E, thickness and density so that only all frequencies, only the mass, and neither
+        of them changes, in units of the priors' deviations."""
+        t = self.rig.tolerance
+        deviations = np.maximum([t.youngs_modulus, t.thickness, t.density], 1e-6)
+        return np.array([[1.0, 1.0, -3.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]]) / deviations[:, None]
+
+    def straightened(self, u: Array) -> Array:
+        """The same beam but for its rotary inertia, with the most likely thickness.
+
+        Frequencies and amplitudes hardly tell the thickness: a fit that has come from far may have left it anywhere.
+        """
+        along = self.axes[:, 2]
+        straight = u.copy()
+        straight[:3] -= along * float(along @ u[:3]) / float(along @ along)
+        return straight
+
+    def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
+        """The same numbers with the sensitivities of some channels at what the rig file says."""
+        if not any(c in channels for c in self.gains):
+            return u
+        u = u.copy()
+        for i, channel in enumerate(self.gains):
+            if channel in channels:
+                u[3 + self.modes + i] = 0.0
+        return u
+
+    def build(self, u: Array) -> Twin:
+        """The twin without effects."""
+        beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
+        assert beam is not None
+        nominal = Structure.of(beam, damping.guess)
+        # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
+        u = np.concatenate([_held(u[:3]), u[3:]])
+        zeta = nominal.zeta.copy()
+        zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
+        structure = replace(
+            nominal,
+            youngs_modulus_pa=beam.youngs_modulus_pa * np.exp(u[0] * tolerance.youngs_modulus),
+            thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
+            density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
+            zeta=np.minimum(zeta, 0.95),
+            root_rotation=nominal.root_rotation * float(np.exp(_held(u[-2]) * ROOT)) if self.root else 0.0,
+        )
+        # Between none of the modes left out and all of them, with some room for what else is stiff and light.
+        twin = Twin(structure, rest=float(0.5 + _held(u[-1] - 0.5, 0.6, 1.0)))
+        if not self.gains:
+            return twin
+        first = 3 + self.modes
+        factors = np.exp(_held(u[first : first + len(self.gains)]) * self.tolerance)
+        gain = dict(zip(self.gains, factors.tolist(), strict=True))
+        return replace(twin, chain=replace(twin.chain, gain=gain))
+
+
+def _held(u: Array, free: float = FREE, out_of_band: float = BEYOND) -> Array:
+    """As it is up to `free` deviations, and ever slower towards `beyond`: a fit that strayed can find its way back."""
+    room = out_of_band - free
+    return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
+
+
+def nuisances(rig: Rig, top_hz: float) -> Nuisances:
+    """The nuisances of a rig whose data reach up to `top_hz`.
+
+    Raises:
+        RigError: the rig has no beam.
+    """
+    if rig.beam is None:
+        raise RigError(
+            "there is no beam to predict from", where=rig.name, remedy="give the beam's length, section and material"
+        )
+    ratios = np.array([0.5596, 3.507, 9.819, *((np.arange(4, MODES + 1) - 0.5) ** 2 * np.pi / 2)])
+    beam = rig.beam
+    radius = beam.thickness_m / np.sqrt(12)
+    hz = ratios * radius * np.sqrt(beam.youngs_modulus_pa / beam.density_kg_m3) / beam.length_m**2
+    modes = int(min(MODES, 1 + np.count_nonzero(hz < top_hz)))
+    # A tolerance that the rig file does not state is no licence to turn every gain.
+    stated = "sensitivity" in rig.tolerance.model_fields_set and rig.tolerance.sensitivity > 0
+    gains = tuple(c.index for c in rig.responses) if stated else ()
+    tolerance = rig.tolerance.sensitivity if stated else 0.0
+    return Nuisances(rig, modes, gains, tolerance, believed_root(beam) > 0)

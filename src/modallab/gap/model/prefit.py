@@ -1,0 +1,122 @@
+"""Where a fit begins: the beam and the effect that bring the twin's frequencies to those of the ring-down."""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from modallab.gap.model.candidates import Candidate
+from modallab.gap.model.nuisances import Nuisances
+from modallab.twin.effects import apply
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+SPREAD = 0.004
+"""Relative deviation of a frequency that is called a match."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Start:
+    """A place to begin: the free numbers, and how badly the frequencies fit there."""
+
+    u: Array
+    cost: float
+
+
+def starts(
+    candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex, best: int = 2, former: Array | None = None
+) -> list[Start]:
+    """The best places to begin: the last candidate on its grid, those before it where they are.
+
+    Args:
+        candidates: effects whose numbers are free.
+        free: the nuisances.
+        poles: of the ring-down.
+        best: how many.
+        former: coordinates of the candidates before the last.
+    """
+    own = candidates[-1].slots if candidates else ()
+    before = former if former is not None else np.zeros(0)
+    grid = product(*(slot.starts for slot in own))
+    found = [
+        start(
+            candidates,
+            np.concatenate([before, [s.coordinate(v) for s, v in zip(own, values, strict=True)]]),
+            free,
+            poles,
+        )
+        for values in grid
+    ]
+    return [refined(s, candidates, free, poles) for s in sorted(found, key=lambda s: s.cost)[:best]]
+
+
+def refined(begin: Start, candidates: tuple[Candidate, ...], free: Nuisances, poles: Complex) -> Start:
+    """The same with the last candidate's numbers moved to where the frequencies fit best nearby."""
+    count = len(candidates[-1].slots) if candidates else 0
+    if not count or not len(poles):
+        return begin
+    held = begin.u[free.size : len(begin.u) - count]
+
+    def cost(own: Array) -> float:
+        return start(candidates, np.concatenate([held, own]), free, poles).cost
+
+    own = begin.u[-count:]
+    simplex = np.vstack([own, own + np.diag([0.25 if s.name != "x" else 0.03 for s in candidates[-1].slots])])
+    found = minimize(
+        cost, own, method="Nelder-Mead", options={"maxfev": 30 * count, "initial_simplex": simplex, "fatol": 1e-3}
+    )
+    moved = start(candidates, np.concatenate([held, found.x]), free, poles)
+    return moved if moved.cost < begin.cost else begin
+
+
+def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, poles: Complex) -> Start:
+    """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
+    u = np.concatenate([np.zeros(free.size), effect_u])
+    twin, at = free.build(u[: free.size]), free.size
+    for candidate in candidates:
+        twin = apply(twin, candidate.at(u[at : at + len(candidate.slots)]), free.rig)
+        at += len(candidate.slots)
+    model = solve(twin.structure).poles / (1 + twin.clock) * np.sqrt(1 + 0.15 * twin.ei_drift)
+    scale, cost, pairs = _match(np.abs(poles), np.abs(model), free)
+    u[0] = scale
+    u[3 : 3 + free.modes] = _damping(poles, model, pairs, free, bool(twin.structure.dampers))
+    return Start(u, cost)
+
+
+def _match(seen: Array, model: Array, free: Nuisances) -> tuple[float, float, list[tuple[int, int]]]:
+    """Young's modulus (in deviations) that brings the model's frequencies to those seen, robustly."""
+    if not len(seen):
+        return 0.0, 0.0, []
+    tolerance = free.rig.tolerance
+    shift_sigma = 0.5 * np.sqrt(tolerance.youngs_modulus**2 + (2 * tolerance.thickness) ** 2 + tolerance.density**2)
+    log_seen, log_model = np.log(seen), np.log(model)
+    shifts = np.linspace(-3, 3, 25) * shift_sigma
+    distance = np.abs(log_seen[:, None, None] - log_model[None, :, None] - shifts)
+    nearest = np.min(distance, axis=1) / SPREAD
+    costs = np.sum(np.minimum(nearest, 30.0), axis=0) + 0.5 * (shifts / shift_sigma) ** 2
+    best = int(np.argmin(costs))
+    pairs = [(i, int(np.argmin(distance[i, :, best]))) for i in range(len(seen))]
+    gaps = np.array([log_seen[i] - log_model[j] for i, j in pairs])
+    close = np.abs(gaps - shifts[best]) < 10 * SPREAD
+    shift = float(np.median(gaps[close])) if np.any(close) else float(shifts[best])
+    moved = np.min(np.abs(log_seen[:, None] - log_model[None, :] - shift), axis=1) / SPREAD
+    least = min(float(costs[best]), float(np.sum(np.minimum(moved, 30.0)) + 0.5 * (shift / shift_sigma) ** 2))
+    kept = [pair for pair, ok in zip(pairs, close, strict=True) if ok]
+    return float(np.clip(2 * shift / max(tolerance.youngs_modulus, 1e-4), -4, 4)), least, kept
+
+
+def _damping(poles: Complex, model: Complex, pairs: list[tuple[int, int]], free: Nuisances, coupled: bool) -> Array:
+    u = np.zeros(free.modes)
+    if coupled:
+        return u
+    guess, factor = free.rig.damping_ratio.guess, free.rig.damping_ratio.factor
+    for i, j in pairs:
+        if j < free.modes:
+            zeta = max(-poles[i].real / abs(poles[i]), 3e-4)
+            u[j] = float(np.clip(np.log(zeta / guess) / np.log(factor), -4, 4))
+    return u

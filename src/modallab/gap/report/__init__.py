@@ -1,0 +1,1 @@
+"""What a diagnosis reports: size, place, shrinkage, contradictions, next step."""

@@ -1,0 +1,68 @@
+"""Where the rig file and the records contradict each other, in words for who wrote the rig file."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.search.choose import Choice
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+PULLED = 2.5
+"""Deviations from which a sensitivity is worth a word, though within what the rig file allows."""
+FAR = 5.0
+"""Deviations of its tolerance at which a beam is another beam."""
+CLOSE = 0.02
+"""Relative deviation at which a frequency still counts as that of a mode."""
+
+
+def contradictions(choice: Choice, prepared: Prepared) -> list[str]:
+    """One sentence for each: a beam far off its tolerance, and sensitivities that had to move far within theirs."""
+    said = _beam(choice, prepared)
+    return said or (_gains(choice, prepared) if choice.explained else [])
+
+
+def _beam(choice: Choice, prepared: Prepared) -> list[str]:
+    if choice.explained or len(prepared.poles) < 3:
+        return []
+    free = choice.base.problem.free
+    nominal = np.abs(solve(free.build(np.zeros(free.size)).structure).poles)
+    shift, share = common_shift(np.abs(prepared.poles), nominal)
+    t = free.rig.tolerance
+    allowed = 0.5 * float(np.sqrt(t.youngs_modulus**2 + (2 * t.thickness) ** 2 + t.density**2))
+    if share < 0.99 or abs(shift) < FAR * allowed:
+        return []
+    return [
+        f"All frequencies of the ring-down lie {np.expm1(shift):+.0%} off those of the rig file's beam, and its "
+        f"tolerances allow {allowed:.1%}: check length, thickness and material in the rig file before anything else."
+    ]
+
+
+def common_shift(seen: Array, model: Array) -> tuple[float, float]:
+    """The factor, as a logarithm, that brings the model's frequencies to those seen, and the share that then agree.
+
+    Args:
+        seen: (n,) frequencies, any unit.
+        model: (m,) frequencies of the modes in the same unit.
+    """
+    shifts = np.linspace(-1.6, 1.6, 1601)
+    distance = np.min(np.abs(np.log(seen)[:, None, None] - np.log(model)[None, :, None] - shifts), axis=1)
+    cost = np.sum(np.minimum(distance, 5 * CLOSE), axis=0)
+    best = int(np.argmin(cost + 1e-6 * np.abs(shifts)))
+    return float(shifts[best]), float(np.mean(distance[:, best] < CLOSE))
+
+
+def _gains(choice: Choice, prepared: Prepared) -> list[str]:
+    fit, rig = choice.fit, prepared.campaign.rig
+    free = fit.problem.free
+    factors = free.build(fit.u[: free.size]).chain.gain
+    return [
+        f"{rig.channels[channel].name} reads {factor - 1:+.1%} against its sensitivity, "
+        f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate it."
+        for channel, factor in factors.items()
+        if abs(np.log(factor)) > PULLED * free.tolerance
+    ]

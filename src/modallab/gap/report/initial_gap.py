@@ -1,0 +1,56 @@
+"""How a diagnosis begins: what may be fitted with which weights, and the gap before anything is explained."""
+
+from collections.abc import Callable, Sequence
+
+from modallab.core.block import Block, Campaign
+from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.reduce import Weights, reduce, thinned
+from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.report.measure import Squares, squares
+from modallab.gap.search.fitting import FLAT, WATCHED, Bench, baseline
+from modallab.twin.bench import Twin
+
+TOP_HZ = 450.0
+"""Modes up to here have a damping ratio of their own."""
+
+
+def gap_before(campaign: Campaign) -> float:
+    """The gap of a campaign in noise units before anything is explained; 1 is the floor.
+
+    Raises:
+        DataError: there is nothing to compare.
+        RigError: the rig has no beam.
+    """
+    free = nuisances(campaign.rig, TOP_HZ)
+    prepared = prepare(campaign)
+    base = baseline(bench_of(prepared, prepared.blocks, free, lambda _: False))
+    return as_came(prepared, base.problem.twin(base.u)).gap
+
+
+def bench_of(prepared: Prepared, fitted: Sequence[Block], free: Nuisances, allowed: Callable[[str], bool]) -> Bench:
+    """What a search works on: the records that may be fitted, and what is free."""
+    data = reduce(prepared.campaign, fitted, weights_of(prepared))
+    flat = _flat(prepared)
+    watched = WATCHED if flat == FLAT else flat
+    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched)
+
+
+def as_came(prepared: Prepared, twin: Twin) -> Squares:
+    """The records as they came, weighed by the noise the rig file promises."""
+    campaign = prepared.campaign
+    blocks = [b for b in campaign.blocks if b.name in {p.name for p in prepared.blocks}]
+    full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
+    return squares(twin, reduce(campaign, blocks, Weights(prepared.believed_v, full_scales)))
+
+
+def weights_of(prepared: Prepared) -> Weights:
+    """How much each row of the records counts."""
+    floor = prepared.floor.spectrum if prepared.floor is not None else None
+    return Weights(prepared.noise_v, prepared.masked, floor)
+
+
+def _flat(prepared: Prepared) -> float:
+    # The spectrum of a shaking floor is known to some 10 %, and what rang before a hit is taken off no better.
+    if prepared.floor is not None:
+        return 1.5
+    return 1.3 if prepared.ringing is not None else FLAT

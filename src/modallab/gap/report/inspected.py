@@ -1,0 +1,122 @@
+"""Effects that no force predicts: read off the records themselves."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.diagnosis import Found
+from modallab.core.effects import kind_of
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.model.predicted_records import predict_record
+from modallab.twin.base_motion import base_transmission
+from modallab.twin.bench import Twin
+
+Array = NDArray[np.float64]
+
+SURE = 0.98
+"""Probability of an effect that the records show as such."""
+PLAIN = 6.0
+"""A channel tells the base's motion on a line where it answers to within this factor, in squares, as a rigid beam."""
+RINGS = 3.0
+"""Lines about a pole on which no channel tells it."""
+
+
+def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
+    """The effects seen on the records, with their numbers."""
+    found = [_noisy(prepared, row) for row in prepared.noisy]
+    if prepared.hum is not None:
+        volts = float(np.mean(prepared.hum.volts))
+        spread = 2 * float(np.mean(prepared.noise_v)) / np.sqrt(len(prepared.blocks) * 500)
+        found.append(
+            _found(
+                "mains_hum",
+                {"volts": volts, "hz": prepared.hum.hz},
+                {"volts": (volts - spread, volts + spread), "hz": (prepared.hum.hz, prepared.hum.hz)},
+                {"channel": "all"},
+            )
+        )
+    for clipped in prepared.clipped:
+        share = clipped.volts / max(_peak(prepared, twin, clipped.row), clipped.volts)
+        found.append(
+            _found(
+                "clipping",
+                {"fraction_of_peak": share},
+                {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))},
+                {"channel": clipped.row, "level_v": clipped.volts},
+            )
+        )
+    if prepared.ringing is not None:
+        fraction = prepared.ringing.fraction
+        found.append(
+            _found(
+                "residual_ringing",
+                {"fraction": fraction},
+                {"fraction": (0.85 * fraction, 1.15 * fraction)},
+                {"where": "impact"},
+            )
+        )
+    if prepared.floor is not None:
+        rms = _base_motion(prepared, twin)
+        found.append(
+            _found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, {"where": "base"})
+        )
+    return found
+
+
+def _found(
+    effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: dict[str, Any]
+) -> Found:
+    return Found(
+        effect=effect,
+        stage=kind_of(effect).stage,
+        probability=SURE,
+        parameters=parameters,
+        interval=interval,
+        place=place,
+    )
+
+
+def _noisy(prepared: Prepared, row: int) -> Found:
+    others = np.delete(prepared.measured_v, row)
+    # The quantile the measurement takes reads all rows a little low: the quiet rows say by how much.
+    bias = float(np.median(others / prepared.believed_v[0]))
+    rig = prepared.campaign.rig
+    step = float(np.max(prepared.blocks[0].scale)) / np.sqrt(12)
+    own = rig.converter.noise_rms_v if rig.converter is not None else float(np.median(others))
+    level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
+    factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
+    return _found("noisy_channel", {"factor": factor}, {"factor": (factor * 0.94, factor * 1.06)}, {"channel": row})
+
+
+def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
+    """Largest voltage the twin says the channel would reach."""
+    rig = prepared.campaign.rig
+    at = [c.index for c in rig.responses].index(row)
+    last = float(max(1, *(b.order for b in prepared.campaign.blocks)))
+    peaks = [
+        float(np.max(np.abs(predict_record(twin, rig, b, last)[at])) * abs(rig.channels[row].sensitivity(b.test)))
+        for b in prepared.blocks
+    ]
+    return max(peaks)
+
+
+def _base_motion(prepared: Prepared, twin: Twin) -> float:
+    """Rms of the base's acceleration: each line by the channels that neither ring nor rest there."""
+    floor = prepared.floor
+    assert floor is not None
+    rig = prepared.campaign.rig
+    sine = next(b for b in prepared.blocks if b.test == "sine")
+    n, dt = sine.n_samples, 1 / sine.rate_hz
+    lines = np.arange(floor.density.shape[1])
+    x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
+    gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / (n * dt))) ** 2
+    near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * n * dt / (2 * np.pi)), axis=1, initial=np.inf)
+    reported = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
+    base = np.ma.median(np.ma.masked_where(~reported, floor.density / gain), axis=0)
+    known = ~np.ma.getmaskarray(base)
+    known[0] = False
+    if not np.any(known):
+        return floor.rms_acc
+    whole = np.interp(lines[1:], lines[known], base.data[known])
+    return float(np.sqrt(2 / n * np.sum(whole)))

@@ -1,0 +1,261 @@
+"""Where the gap lies, from tests on the residual alone: no effect is named here."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import Stage
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
+from modallab.gap.model.forward import forward
+from modallab.gap.model.minimise import minimise
+from modallab.gap.search.fitting import COARSE, Bench, excess, misfit
+from modallab.gap.search.round import channel_share
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+CURES = 0.08
+"""Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
+OFTEN = 0.06
+"""Share of sine responses with overtones that is no chance."""
+ALIKE = 0.15
+"""Share of the gap that may stay for channels to count as off alike."""
+SKEWS_S = (0.0, *np.geomspace(1e-6, 2e-4, 24).tolist())
+"""Delays from row to row that are tried, s."""
+ALONE = 1.4
+"""Times the floor from which a test that is fitted alone disagrees with every beam."""
+CLOCK = 1e-4
+"""Relative error of the sines' frequency that no generator has."""
+LATE = 0.45
+"""Share of the common phase that a delay must make."""
+POLE_SHIFT = 6e-4
+"""Relative spread of the poles about the best beam that is more than a beam's tolerance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where, and why there."""
+
+    stage: Stage
+    channels: tuple[int, ...]
+    tests: tuple[str, ...]
+    why: tuple[str, ...]
+
+
+def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
+    """Stage, channels and tests of the gap a baseline fit leaves."""
+    tests = _tests(bench.data)
+    alone, cured = _channel_alone(bench, base)
+    if alone:
+        held = [c for c in alone if c in prepared.repeated]
+        names = ", ".join(bench.data.rig.channels[c].name for c in alone)
+        if held:
+            return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
+        return Location("sensor", alone, tests, (f"Without {names} {1 - cured:.1%} of the gap is gone.",))
+    harmonic, driven = overtones(prepared)
+    if driven > OFTEN:
+        return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
+    if harmonic > OFTEN:
+        why = f"{harmonic:.0%} of the sine responses hold overtones of the drive that the force does not."
+        return Location("structure", (), tests, (why, "The bench does not answer in proportion: it is in the beam."))
+    return _of_beam_or_test(bench, base, tests)
+
+
+def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Location:
+    """The beam if its poles or its levels say so, a test if only that one disagrees, else the chain of all channels."""
+    shift = pole_spread(bench, base)
+    by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
+    why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
+    if by_test:
+        why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
+    levels = _levels_differ(base)
+    if by_test and shift < POLE_SHIFT:
+        bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
+        if not bad:
+            return Location("excitation", (), ("sine",), (*why, "Each test agrees with a beam, but not with the same."))
+        if len(bad) == 1 and not (levels and bad == ("sine",)):
+            return Location("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles."))
+    if levels:
+        return Location("structure", (), tests, (*why, "The two levels of the sine test disagree with each other."))
+    if shift >= POLE_SHIFT:
+        return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
+    return _of_chain(bench, base, tests, why)
+
+
+def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -> Location:
+    """The chain of all channels, if they are off alike: its clock and its delays, or what is sensed."""
+    common, flat = alike(base)
+    everywhere = bench.data.channels
+    if common > ALIKE:
+        reported = (
+            f"The poles are a beam's, but on a line the channels are not off alike: {common:.0%} of the gap stays."
+        )
+        return Location("structure", (), tests, (*why, reported))
+    sines = bench.data.sines
+    if sines is not None and abs(sines.ratio - 1) > CLOCK:
+        reported = f"The generator's lines stand {sines.ratio - 1:+.2%} off where it was set: a clock is wrong."
+        return Location("acquisition", everywhere, tests, (*why, reported))
+    if flat < ALIKE:
+        force = bench.data.rig.force_channel.index
+        reported = f"One real factor on all channels and lines takes {1 - flat:.1%} of the gap away: the force's."
+        return Location("sensor", (force,), tests, (*why, reported))
+    late = lateness(base)
+    if late > LATE:
+        reported = f"All channels are off alike, and {late:.0%} of their phase grows with frequency: time runs late."
+        return Location("acquisition", everywhere, tests, (*why, reported))
+    reported = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
+    return Location("sensor", everywhere, tests, (*why, reported))
+
+
+def lateness(base: Fit) -> float:
+    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1."""
+    seen, y, hz = _in_noise(base)
+    weight = np.sum(np.abs(y) ** 2, axis=0)
+    factor = np.sum(y.conj() * seen, axis=0) / np.maximum(weight, 1e-300)
+    reported = (np.abs(hz) > 1) & (np.abs(factor) > 0.3) & (np.abs(factor) < 3)
+    weight = np.minimum(weight, np.quantile(weight, 0.9))[reported]
+    phase, f = np.angle(factor[reported]) * np.sign(hz[reported]), np.abs(hz[reported])
+    whole = float(np.sum(weight * phase**2))
+    return float(np.sum(weight * phase * f)) ** 2 / max(whole * float(np.sum(weight * f**2)), 1e-300)
+
+
+def _in_noise(base: Fit) -> tuple[Complex, Complex, Array]:
+    """(channels, lines) measured and predicted in noise units, and (lines,) Hz, all parts of the data side by side."""
+    data = base.problem.data
+    rows, answers = all_rows(data), forward(base.problem.twin(base.u), data)
+    y = np.concatenate([a / r.sigma for a, r in zip(answers, rows, strict=True)], axis=1)
+    seen = np.concatenate([r.y / r.sigma for r in rows], axis=1)
+    return seen, y, np.concatenate(all_hz(data))
+
+
+def alike(base: Fit) -> tuple[float, float]:
+    """Share of the gap that stays once all channels of a line may be off alike, and once all lines are too.
+
+    The first allows a factor of its own on each line and a delay that grows from row to row, as a chain does; the
+    second one real factor in all, as the force's sensitivity does.
+    """
+    seen, y, hz = _in_noise(base)
+    floor = 2 * np.count_nonzero(seen)
+    turn = 2j * np.pi * hz * np.array(base.problem.data.channels)[:, None]
+    whole = max(float(np.sum(np.abs(seen - y) ** 2)) - floor, 1e-9)
+    left = min(_by_line(seen, y * np.exp(turn * skew)) for skew in SKEWS_S)
+    factor = float(np.real(np.vdot(y, seen))) / max(float(np.sum(np.abs(y) ** 2)), 1e-300)
+    one = float(np.sum(np.abs(seen - factor * y) ** 2))
+    return max(left - floor, 0.0) / whole, max(one - floor, 0.0) / whole
+
+
+def _by_line(seen: Complex, y: Complex) -> float:
+    factors = np.sum(y.conj() * seen, axis=0) / np.maximum(np.sum(np.abs(y) ** 2, axis=0), 1e-300)
+    return float(np.sum(np.abs(seen - factors * y) ** 2))
+
+
+def pole_spread(bench: Bench, base: Fit) -> float:
+    """Rms relative distance of the ring-down's poles from the baseline's, one common factor taken out."""
+    if len(bench.poles) < 2:
+        return 0.0
+    model = np.abs(solve(base.problem.twin(base.u).structure).poles)
+    seen = np.abs(bench.poles)
+    gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
+    gaps = gaps[np.abs(gaps) < 0.3]
+    return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
+
+
+def overtones(prepared: Prepared) -> tuple[float, float]:
+    """Share of sine responses, and of their forces, with clear second or third harmonics."""
+    rig = prepared.campaign.rig
+    responses: list[bool] = []
+    forces: list[bool] = []
+    rows = [c.index for c in rig.responses]
+    for b in prepared.blocks:
+        if b.test != "sine" or not b.frequency_hz:
+            continue
+        n = b.n_samples
+        line = round(b.frequency_hz * n / b.rate_hz)
+        spectrum = (
+            np.abs(np.fft.rfft(b.samples * b.scale[:, None], axis=1)) / (prepared.noise_v * np.sqrt(n / 2))[:, None]
+        )
+        clear = np.zeros(len(spectrum), dtype=bool)
+        for k in (2, 3):
+            at = k * line
+            if at + 3 < 0.4 * n:
+                around = np.max(spectrum[:, [at - 2, at - 1, at + 1, at + 2]], axis=1)
+                clear |= (spectrum[:, at] > 8) & (spectrum[:, at] > 3 * around)
+        usable = np.array([(b.name, row) not in prepared.masked for row in range(len(spectrum))])
+        responses += clear[rows][usable[rows]].tolist()
+        forces.append(bool(clear[rig.force_channel.index]))
+    return float(np.mean(responses or [0.0])), float(np.mean(forces or [0.0]))
+
+
+def _tests(data: Reduced) -> tuple[str, ...]:
+    return (*(("impact",) if data.impacts else ()), *(("sine",) if data.sines is not None else ()))
+
+
+def _channel_alone(bench: Bench, base: Fit) -> tuple[tuple[int, ...], float]:
+    order = np.argsort(channel_share(base))[::-1]
+    for count in (1, 2):
+        chosen = [int(i) for i in order[:count]]
+        data = replace(
+            bench.thin,
+            impacts=tuple(replace(d, rows=_masked(d.rows, chosen)) for d in bench.thin.impacts),
+            sines=replace(bench.thin.sines, rows=_masked(bench.thin.sines.rows, chosen)) if bench.thin.sines else None,
+        )
+        left = excess(_afresh(bench, data, base)) / excess(base)
+        if left < CURES:
+            return tuple(sorted(bench.data.channels[i] for i in chosen)), left
+    return (), 1.0
+
+
+def _masked(rows: Rows, channels: list[int]) -> Rows:
+    sigma = rows.sigma.copy()
+    sigma[channels] = np.inf
+    return replace(rows, sigma=sigma)
+
+
+def _on_test(bench: Bench, base: Fit, test: str) -> Fit:
+    data = replace(
+        bench.thin,
+        impacts=bench.thin.impacts if test == "impact" else (),
+        sines=bench.thin.sines if test == "sine" else None,
+    )
+    return _afresh(bench, data, base)
+
+
+def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
+    """A baseline on part of the data, far enough from the old one to forget what the rest had done to it."""
+    u = base.u[: bench.free.size]
+    for floor in (COARSE, COARSE / 6, COARSE / 36):
+        u = minimise(Problem(data, bench.free, (), floor), u, 4, 1e-2).u
+    return minimise(Problem(data, bench.free, ()), u, 6, 1e-2)
+
+
+def _levels_differ(base: Fit) -> bool:
+    """Whether what one level answers per newton is not what the other answers."""
+    sines = base.problem.data.sines
+    if sines is None:
+        return False
+    rows, y = all_rows(base.problem.data)[-1], forward(base.problem.twin(base.u), base.problem.data)[-1]
+    shape = (y.shape[0], *sines.source.lines.shape)
+    middle = shape[-1] // 2
+    ratio = (rows.y / y).reshape(shape)[:, :, middle]
+    spread = (rows.sigma / np.abs(y)).reshape(shape)[:, :, middle]
+    common = np.sqrt(rows.common).reshape(shape[1:])[:, middle] / np.maximum(
+        np.linalg.norm((rows.y / rows.sigma).reshape(shape)[:, :, middle], axis=0), 1e-300
+    )
+    differences: list[float] = []
+    by_line: dict[float, list[int]] = {}
+    for j, hz in enumerate(sines.source.frequency_hz):
+        by_line.setdefault(round(float(hz), 4), []).append(j)
+    for pair in by_line.values():
+        if len(pair) == 2:
+            a, b = pair
+            step = ratio[:, a] / np.where(ratio[:, b] == 0, 1, ratio[:, b]) - 1
+            noise = np.hypot(spread[:, a], spread[:, b]) + np.hypot(common[a], common[b])
+            ok = np.isfinite(noise)
+            if np.any(ok):
+                differences.append(float(np.median(np.abs(step[ok]) / (noise[ok] + 2e-4))))
+    return len(differences) >= 3 and float(np.quantile(differences, 0.8)) > 8 + 20 * misfit(base.problem, base.u)

@@ -1,0 +1,137 @@
+"""The gap in noise units, split by everything it can be split by."""
+
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import all_hz, all_rows
+from modallab.gap.model.forward import forward
+from modallab.twin.bench import Twin
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+BANDS_HZ = (0.0, 10.0, 20.0, 50.0, 120.0, 200.0, 400.0, 1000.0)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Squares:
+    """Squared residuals in noise units with what they belong to; one entry a channel and a piece of a record.
+
+    Attributes:
+        total: (entries,) sums of squares.
+        count: (entries,) how many real numbers each sums.
+        records: name of the piece.
+        tests: its test.
+        levels: its level, "" for hits.
+        channels: row of the accelerometer.
+        order: (entries,) place in time, 0 to 1.
+    """
+
+    total: Array
+    count: Array
+    records: tuple[str, ...]
+    tests: tuple[str, ...]
+    levels: tuple[str, ...]
+    channels: tuple[int, ...]
+    order: Array
+
+    @property
+    def gap(self) -> float:
+        """Rms in noise units."""
+        return float(np.sqrt(np.sum(self.total) / max(float(np.sum(self.count)), 1.0)))
+
+    def by(self, keys: Iterable[Any]) -> dict[str, float]:
+        """Rms of each group of entries."""
+        labels = [str(k) for k in keys]
+        groups = list(dict.fromkeys(k for k in labels if k))
+        found: dict[str, float] = {}
+        for group in groups:
+            at = np.array([k == group for k in labels])
+            found[group] = float(np.sqrt(np.sum(self.total[at]) / max(float(np.sum(self.count[at])), 1.0)))
+        return found
+
+
+def residuals(twin: Twin, data: Reduced) -> list[Complex]:
+    """(channels, rows) of each part of the data, in noise units."""
+    return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), forward(twin, data), strict=True)]
+
+
+def squares(twin: Twin, data: Reduced) -> Squares:
+    """The residuals of a twin as squares."""
+    parts = residuals(twin, data)
+    total: list[float] = []
+    count: list[float] = []
+    records: list[str] = []
+    tests: list[str] = []
+    levels: list[str] = []
+    channels: list[int] = []
+    order: list[float] = []
+
+    def add(r: Complex, used: NDArray[np.bool_], name: str, test: str, level: str, channel: int, at: float) -> None:
+        total.append(float(np.sum(np.abs(r[used]) ** 2)))
+        count.append(2.0 * float(np.count_nonzero(used)))
+        records.append(name)
+        tests.append(test)
+        levels.append(level)
+        channels.append(channel)
+        order.append(at / data.last_order)
+
+    for d, r in zip(data.impacts, parts, strict=False):
+        for i, channel in enumerate(data.channels):
+            add(r[i], np.isfinite(d.rows.sigma[i]), d.piece.name, "impact", "", channel, d.piece.order)
+    if data.sines is not None:
+        shape = (len(data.channels), *data.sines.source.lines.shape)
+        r, used = parts[-1].reshape(shape), np.isfinite(data.sines.rows.sigma).reshape(shape)
+        for j, piece in enumerate(data.sines.pieces):
+            for i, channel in enumerate(data.channels):
+                add(r[i, j], used[i, j], piece.name, "sine", piece.level or "", channel, piece.order)
+    return Squares(
+        np.array(total), np.array(count), tuple(records), tuple(tests), tuple(levels), tuple(channels), np.array(order)
+    )
+
+
+def share_within(
+    twin: Twin, data: Reduced, tests: Sequence[str], rows: Sequence[int], bands: Sequence[tuple[float, float]]
+) -> float:
+    """Share of the squares above the floor that lie in these tests, rows (none: all) and bands, 0 to 1."""
+    inside = whole = 0.0
+    chosen = np.array([not rows or c in rows for c in data.channels])
+    for (test, hz, used), r in zip(_kinds(data), residuals(twin, data), strict=True):
+        excess = np.where(used, np.abs(r) ** 2 - 2, 0.0)
+        lines = np.any([(hz >= low) & (hz < high) for low, high in bands], axis=0)
+        whole += float(np.sum(excess))
+        inside += float(np.sum(excess[np.ix_(chosen, lines)])) if test in tests else 0.0
+    return float(np.clip(inside / whole, 0.0, 1.0)) if whole > 0 else 0.0
+
+
+def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
+    """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
+    tests = ["impact"] * len(data.impacts) + ["sine"] * (data.sines is not None)
+    used = (np.isfinite(rows.sigma) for rows in all_rows(data))
+    return list(zip(tests, (np.abs(hz) for hz in all_hz(data)), used, strict=True))
+
+
+def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> dict[str, float]:
+    """Share of the squares in each group of frequencies, by rising frequency."""
+    frequency = np.abs(np.concatenate(list(all_hz(data))))
+    power = np.concatenate([np.sum(np.abs(r) ** 2, axis=0) for r in residuals(twin, data)])
+    sums: dict[str, float] = {}
+    for k in np.argsort(frequency):
+        name = label(float(frequency[k]))
+        sums[name] = sums.get(name, 0.0) + float(power[k])
+    whole = max(sum(sums.values()), 1e-300)
+    return {k: v / whole for k, v in sums.items()}
+
+
+def band_of(hz: float) -> str:
+    """The name of the band a frequency lies in."""
+    for low, high in itertools.pairwise(BANDS_HZ):
+        if low <= hz < high:
+            return f"{low:g}-{high:g}"
+    return f"{BANDS_HZ[-1]:g}-"

@@ -1,0 +1,42 @@
+"""How far the gap shrinks on records that no fit has seen."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.diagnosis import Shrink
+from modallab.gap.report.measure import Squares
+
+Array = NDArray[np.float64]
+
+DRAWS = 400
+BARE = 0.02
+"""Excess above the floor below which there is nothing to shrink."""
+
+
+def closed(before: float, after: float) -> float:
+    """Share of the reducible gap that is closed: 1 - (after^2 - 1) / (before^2 - 1)."""
+    return 1 - (after**2 - 1) / (before**2 - 1)
+
+
+def shrink(
+    held_out: list[str], before: Squares, after: Squares, rivals: dict[str, float], rng: np.random.Generator
+) -> Shrink:
+    """The shrinkage with its interval, by bootstrap over channels of records."""
+    if before.gap**2 - 1 < BARE:
+        return Shrink(held_out=held_out, before=before.gap, after=after.gap, closed=None, interval=None, rival=rivals)
+    draws = rng.integers(0, len(before.total), size=(DRAWS, len(before.total)))
+    count = np.sum(before.count[draws], axis=1)
+    g0, g1 = (np.sum(s.total[draws], axis=1) / count for s in (before, after))
+    # A draw without any of the gap says nothing about how much of it is closed.
+    ok = g0 - 1 > 0.05 * (before.gap**2 - 1)
+    values = 1 - (g1[ok] - 1) / (g0[ok] - 1)
+    low, high = np.quantile(values, [0.025, 0.975]) if len(values) > 20 else (-np.inf, 1.0)
+    share = closed(before.gap, after.gap)
+    return Shrink(
+        held_out=held_out,
+        before=before.gap,
+        after=after.gap,
+        closed=share,
+        interval=(min(float(low), share), max(float(high), share)),
+        rival=rivals,
+    )

@@ -1,0 +1,37 @@
+"""A diagnosis in one sentence."""
+
+from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.effects import kind_of
+
+UNITS = 4
+"""Digits of a parameter in a sentence."""
+
+
+def sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    gap = diagnosis.gap
+    if diagnosis.verdict == "no_gap":
+        return f"Twin and bench agree to within the noise: the gap is {gap.before:.2f} noise units, the floor 1."
+    if diagnosis.verdict == "unknown":
+        where = diagnosis.where
+        at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
+        return (
+            f"A gap of {gap.before:.3g} noise units lies in the {where.stage}{at}, and none of the known effects "
+            f"explains it."
+        )
+    parts = " and ".join(_effect(f) for f in diagnosis.effects)
+    closed = diagnosis.shrink.closed
+    how_far = f", which closes {closed:.1%} of it on records held out" if closed is not None else ""
+    return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
+
+
+def _effect(found: Found) -> str:
+    kind = kind_of(found.effect)
+    numbers = ", ".join(f"{p.name} = {found.parameters[p.name]:.{UNITS}g} {p.unit}".strip() for p in kind.parameters)
+    place = ""
+    if "x_m" in found.place:
+        place = f" at {found.place['x_m']:.3f} m"
+    elif "channel" in found.place and found.place["channel"] != "all":
+        place = f" on channel {found.place['channel']}"
+    name = found.effect.replace("_", " ")
+    return f"{name}{place} ({numbers + '; ' if numbers else ''}probability {found.probability:.2f})"

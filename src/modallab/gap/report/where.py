@@ -1,0 +1,117 @@
+"""Where the gap lies: what tests on the residual say, and what the models that explain it add."""
+
+from collections.abc import Sequence
+
+from modallab.core.diagnosis import Found, Verdict, Where
+from modallab.core.effects import Stage, kind_of
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.report.locate import Location
+from modallab.gap.report.measure import band_of, by_frequency, share_within
+from modallab.gap.report.shrinkage import closed
+from modallab.gap.search.choose import Choice
+
+MOSTLY = 0.8
+"""Share of the squares that the bands named must hold."""
+
+
+def where(
+    verdict: Verdict,
+    found: Sequence[Found],
+    withheld: Sequence[str],
+    location: Location | None,
+    choice: Choice,
+    data: Reduced,
+    prepared: Prepared,
+) -> Where:
+    """Where it lies.
+
+    Args:
+        verdict: of the diagnosis.
+        found: effects judged present.
+        withheld: effects the records show, whose names must not be used.
+        location: of the residual, before any effect was fitted; None if the residual is flat.
+        choice: what the search says.
+        data: all records.
+        prepared: the campaign.
+    """
+    if verdict == "no_gap":
+        said = ["Nothing but noise is left."]
+        return Where(stage=None, channels=[], x_m=None, tests=[], bands=[], share=0.0, why=said)
+    stage, rows, tests, why = _sides(verdict, found, withheld, location, choice, data, prepared)
+    bands = _bands(choice, data)
+    rig = prepared.campaign.rig
+    of_all = [r for r in rows if r in data.channels]
+    return Where(
+        stage=stage,
+        tested_stage=None if location is None else location.stage,
+        channels=[rig.channels[r].name for r in rows],
+        x_m=next((f.place["x_m"] for f in found if "x_m" in f.place), None) if verdict == "known" else None,
+        tests=list(tests),
+        bands=bands,
+        share=share_within(choice.base.problem.twin(choice.base.u), data, tests, of_all, bands),
+        why=why,
+    )
+
+
+def _sides(
+    verdict: Verdict,
+    found: Sequence[Found],
+    withheld: Sequence[str],
+    location: Location | None,
+    choice: Choice,
+    data: Reduced,
+    prepared: Prepared,
+) -> tuple[Stage, list[int], Sequence[str], list[str]]:
+    """Stage, rows, tests and the reasons."""
+    force = prepared.campaign.rig.force_channel.index
+    lead = max(found, key=lambda f: f.probability) if found and verdict == "known" else None
+    if lead is not None:
+        rows = sorted({r for f in found for r in _rows_of(f, force, data.channels)})
+        tests = sorted({t for f in found for t in kind_of(f.effect).tests})
+        return lead.stage, rows, tests, _reasons(lead, location, choice)
+    if location is not None:
+        return location.stage, list(location.channels), location.tests, list(location.why)
+    kind = kind_of(withheld[0])
+    rows = [*prepared.noisy, *(c.row for c in prepared.clipped)]
+    return kind.stage, rows, kind.tests, ["The records show it without any model."]
+
+
+def _reasons(lead: Found, location: Location | None, choice: Choice) -> list[str]:
+    if location is None:
+        return ["The records show it without any model."]
+    if location.stage == lead.stage or not choice.fit.problem.candidates:
+        return list(location.why)
+    reported = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"
+    explained = closed(choice.base.gap, choice.fit.gap)
+    other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
+    best = max((closed(choice.base.gap, f.gap) for f in other), default=0.0)
+    return [
+        f"Models of the {lead.stage} explain {explained:.2%} of the gap, those of other stages no more than "
+        f"{max(best, 0.0):.2%}.",
+        reported,
+    ]
+
+
+def _rows_of(found: Found, force: int, channels: tuple[int, ...]) -> list[int]:
+    kind, channel = kind_of(found.effect), found.place.get("channel")
+    if kind.place == "force":
+        return [force]
+    if isinstance(channel, int):
+        return [channel]
+    if isinstance(channel, list | tuple):
+        return [int(c) for c in channel]  # pyright: ignore[reportUnknownVariableType]
+    return list(channels) if channel == "all" else []
+
+
+def _bands(choice: Choice, data: Reduced) -> list[tuple[float, float]]:
+    shares = by_frequency(choice.base.problem.twin(choice.base.u), data, band_of)
+    held: list[tuple[float, float]] = []
+    total = 0.0
+    for name, share in sorted(shares.items(), key=lambda kv: -kv[1]):
+        if total > MOSTLY:
+            break
+        low, _, high = name.partition("-")
+        held.append((float(low), float(high) if high else 1e4))
+        total += share
+    return sorted(held)

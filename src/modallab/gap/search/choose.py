@@ -1,0 +1,163 @@
+"""From the rounds of a search to what is judged present, how surely, and the verdict."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import kind_of
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.minimise import minimise
+from modallab.gap.search.explain import HOLDS
+from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.round import Level
+
+Array = NDArray[np.float64]
+
+CLOSED = 0.998
+"""Share of the excess an explanation must close to count as one, where it does not reach the floor."""
+CLOSED_RESAMPLED = 0.98
+"""The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
+AT_FLOOR = 1.15
+"""Rms residual that counts as the floor."""
+
+PLAIN = 1000.0
+"""Squares of noise units that a small effect must take away: on sound benches some model takes up to 250."""
+PLAIN_LEAVES = 0.1
+"""Share of a small gap that it may leave."""
+
+MODEL_SHARE = 0.7
+"""Relative error of a parameter per relative residual its effect leaves."""
+UNFELT = 50.0
+"""Deviation of a number that is not felt, in its own units: plain ones to their bounds, logarithms to e^50."""
+CURVED = 1e-14
+"""Share of the largest curvature below which a number is not felt at all, as a place held at the tip."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """What the search says.
+
+    Attributes:
+        base: the twin without effects.
+        fit: the twin with those judged present; `base` if there are none.
+        rivals: other explanations that were fitted to the end, best first.
+        explained: whether nothing structured is left.
+        flat: whether there was nothing to explain.
+    """
+
+    base: Fit
+    fit: Fit
+    rivals: tuple[Fit, ...]
+    explained: bool
+    flat: bool
+
+
+def choose(bench: Bench, levels: list[Level]) -> Choice:
+    """Keep the effects without which the gap comes back, and say whether they explain it."""
+    base = levels[0].base
+    if base.gap <= bench.flat and not _small_but_plain(levels):
+        return Choice(base, base, (), True, True)
+    chain = [base, *(level.fits[0] for level in levels if level.fits)]
+    while len(chain) > 1 and excess(chain[-1]) > HOLDS * excess(chain[-2]):
+        chain.pop()
+    fit = prune(bench, chain[-1])
+    rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
+    others = tuple(f for f in rivals if names(f) != names(fit))
+    resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
+    needed = CLOSED_RESAMPLED if resampled else CLOSED
+    explained = bool(fit.problem.candidates) and (
+        fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - needed) * excess(base)
+    )
+    return Choice(base, fit, others, explained, False)
+
+
+def _small_but_plain(levels: list[Level]) -> bool:
+    """Whether one effect takes nearly all of a small gap away, by far more than what no model has right can feign."""
+    if not levels[0].fits:
+        return False
+    base, best = levels[0].base, levels[0].fits[0]
+    return base.cost - best.cost > PLAIN and excess(best) < PLAIN_LEAVES * excess(base)
+
+
+def prune(bench: Bench, fit: Fit) -> Fit:
+    """Drop every effect whose absence changes little."""
+    at = 0
+    while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates):
+        without = _without(fit, at)
+        if excess(fit) > HOLDS * excess(without):
+            fit = without
+        else:
+            at += 1
+    return fit
+
+
+def _without(fit: Fit, which: int) -> Fit:
+    candidates = fit.problem.candidates
+    slots = [len(c.slots) for c in candidates]
+    start = fit.problem.free.size + sum(slots[:which])
+    u = np.concatenate([fit.u[:start], fit.u[start + slots[which] :]])
+    problem = replace(fit.problem, candidates=tuple(c for i, c in enumerate(candidates) if i != which))
+    return minimise(problem, u, 4, 1e-2)
+
+
+def names(fit: Fit) -> tuple[str, ...]:
+    """The effects of a fit, sorted."""
+    return tuple(sorted(c.effect for c in fit.problem.candidates))
+
+
+def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
+    """The explanations, each with its probability, best first.
+
+    The likelihood of a fit is read with as many degrees of freedom as its own misfit leaves credible: where the best
+    explanation stays above the floor the model itself is wrong by that much, and margins count for less.
+    """
+    fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
+    for fit in choice.rivals:
+        fits.setdefault(names(fit), fit)
+    ordered = list(fits.values())
+    n = float(np.count_nonzero(choice.fit.residual))
+    temperature = 2.0 + 100.0 * excess(choice.fit)
+    scores = np.array(
+        [-0.5 * n * np.log(max(f.cost, 1.0)) / temperature - 3.0 * len(f.problem.candidates) for f in ordered]
+    )
+    weights = np.exp(scores - np.max(scores))
+    shares = weights / np.sum(weights)
+    return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
+
+
+def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
+    """95 % intervals of the parameters of each effect: noise by the curvature at the fit, and the model's own error.
+
+    What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
+    are believed no better.
+    """
+    fit = choice.fit
+    deviation = _deviations(fit) * max(1.0, fit.gap)
+    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
+    found: list[dict[str, tuple[float, float]]] = []
+    at = fit.problem.free.size
+    for candidate in fit.problem.candidates:
+        own: dict[str, tuple[float, float]] = {}
+        for slot in candidate.slots:
+            u = float(fit.u[at])
+            value = slot.value(u)
+            low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
+            model = 1.96 * share * abs(value - (1.0 if slot.name == "gain" else 0.0)) if slot.name != "x" else 0.0
+            own[slot.name] = (
+                max(value - float(np.hypot(value - min(low, high), model)), slot.low),
+                min(value + float(np.hypot(max(low, high) - value, model)), slot.high),
+            )
+            at += 1
+        found.append(own)
+    return found
+
+
+def _deviations(fit: Fit) -> Array:
+    """Standard deviation of each free number; beyond any range where the data do not move it."""
+    curvature = np.diag(fit.normal)
+    felt = curvature > CURVED * np.max(curvature)
+    deviation = np.full(len(curvature), UNFELT)
+    covariance = np.linalg.pinv(fit.normal[np.ix_(felt, felt)], hermitian=True)
+    deviation[felt] = np.sqrt(np.maximum(np.diag(covariance), 0))
+    return deviation

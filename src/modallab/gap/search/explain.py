@@ -1,0 +1,101 @@
+"""Which effects explain the data: round after round, each effect fitted with the nuisances and with those before."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.gap.model.candidates import chained
+from modallab.gap.model.fit import Fit
+from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all
+from modallab.gap.search.round import Level, round_of
+
+WORTH = 0.9
+"""A further effect must leave less than this share of what was left, or the search ends."""
+HOLDS = 0.15
+"""An effect stays if without it more than this share of the gap would come back."""
+NEARLY = 0.01
+"""Share of the first excess that counts as nearly explained."""
+SECOND = 0.3
+"""The same from the second round on."""
+SOLVED = 1.3
+"""Times the floor at which a search is done."""
+SOLVED_SHARE = 0.003
+"""Share of the first excess at which it is done as well."""
+LAST_DIGIT = 2.5e-4
+"""Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
+MOST = 3
+"""Effects in one diagnosis."""
+EVIDENT = 4e-4
+"""Relative distance of the generator's lines from where they were set that no quartz explains."""
+
+
+def explain(bench: Bench) -> list[Level]:
+    """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits."""
+    levels = first_rounds(bench, baseline(bench))
+    if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
+        return levels
+    started = from_hits(bench)
+    if started is None:
+        return levels
+    later = rounds(bench, started, MOST - len(started.problem.candidates))
+    again = [Level(levels[0].base, (started,), ()), *later] if started.problem.candidates else later
+    return again if _best(again).cost < 0.5 * _best(levels).cost else levels
+
+
+def first_rounds(bench: Bench, base: Fit) -> list[Level]:
+    """All rounds; where the generator's own lines tell of a wrong clock, with that clock from the start.
+
+    Beside another effect the beam takes such a clock over, and none of the later rounds would find its way back.
+    """
+    reported = with_clock(bench)
+    if reported is None:
+        return rounds(bench, base, MOST)
+    return [Level(base, (reported,), ()), *rounds(bench, reported, MOST - 1)]
+
+
+def with_clock(bench: Bench) -> Fit | None:
+    """The twin with the clock that the generator's lines tell of; None if they stand where they should."""
+    sines = bench.data.sines
+    if sines is None or abs(sines.ratio - 1) < EVIDENT or not bench.allowed("clock_error"):
+        return None
+    (candidate,) = (c for c in chained(bench.data.rig) if c.effect == "clock_error")
+    own = np.array([candidate.slots[0].coordinate(1 / sines.ratio - 1)])
+    return from_poles(bench, (candidate,), own)
+
+
+def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
+    """At most so many rounds from a fit."""
+    levels: list[Level] = []
+    first = base.gap
+    while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
+        level = round_of(bench, base)
+        levels.append(level)
+        # Once nearly all is explained, a further effect must be worth its name to go on from.
+        worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
+        if len(levels) > 1:
+            # Two effects hide each other; once both are there, the rest must fall.
+            worth = min(worth, SECOND)
+        if not level.fits or excess(level.fits[0]) > worth * excess(base):
+            break
+        base = level.fits[0]
+    return levels or [Level(base, (), ())]
+
+
+def from_hits(bench: Bench) -> Fit | None:
+    """What explains the hits alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
+    only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
+    levels = rounds(only, baseline(only), 1)
+    if not _solved(only, levels):
+        return None
+    best = _best(levels)
+    return on_all(bench, best)
+
+
+def _best(levels: list[Level]) -> Fit:
+    return min((f for level in levels for f in (level.base, *level.fits)), key=lambda f: f.cost)
+
+
+def _solved(bench: Bench, levels: list[Level]) -> bool:
+    """Whether next to nothing is left."""
+    best = _best(levels)
+    return best.gap <= bench.flat * SOLVED or excess(best) < SOLVED_SHARE * excess(levels[0].base)

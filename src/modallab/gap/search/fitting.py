@@ -1,0 +1,128 @@
+"""What a search works on, and its fits: short ones to compare, long ones to believe."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.candidates import Candidate
+from modallab.gap.model.drift_course import with_drift_curve
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.minimise import minimise
+from modallab.gap.model.nuisances import Nuisances
+from modallab.gap.model.prefit import start, starts
+from modallab.gap.search.screen import OUTLIER
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+COARSE = 0.3
+"""Largest relative model error that is forgiven while a fit finds its way."""
+FLAT = 1.1
+"""Rms residual below which nothing is left to explain."""
+WATCHED = 1.02
+"""Rms residual above which an effect that takes nearly all of it away still counts."""
+STRAIGHT = 3.0
+"""Deviations of its priors up to which a beam is one to begin from."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Bench:
+    """What a search works on.
+
+    Attributes:
+        data: all of what may be fitted.
+        thin: the same with fewer lines, for a first look.
+        free: the nuisances.
+        poles: of the ring-down.
+        allowed: whether an effect of this name may be used.
+        flat: rms residual below which nothing has to be explained.
+        watched: rms residual below which nothing is looked for.
+    """
+
+    data: Reduced
+    thin: Reduced
+    free: Nuisances
+    poles: Complex
+    allowed: Callable[[str], bool]
+    flat: float = FLAT
+    watched: float = WATCHED
+
+
+def baseline(bench: Bench) -> Fit:
+    """The twin without effects, as well as it can be made to fit."""
+    fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
+    return finish(bench, fit, COARSE / 6)
+
+
+def _first(bench: Bench) -> list[Array]:
+    """Where the baseline begins: at the poles, or without any at the best of many values of Young's modulus."""
+    if len(bench.poles):
+        return [s.u for s in starts((), bench.free, bench.poles, 1)]
+    problem = Problem(bench.thin, bench.free, (), COARSE)
+    tried: list[tuple[float, Array]] = []
+    for shift in np.linspace(-3.2, 3.2, 33):
+        u = np.zeros(bench.free.size)
+        u[0] = shift
+        tried.append((float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))), u))
+    return [u for _, u in sorted(tried, key=lambda t: t[0])[:2]]
+
+
+def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit brought to its end on all data."""
+    candidates = fit.problem.candidates
+    floor = min(floor, misfit(fit.problem, fit.u))
+    for level in (floor, floor / 6):
+        problem = Problem(bench.data, bench.free, candidates, level, held=_beam(fit.u))
+        fit = minimise(problem, fit.u, 3, 3e-2)
+    u = bench.free.straightened(fit.u)
+    return with_drift_curve(minimise(Problem(bench.data, bench.free, candidates), u, 15, 2e-4))
+
+
+def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A fit brought to its end from these coordinates of the effects and the beam that the poles tell of."""
+    u = start(candidates, own, bench.free, bench.poles).u
+    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+
+
+def on_all(bench: Bench, fit: Fit) -> Fit:
+    """A short fit as it is, on all data."""
+    return _seen(Problem(bench.data, bench.free, fit.problem.candidates), fit)
+
+
+def misfit(problem: Problem, u: Array) -> float:
+    """Relative model error at which these numbers would be excused: where a look for more must begin."""
+    for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
+        r = replace(problem, floor=floor).residual(u)
+        used = r[r != 0]
+        if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
+            return floor
+    return 0.001
+
+
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+    """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
+    # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
+    problem = Problem(bench.thin, bench.free, candidates)
+    near = min(floor, misfit(problem, u))
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    # To be compared, all must be forgiven as much and held nowhere in particular.
+    return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
+
+
+def _beam(u: Array) -> tuple[float, float, float]:
+    """Where a beam is held: where it is, unless a wrong model has bent it there."""
+    return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
+
+
+def _seen(problem: Problem, fit: Fit) -> Fit:
+    r = problem.residual(fit.u)
+    return Fit(problem, fit.u, float(r @ r + problem.priors(fit.u)[0]), r, fit.normal)
+
+
+def excess(fit: Fit) -> float:
+    """What is left above the floor, in squares of noise units."""
+    return max(fit.gap**2 - 1, 1e-9)

@@ -1,0 +1,129 @@
+"""One round of a search: every candidate is screened, the likely are fitted, the best to the end."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.candidates import Candidate, chained, of_channel, structural, swaps
+from modallab.gap.model.fit import Fit, Problem, all_rows, softened
+from modallab.gap.model.forward import forward
+from modallab.gap.model.prefit import start
+from modallab.gap.search.fitting import STRAIGHT, Bench, finish, from_poles, misfit, on_all, short
+from modallab.gap.search.screen import Begin, Screen
+
+Array = NDArray[np.float64]
+
+LIKELY = 14
+"""Candidates that are fitted at all where the misfit is small, those that the screen puts first."""
+BEGINS = 2
+"""Places to begin from which a candidate is fitted."""
+HOPELESS = 5.0
+"""What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
+LONGER = 6
+"""Candidates of a round that get a second look."""
+WORKERS = 2
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Level:
+    """One round of the search.
+
+    Attributes:
+        base: the fit it began from.
+        fits: the fits that were finished, best first.
+        screened: (candidates, cost) of the others after a short look.
+    """
+
+    base: Fit
+    fits: tuple[Fit, ...]
+    screened: tuple[tuple[tuple[Candidate, ...], float], ...]
+
+
+def pool(bench: Bench, fit: Fit) -> list[Candidate]:
+    """The candidates worth a look after a fit: all of the bench, and those of the channels that stand out."""
+    rig = bench.data.rig
+    shares = [channel_share(fit)]
+    if len(bench.poles):
+        # A channel far off drags the fit with it; the beam the poles tell of shows it all the same.
+        u = start(fit.problem.candidates, fit.u[bench.free.size :], bench.free, bench.poles).u
+        shares.append(channel_share(replace(fit, u=u)))
+    order = list(dict.fromkeys(int(i) for s in shares for i in np.argsort(s)[::-1][:2]))
+    suspects = [bench.data.channels[i] for i in order]
+    pairs = swaps(tuple(sorted({bench.data.channels[i] for s in shares for i in np.argsort(s)[::-1][:3]})))
+    found = structural(rig) + chained(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
+    present = {(c.effect, c.place) for c in fit.problem.candidates}
+    return [
+        c
+        for c in found
+        if bench.allowed(c.effect)
+        and (c.effect, c.place) not in present
+        and not (c.effect in _ONCE and any(p.effect == c.effect for p in fit.problem.candidates))
+        and _testable(c, bench.data)
+    ]
+
+
+_ONCE = frozenset(
+    {"clamp_rotation", "clamp_translation", "sensor_mass", "thermal_drift", "shaker_mass", "stinger_moment"}
+    | {"added_mass", "stiffness_loss", "ground_spring", "local_damper", "swap"}
+)
+
+
+def _testable(candidate: Candidate, data: Reduced) -> bool:
+    if candidate.effect == "hit_position":
+        return bool(data.impacts)
+    if candidate.effect in {"shaker_mass", "stinger_moment", "clock_error"}:
+        return data.sines is not None
+    return True
+
+
+def channel_share(fit: Fit) -> Array:
+    """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
+    twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
+    total = np.zeros(len(fit.problem.data.channels))
+    for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
+        r = softened(rows, floor / 3).whiten(rows.y - y)
+        total += np.sum(np.minimum(np.abs(r) ** 2, 400.0), axis=1)
+    return total / max(float(np.sum(total)), 1e-300)
+
+
+def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles tell of.
+
+    Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
+    """
+    there = finish(bench, fit, floor)
+    if there.gap <= bench.flat or bool(np.all(np.abs(there.u[:3]) < STRAIGHT)) or not len(bench.poles):
+        return there
+    again = from_poles(bench, there.problem.candidates, there.u[bench.free.size :])
+    return min(there, again, key=lambda f: f.cost)
+
+
+def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
+    """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
+    floor = misfit(base.problem, base.u)
+    problem = Problem(bench.thin, bench.free, base.problem.candidates, floor)
+    screen = Screen(problem, base.u, bench.poles)
+
+    def look(begins: tuple[Begin, ...]) -> Fit:
+        fits = (short(bench, b.problem.candidates, b.u, screen.floor) for b in begins[: BEGINS + 1])
+        return min(fits, key=lambda f: f.cost)
+
+    def longer(f: Fit) -> Fit:
+        return short(bench, f.problem.candidates, f.u, screen.floor / 6)
+
+    def to_the_end(f: Fit) -> Fit:
+        return ended(bench, f, screen.floor / 12)
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
+        likely = begins if screen.large else begins[:LIKELY]
+        looks = sorted(workers.map(look, likely), key=lambda f: f.cost)
+        better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
+        hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
+        best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
+    fits = tuple(sorted(best, key=lambda f: f.cost))
+    rest = (*better, *looks[LONGER:])
+    return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))

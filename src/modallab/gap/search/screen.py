@@ -1,0 +1,202 @@
+"""A first look at every candidate: what its signature explains once all that was free before has adapted to it."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.model.candidates import Candidate, Slot
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.minimise import jacobian
+from modallab.gap.model.prefit import start, starts
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+OUTLIER = 25.0
+"""Square at which a residual stops counting when places to begin are compared."""
+LARGE = 0.05
+"""Relative misfit from which an effect is no small change of the fit so far."""
+SMALL = 0.01
+"""Relative misfit up to which nothing is forgiven: the effect itself may be no larger."""
+VALLEYS = 3
+"""Places along the beam from which a fit begins."""
+CUT = 5.0
+"""Times the rms at which a residual stops counting."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Begin:
+    """A place to begin, and what is left there; after a small misfit once the rest has adapted to first order."""
+
+    problem: Problem
+    u: Array
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Scale:
+    """How a number runs from no effect to the smallest of its first values, and on.
+
+    Attributes:
+        kind: small, plain, gain (none at 1), or stiff (none at infinity).
+        unit: the number at one.
+        most: the largest it is worth to begin at, for stiff the smallest.
+    """
+
+    kind: str
+    unit: float
+    most: float
+
+    @classmethod
+    def of(cls, size: Slot) -> "_Scale":
+        if size.transform == "plain":
+            least = min((v for v in size.starts if v > 0), key=abs)
+            return cls("plain", least, max(abs(v) for v in size.starts))
+        if size.name == "gain":
+            return cls("gain", 0.003, 0.6)
+        if size.inverse:
+            return cls("stiff", max(size.starts), min(size.starts))
+        return cls("small", min(size.starts), max(size.starts))
+
+    def value(self, times: float) -> float:
+        """The number so many times as far from no effect as one."""
+        if self.kind == "plain":
+            return float(np.clip(times * self.unit, -self.most, self.most))
+        if self.kind == "gain":
+            return 1 + float(np.clip(times * self.unit, -self.most, self.most))
+        if self.kind == "stiff":
+            return float(np.clip(self.unit / max(times, 1e-4), self.most, None))
+        return float(np.clip(times * self.unit, 0.03 * self.unit, self.most))
+
+
+class Screen:
+    """Residuals with everything that was free before projected out."""
+
+    def __init__(self, problem: Problem, u: Array, poles: Complex) -> None:
+        """Screen around a fit.
+
+        Args:
+            problem: the fit so far on thinned data, its floor the misfit.
+            u: its numbers.
+            poles: of the ring-down.
+        """
+        self.large = problem.floor > LARGE
+        if not self.large:
+            problem = replace(problem, floor=problem.floor / 10 if problem.floor > SMALL else 0.0)
+        self.problem, self.u, self.poles = problem, u, poles
+        self.floor = problem.floor
+        self.here = problem.residual(u)
+        used = self.here[self.here != 0]
+        self.cut = max(OUTLIER, CUT**2 * float(np.mean(used**2))) if len(used) else OUTLIER
+        J = jacobian(problem, u, self.here)
+        self.priors = problem.free.size
+        whole = np.concatenate([J, np.eye(self.priors, len(u))])
+        self.q = np.linalg.qr(whole + 0.0)[0]
+
+    def begins(self, candidate: Candidate) -> tuple[Begin, ...]:
+        """The best places for a candidate to begin, best first."""
+        problem = replace(self.problem, candidates=(*self.problem.candidates, candidate))
+        if self.large:
+            return self._far(problem, candidate)
+        tried = [Begin(problem, u, self.left(problem, u)) for u in self._near(problem, candidate)]
+        if len(candidate.slots) == 2 and candidate.effect != "local_damper":
+            # Along the beam one valley may be as deep as the next: each is worth a look.
+            tried = _valleys(tried)
+        return tuple(sorted(tried, key=lambda b: b.cost)[: VALLEYS if len(candidate.slots) == 2 else 1])
+
+    def left(self, problem: Problem, u: Array) -> float:
+        """Squares that stay at u of a problem with one candidate more, large ones cut."""
+        rest = self._project(problem.residual(u), u)
+        return float(np.sum(np.minimum(rest**2, self.cut)))
+
+    def _project(self, r: Array, u: Array) -> Array:
+        whole = np.concatenate([r, u[: self.priors]])
+        return whole - self.q @ (self.q.T @ whole)
+
+    def _near(self, problem: Problem, candidate: Candidate) -> list[Array]:
+        """Small changes: the size follows from the signature of a small one, at each place where there are places."""
+        slots = candidate.slots
+        if candidate.effect == "local_damper":
+            # The damping ratios have taken its work over: to first order nothing of it is left to see.
+            return [_relieved(problem, np.concatenate([self.u, more])) for more in _grid(slots)]
+        if len(slots) == 2 and slots[1].name == "x":
+            return [self._sized(problem, slots[0], np.array([slots[1].coordinate(x)])) for x in slots[1].starts]
+        plain = [np.concatenate([self.u, more]) for more in _grid(slots)]
+        return [*plain, self._sized(problem, slots[0], np.zeros(0))] if len(slots) == 1 else plain
+
+    def _sized(self, problem: Problem, size: Slot, place: Array) -> Array:
+        """The size that explains most, if the answer were in proportion to it."""
+        scale = _Scale.of(size)
+        u = np.concatenate([self.u, [size.coordinate(scale.value(1.0))], place])
+        before = self._project(self.here, self.u)
+        signature = self._project(problem.residual(u), u) - before
+        times = float(-(signature @ before) / max(float(signature @ signature), 1e-300))
+        return np.concatenate([self.u, [size.coordinate(scale.value(times))], place])
+
+    def _far(self, problem: Problem, candidate: Candidate) -> tuple[Begin, ...]:
+        """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down tell of."""
+        free, former = problem.free, self.u[self.priors :]
+        begins: list[Array] = []
+        nears = [self.u]
+        if len(self.poles):
+            # A large effect drags the fit so far off: the poles of the ring-down know the beam without it.
+            nears.append(start(self.problem.candidates, former, free, self.poles).u)
+            if candidate.effect in _MOVES_POLES:
+                best = 3 if len(candidate.slots) > 1 else 1
+                begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
+        grid = _grid(candidate.slots)
+        listed = [Begin(problem, u, _plain(problem, u)) for u in begins]
+        for near in nears:
+            tried = [v for more in grid for v in self._variants(problem, candidate, np.concatenate([near, more]))]
+            listed.append(min((Begin(problem, u, _plain(problem, u)) for u in tried), key=lambda b: b.cost))
+        return tuple(sorted(listed, key=lambda b: b.cost))
+
+    def _variants(self, problem: Problem, candidate: Candidate, u: Array) -> list[Array]:
+        if candidate.effect == "local_damper":
+            return [_relieved(problem, u)]
+        if candidate.effect == "thermal_drift" and len(self.poles):
+            return [u, start(problem.candidates, u[self.priors :], problem.free, self.poles).u]
+        return [u]
+
+
+def _valleys(tried: list[Begin]) -> list[Begin]:
+    """Those of a row that leave no more than their neighbours."""
+    costs = np.array([np.inf, *(b.cost for b in tried), np.inf])
+    low = (costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:])
+    return [b for b, is_low in zip(tried, low, strict=True) if is_low]
+
+
+def _plain(problem: Problem, u: Array) -> float:
+    """Squares at u as it is: far from the fit no first order says how the rest would adapt."""
+    return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)))
+
+
+def _grid(slots: tuple[Slot, ...]) -> list[Array]:
+    """Coordinates of all combinations of the slots' first values."""
+    grids = np.meshgrid(*([s.coordinate(v) for v in s.starts] for s in slots), indexing="ij")
+    return list(np.stack([g.ravel() for g in grids], axis=-1)) if slots else [np.zeros(0)]
+
+
+def _relieved(problem: Problem, u: Array) -> Array:
+    """The same with each damping ratio less what the damper now does: the fit so far had put it there."""
+    free = problem.free
+    structure = problem.twin(u).structure
+    x, c = structure.dampers[-1]
+    modes = solve(replace(structure, dampers=()))
+    omega = np.abs(modes.poles[: free.modes])
+    phi_squared = np.abs(modes.at(x)[0, : free.modes] ** 2 * 2 * omega)
+    share = c * phi_squared / (2 * omega)
+    zeta = np.maximum(structure.zeta[: free.modes] - share, 0.15 * structure.zeta[: free.modes])
+    damping = free.rig.damping_ratio
+    relieved = u.copy()
+    relieved[3 : 3 + free.modes] = np.log(zeta / damping.guess) / np.log(damping.factor)
+    return relieved
+
+
+_MOVES_POLES = frozenset(
+    {"clamp_rotation", "clamp_translation", "sensor_mass", "added_mass", "stiffness_loss", "ground_spring"}
+    | {"local_damper", "thermal_drift", "clock_error"}
+)

@@ -1,0 +1,1 @@
+"""Estimators that give a search its first poles."""

@@ -1,0 +1,103 @@
+"""The paper's own reading: peaks of the mobility, damping by the half-power rule."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from modallab.core.axis_checks import check_frequencies
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.frf.estimate import convert
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """A local maximum: line index, frequency and the damping ratio half-power reads; NaN where a flank is missing."""
+
+    line: int
+    frequency_hz: float
+    damping_ratio: float
+
+
+def summed_amplitude(frf: Frf) -> Real:
+    """Root of the sum of squares over outputs and inputs (lines,): peaks of all modes in one curve.
+
+    Raises:
+        DataError: no FRF.
+    """
+    # Output by output: an array of all the squares costs more time than its sum.
+    squares = [np.sum(v.real**2 + v.imag**2, axis=0) for v in convert(frf, frf.quantity).values]
+    return np.sqrt(np.sum(squares, axis=0))
+
+
+def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) -> list[Peak]:
+    """Local maxima that stand out by `prominence_db`, each with its half-power damping.
+
+    Raises:
+        DataError: no curve: lengths that differ, frequencies that do not ascend, amplitudes that are none.
+    """
+    _check_curve(frequency_hz, amplitude)
+    level = 20 * np.log10(np.maximum(amplitude, 1e-300))
+    found, _ = signal.find_peaks(level, prominence=prominence_db)
+    return [Peak(int(i), float(frequency_hz[i]), half_power(frequency_hz, amplitude, int(i))) for i in found]
+
+
+def half_power(frequency_hz: Real, amplitude: Real, line: int) -> float:
+    """zeta = (f2 - f1) / (2 f0), f1 and f2 where the amplitude is 1 / sqrt(2) of the peak line's.
+
+    The lines in between are joined by straight ones. NaN if the amplitude does not fall that far on both sides before
+    it rises again.
+
+    Raises:
+        DataError: as for `find_peaks`, or no such line.
+    """
+    _check_curve(frequency_hz, amplitude)
+    if not 0 <= line < amplitude.size:
+        raise DataError(f"there is no line {line} among {amplitude.size}", remedy="count the lines from 0")
+    limit = amplitude[line] / np.sqrt(2)
+    low, high = _crossing(frequency_hz, amplitude, line, -1, limit), _crossing(frequency_hz, amplitude, line, 1, limit)
+    return (high - low) / (2 * float(frequency_hz[line]))
+
+
+def _crossing(frequency_hz: Real, amplitude: Real, line: int, step: int, limit: float) -> float:
+    i = line
+    while 0 <= i + step < amplitude.size:
+        if amplitude[i + step] > amplitude[i]:
+            return float("nan")
+        if amplitude[i + step] <= limit:
+            share = (amplitude[i] - limit) / (amplitude[i] - amplitude[i + step])
+            return float(frequency_hz[i] + share * (frequency_hz[i + step] - frequency_hz[i]))
+        i += step
+    return float("nan")
+
+
+def _check_curve(frequency_hz: Real, amplitude: Real) -> None:
+    check_frequencies(frequency_hz, even=False)
+    if amplitude.shape != frequency_hz.shape or not (np.isfinite(amplitude).all() and np.all(amplitude >= 0)):
+        raise DataError(
+            f"{frequency_hz.shape} frequencies and amplitudes {amplitude.shape} are no curve, or some NaN or negative",
+            remedy="give the amplitude of an FRF at each of its lines",
+        )
+
+
+def reading_near(frequency_hz: Real, amplitude: Real, requested_hz: float) -> float:
+    """Half-power damping ratio of the peak that belongs to a mode at `requested_hz`.
+
+    It climbs from the nearest line to the top of its hill, and reads there.
+
+    Raises:
+        DataError: as for `find_peaks`, or a frequency that is none.
+    """
+    _check_curve(frequency_hz, amplitude)
+    if not np.isfinite(requested_hz):
+        raise DataError(f"there is no mode at {requested_hz} Hz", remedy="give a frequency in Hz")
+    line = int(np.argmin(np.abs(frequency_hz - requested_hz)))
+    while True:
+        best = max((line - 1, line, line + 1), key=lambda i: amplitude[i] if 0 <= i < amplitude.size else -1.0)
+        if best == line:
+            return half_power(frequency_hz, amplitude, line)
+        line = best

@@ -1,0 +1,95 @@
+"""Stabilisation: poles that stay where they are as the order rises belong to the structure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.estimators.plscf import OrderPoles
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """When a pole counts as the same at the next order: distance |d lambda| as a share of |lambda|."""
+
+    frequency: float = 2e-3
+    damping: float = 4e-3
+    max_zeta: float = 0.1
+    min_zeta: float = -2e-3
+    min_run: int = 5
+    min_share: float = 0.25
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StablePole:
+    """A pole found again at rising orders.
+
+    Attributes:
+        pole: rad/s, the median of the run.
+        run: how many orders in a row held it.
+        spread: median absolute deviation of the run's poles, as a share of |pole|.
+    """
+
+    pole: complex
+    run: int
+    spread: float
+
+
+def stable_poles(orders: Sequence[OrderPoles], tolerance: Tolerance | None = None) -> list[StablePole]:
+    """Poles that hold over enough orders in a row, each once, by rising frequency.
+
+    Enough is `min_run`, and `min_share` of all the orders: noise holds for some orders by chance, the more the more
+    orders there are.
+
+    Args:
+        orders: poles by rising order.
+        tolerance: when two poles are the same.
+    """
+    limits = tolerance or Tolerance()
+    open_runs: list[list[complex]] = []
+    closed: list[list[complex]] = []
+    for found in orders:
+        free = list(_plausible(found.poles, limits))
+        continued: list[list[complex]] = []
+        for run in sorted(open_runs, key=len, reverse=True):
+            match = _nearest(run[-1], free, limits)
+            if match is None:
+                closed.append(run)
+            else:
+                free.remove(match)
+                continued.append([*run, match])
+        open_runs = continued + [[pole] for pole in free]
+    closed += open_runs
+    enough = max(limits.min_run, int(limits.min_share * len(orders)))
+    return _distinct([_summary(run) for run in closed if len(run) >= enough], limits)
+
+
+def _plausible(poles: NDArray[np.complex128], limits: Tolerance) -> NDArray[np.complex128]:
+    zeta = -poles.real / np.abs(poles)
+    return poles[(zeta > limits.min_zeta) & (zeta < limits.max_zeta)]
+
+
+def _nearest(pole: complex, candidates: list[complex], limits: Tolerance) -> complex | None:
+    def same(other: complex) -> bool:
+        return abs(other.imag - pole.imag) < limits.frequency * abs(pole) and abs(
+            other.real - pole.real
+        ) < limits.damping * abs(pole)
+
+    near = [c for c in candidates if same(c)]
+    return min(near, key=lambda c: abs(c - pole)) if near else None
+
+
+def _summary(run: list[complex]) -> StablePole:
+    tail: NDArray[np.complex128] = np.array(run[-max(5, len(run) // 2) :], dtype=np.complex128)
+    centre = complex(np.median(tail.real), np.median(tail.imag))
+    return StablePole(centre, len(run), float(np.median(np.abs(tail - centre)) / abs(centre)))
+
+
+def _distinct(poles: list[StablePole], limits: Tolerance) -> list[StablePole]:
+    """Longest runs first; a shorter run beside one already taken is its double."""
+    taken: list[StablePole] = []
+    for candidate in sorted(poles, key=lambda p: p.run, reverse=True):
+        if all(abs(candidate.pole - other.pole) > limits.frequency * abs(other.pole) for other in taken):
+            taken.append(candidate)
+    return sorted(taken, key=lambda p: p.pole.imag)

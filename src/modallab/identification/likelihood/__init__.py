@@ -1,0 +1,1 @@
+"""The likelihood of the unfiltered blocks, and the search for its maximum."""

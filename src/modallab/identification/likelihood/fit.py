@@ -1,0 +1,148 @@
+"""A refined fit, its modal constants with their covariance, and what it says of each block."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.likelihood.basis import columns
+from modallab.identification.likelihood.derivatives import Vectors
+from modallab.identification.likelihood.excitation import Excitation
+from modallab.identification.likelihood.force_noise import force_parts
+from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.projection import GroupSolution, Point, Problem, energy, true_excitation
+from modallab.identification.likelihood.rows import stack, unstack
+from modallab.identification.likelihood.search import Refined
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The end of an identification, with what is needed to regenerate every block.
+
+    `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such.
+    """
+
+    problem: Problem
+    refined: Refined
+    input_points: tuple[int | None, ...]
+    channels: tuple[int, int] | None = None
+
+    @property
+    def point(self) -> Point:
+        """The model at its optimum."""
+        return self.refined.point
+
+    @property
+    def pole_sigma(self) -> Real:
+        """(modes, 2) sigma of omega (rad/s) and zeta."""
+        n = 2 * self.point.parameters.omega.size
+        return np.sqrt(np.diag(self.refined.covariance)[:n]).reshape(-1, 2)
+
+    @cached_property
+    def modal_constants(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """Modal constants A = 2 j omega_d R and their sigma, each (modes, outputs, inputs).
+
+        The receptance of a mode is R / (s - lambda) + conj(R) / (s - conj(lambda)): for a real A this is eq. 13 with
+        viscous damping. The sigma of the real part stands in the real part, that of the imaginary part in the
+        imaginary part; the absolute value is the sigma of the complex number. The two differ: a hit is known less
+        well in its size than in its time.
+        """
+        return _modal_constants(self)
+
+    def regenerated(self, block: int, excitation: Excitation) -> NDArray[np.complex128]:
+        """The model's response (outputs, lines) in a block, at the lines of `excitation`'s grid."""
+        at, problem = self.point.parameters, self.problem
+        found = columns(
+            true_excitation(problem, at, block, excitation),
+            at.omega,
+            at.zeta,
+            None if problem.state_sigma is None else at.state[block],
+            None if problem.drive_sigma is None else complex(at.drive[block]),
+            problem.powers,
+        )
+        coefficients = self.point.groups[problem.blocks[block].group].coefficients
+        return unstack(found.phi @ coefficients)
+
+
+def _modal_constants(fit: Fit) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    at = fit.point.parameters
+    n = at.omega.size
+    values: list[NDArray[np.complex128]] = []
+    sigmas: list[NDArray[np.complex128]] = []
+    for group in fit.point.groups:
+        parts = group.coefficients[: 2 * n].reshape(n, 2, -1)
+        values.append(parts[:, 0] + 1j * parts[:, 1])
+        sigma = np.sqrt(_coefficient_variance(fit, group)[: 2 * n]).reshape(n, 2, -1)
+        # A stands a quarter turn off R.
+        sigmas.append(np.asarray(sigma[:, 1] + 1j * sigma[:, 0], dtype=np.complex128))
+    scale = 2 * poles_of(at.omega, at.zeta).imag[:, None, None]
+    found = (1j * scale * _unfolded(fit, np.stack(values, axis=-1)), scale * _unfolded(fit, np.stack(sigmas, axis=-1)))
+    return found[0].astype(np.complex128), found[1].astype(np.complex128)
+
+
+def _unfolded(fit: Fit, values: NDArray[Any]) -> NDArray[Any]:
+    """(rows, outputs, inputs) from (rows, channels, 1) where FRFs came as such."""
+    return values if fit.channels is None else values.reshape(len(values), *fit.channels)
+
+
+def residuals(fit: Fit) -> Real:
+    """Coefficients (terms, outputs, inputs) of the receptance's residual terms."""
+    n = 2 * fit.point.parameters.omega.size
+    return _unfolded(fit, np.stack([group.coefficients[n:] for group in fit.point.groups], axis=-1))
+
+
+def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:
+    """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
+    inverse = np.linalg.inv(group.r)
+    own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
+    requested, slopes = _slopes_on_q(fit, group)
+    covariance = fit.refined.covariance[np.ix_(requested, requested)]
+    added = np.empty_like(own)
+    for o in range(own.shape[1]):
+        change = inverse @ slopes(o)
+        added[:, o] = np.sum((change @ covariance) * change, axis=1)
+    return own + added
+
+
+def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Callable[[int], Real]]:
+    """Which searched parameters move this input's coefficients, and Q^T (slope of an output) by them."""
+    problem, n_poles = fit.problem, 2 * fit.point.parameters.omega.size
+    rows, width = group.columns[0].phi.shape[0], problem.n_local
+    parts = [group.q[m * rows : (m + 1) * rows].T for m in range(len(group.members))]
+    poles = np.sum([p @ c.poles.values for p, c in zip(parts, group.columns, strict=True)], axis=0)
+    requested = np.concatenate([np.arange(n_poles), *[n_poles + width * i + np.arange(width) for i in group.members]])
+    forces = force_parts(problem, fit.point, group).on_q if problem.force_sigma is not None else None
+    local = [p @ c.local.values if c.local.parameter.size else None for p, c in zip(parts, group.columns, strict=True)]
+
+    def of_output(o: int) -> Real:
+        coefficient = group.coefficients[:, o]
+        found = [_summed(poles, group.columns[0].poles, coefficient, n_poles)]
+        for m, columns_of in enumerate(group.columns):
+            values = local[m]
+            if values is not None:
+                found.append(_summed(values, columns_of.local, coefficient, width))
+            if forces is not None:
+                found.append(forces[m][:, o] * fit.point.noise[o])
+        return np.concatenate(found, axis=1)
+
+    return requested, of_output
+
+
+def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Real:
+    """Columns of `values`, each times its coefficient, summed by parameter: (rows, size)."""
+    if size == 0:
+        return np.zeros((len(values), 0))
+    starts = np.flatnonzero(np.diff(vectors.parameter, prepend=-1))
+    return np.add.reduceat(values * coefficient[vectors.column], starts, axis=1)
+
+
+def response_misfit(fit: Fit) -> Real:
+    """Share (outputs,) of the measured response's energy that the model leaves over."""
+    left = np.sum([energy(g.residual) for g in fit.point.groups], axis=0)
+    there = np.sum([energy(stack(b.response)) for b in fit.problem.blocks], axis=0)
+    return left / np.maximum(there, np.finfo(float).tiny)

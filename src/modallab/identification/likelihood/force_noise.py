@@ -1,0 +1,155 @@
+"""The force channel's noise within a hit, sample by sample, as part of what is searched.
+
+Every sample of the measured hit is off by a little, and the modes ring with that for the whole block: no noise on the
+responses looks like it, and no single modal state does either, for the hit lasts. Each sample's error is a parameter
+with the force channel's noise as its prior. By sample m of block b output o changes by
+
+    H_o(omega) w^m - sum over poles of R_o lambda^p dt z^(N - m) / (1 - z w),
+
+the block's own closed form (see `excitation`) for a unit force at m.
+Source: errors in the variables after Pintelon and Schoukens, "System Identification", 2nd ed. (2012), section 8.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.likelihood.excitation import Excitation, HitExcitation
+from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
+from modallab.identification.likelihood.rows import stack_lines
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ForceParts:
+    """Slopes of one input's blocks by their force samples, in noise units.
+
+    Attributes:
+        slopes: per member (rows, outputs, width).
+        on_q: per member Q^T slopes (columns, outputs, width).
+    """
+
+    slopes: tuple[Real, ...]
+    on_q: tuple[Real, ...]
+
+
+def force_parts(problem: Problem, point: Point, group: GroupSolution) -> ForceParts:
+    """See ForceParts."""
+    rows, width = group.columns[0].phi.shape[0], point.parameters.force.shape[1]
+    structure = _structure(problem, point, group)
+    slopes = tuple(_slopes(problem.blocks[i].excitation, width, structure) for i in group.members)
+    on_q = tuple(
+        (group.q[m * rows : (m + 1) * rows].T @ part.reshape(rows, -1)).reshape(-1, *part.shape[1:])
+        for m, part in enumerate(slopes)
+    )
+    return ForceParts(slopes, on_q)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Structure:
+    """What all hits at one input share, outputs in noise units.
+
+    Attributes:
+        poles: (2 modes,) both of every pair.
+        frf: (lines, outputs).
+        tail: (lines, outputs, 2 modes) what each pole carries beyond the block's end.
+    """
+
+    poles: NDArray[np.complex128]
+    frf: NDArray[np.complex128]
+    tail: NDArray[np.complex128]
+
+
+def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structure:
+    at, grid = point.parameters, _hit(problem.blocks[group.members[0]].excitation).grid
+    poles = poles_of(at.omega, at.zeta)
+    n = 2 * poles.size
+    coefficients = group.coefficients / point.noise
+    parts = coefficients[:n].reshape(poles.size, 2, -1)
+    residue = parts[:, 0] + 1j * parts[:, 1]
+    both, residues = np.concatenate([poles, poles.conj()]), np.concatenate([residue, residue.conj()])
+    s = 1j * grid.omega[:, None]
+    frf = s**grid.p * ((1 / (s - both)) @ residues)
+    for power, term in zip(problem.powers, coefficients[n:], strict=True):
+        frf = frf + s ** (grid.p + power) * term
+    tail = both**grid.p * grid.dt / (1 - np.exp((both - s) * grid.dt))
+    return _Structure(both, frf, tail[:, None, :] * residues.T)
+
+
+def _slopes(excitation: Excitation, width: int, structure: _Structure) -> Real:
+    """(rows, outputs, width), each line's real part above its imaginary part."""
+    hit = _hit(excitation)
+    grid, sample = hit.grid, hit.first + np.arange(width)
+    turn = np.exp(-1j * np.outer(grid.omega * grid.dt, sample))
+    left = np.exp(np.outer(structure.poles, (grid.n - sample) * grid.dt))
+    value = structure.frf[:, :, None] * turn[:, None, :]
+    value -= (structure.tail.reshape(-1, len(left)) @ left).reshape(value.shape)
+    return stack_lines(value)
+
+
+def _hit(excitation: Excitation) -> HitExcitation:
+    if not isinstance(excitation, HitExcitation):
+        raise TypeError("only a hit has force samples")
+    return excitation
+
+
+def force_equations(problem: Problem, point: Point, group: GroupSolution, rest: tuple[Real, Real]) -> tuple[Real, Real]:
+    """J^T J and J^T residual of one input: poles, its members' states, then its members' force samples.
+
+    Args:
+        problem: data and structure.
+        point: where.
+        group: the input.
+        rest: the same of poles and states alone.
+    """
+    parts = force_parts(problem, point, group)
+    width = point.parameters.force.shape[1]
+    n_rest, rows = len(rest[1]), group.columns[0].phi.shape[0]
+    projected = np.concatenate([b.reshape(-1, width) for b in parts.on_q], axis=1)
+    matrix = np.zeros((n_rest + projected.shape[1],) * 2)
+    gradient = np.zeros(len(matrix))
+    matrix[:n_rest, :n_rest], gradient[:n_rest] = rest
+    matrix[n_rest:, n_rest:] = -projected.T @ projected
+    vectors = _Vectors(group, point.noise)
+    for m, (part, own) in enumerate(zip(parts.slopes, parts.on_q, strict=True)):
+        here, place = slice(m * rows, (m + 1) * rows), slice(n_rest + m * width, n_rest + (m + 1) * width)
+        flat = part.reshape(-1, width)
+        matrix[place, place] += flat.T @ flat
+        gradient[place] = flat.T @ (group.residual[here] / point.noise).ravel()
+        matrix[:n_rest, place] = vectors.across(m, part, own)
+        matrix[place, :n_rest] = matrix[:n_rest, place].T
+    return matrix, gradient
+
+
+class _Vectors:
+    """The derivative vectors of poles and states of one input, to be multiplied with slopes by force samples."""
+
+    def __init__(self, group: GroupSolution, noise: Real) -> None:
+        found, rows = group.columns, group.columns[0].phi.shape[0]
+        self._columns, self._n_poles = found, found[0].poles.values.shape[1]
+        self._width = found[0].local.parameter.size
+        q = [group.q[m * rows : (m + 1) * rows] for m in range(len(found))]
+        poles = np.sum([part.T @ c.poles.values for part, c in zip(q, found, strict=True)], axis=0)
+        states = [part.T @ c.local.values for part, c in zip(q, found, strict=True)] if self._width else []
+        self._on_q: Real = np.concatenate([poles, *states], axis=1)
+        column = np.concatenate([found[0].poles.column, *[c.local.column for c in found]])
+        self._weight = (group.coefficients / noise)[column]
+        firsts = np.flatnonzero(np.diff(found[0].poles.parameter, prepend=-1))
+        own = np.flatnonzero(np.diff(found[0].local.parameter, prepend=-1))
+        begin = [self._n_poles + m * self._width + own for m in range(len(found))]
+        self._starts = np.concatenate([firsts, *begin]) if self._width else firsts
+
+    def across(self, member: int, slopes: Real, on_q: Real) -> Real:
+        """J^T J (poles and states, width) with one member's force samples."""
+        rows, _, width = slopes.shape
+        product = -self._on_q.T @ on_q.reshape(len(on_q), -1)
+        found, flat = self._columns[member], slopes.reshape(rows, -1)
+        product[: self._n_poles] += found.poles.values.T @ flat
+        if self._width:
+            begin = self._n_poles + member * self._width
+            product[begin : begin + self._width] += found.local.values.T @ flat
+        across = np.einsum("vow,vo->vw", product.reshape(len(product), -1, width), self._weight)
+        return np.add.reduceat(across, self._starts, axis=0)

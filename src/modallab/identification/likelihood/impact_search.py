@@ -1,0 +1,94 @@
+"""The searches of an impact test: once from the start poles, and again with the modes that were kept."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.hit_blocks import Groups, Hits
+from modallab.identification.likelihood.out_of_band import StartPoles, with_stand_ins
+from modallab.identification.likelihood.projection import Parameters, Problem
+from modallab.identification.likelihood.residual_motion import LEAST, residual_motion_sigma
+from modallab.identification.likelihood.search import FIRST_LOOK, Effort, search
+
+STAND_INS = (1.05,)
+"""A pole that begins at this multiple of the upper edge stands for the modes above."""
+RESIDUAL_POWERS = (-2, 0, 2, 4)
+"""Powers of s for what modes outside the band leave. -2 in a receptance is an acceleration like the force itself: modes
+far above, sampled too slowly, leave some of it, and so does cross-talk. Left out, it passes for damping of the lowest
+mode."""
+START_ZETA, ANY_ZETA = (1e-4, 0.1), (1e-6, 0.5)
+"""Damping ratios that a search may begin at, and those that an estimator may have found."""
+STATES_FIRST = 4
+"""Steps that move only what each block has to itself, where the poles are to stay as an estimator gave them."""
+
+
+def first_look(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+    """The fit after a search from these poles that tells modes from poles that fit noise, and goes no further.
+
+    It ends when a step gains less than one for each pole: on average they then stand within their sigmas. From there on
+    poles that fit noise would only wander.
+
+    Args:
+        unknown: the blocks, and what each has to itself.
+        poles: (modes,) rad/s.
+        groups: the hits by point.
+        band: of the lines.
+    """
+    begin = with_stand_ins(poles, band[1], STAND_INS, START_ZETA)
+    return _from(unknown, begin, groups, Effort(FIRST_LOOK, float(begin.omega.size)))
+
+
+def as_estimated(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
+    """The fit with the poles where the estimator has put them; all else by least squares."""
+    begin = with_stand_ins(poles, band[1], STAND_INS, ANY_ZETA)
+    return _from(unknown, begin, groups, Effort(0, states_first=0 if unknown.at_rest else STATES_FIRST))
+
+
+def _from(unknown: Hits, begin: StartPoles, groups: Groups, effort: Effort) -> Fit:
+    known = unknown.state_sigma
+    sigma = None if known is None else np.repeat(known[:, None], begin.omega.size, axis=1)
+    points = tuple(g[0].block.drive_point for g in groups)
+    force = np.zeros((0, 0)) if unknown.force_sigma is None else np.zeros_like(unknown.force_sigma)
+    state = np.zeros((len(unknown.blocks), begin.omega.size), complex)
+    return _searched(unknown, begin, sigma, (state, force), points, effort)
+
+
+def again(unknown: Hits, fit: Fit, keep: NDArray[np.bool_], band: tuple[float, float]) -> Fit:
+    """The kept modes once more; of a beam that looked at rest with what its sensors cannot have seen."""
+    at = fit.point.parameters
+    poles = -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep]
+    # Where the stand-in has gone to is where it begins, unless it has become a mode of the band.
+    out_of_band = at.omega[-1] / (2 * np.pi * band[1])
+    stand_ins = STAND_INS if keep[-1] or out_of_band < 1 else (float(out_of_band),)
+    begin = with_stand_ins(poles, band[1], stand_ins, START_ZETA)
+    if unknown.state_sigma is None:
+        kept = residual_motion_sigma(fit, unknown.grid, unknown.impulse)[:, keep]
+        nothing = LEAST * np.repeat(unknown.impulse[:, None], begin.stand_ins, axis=1)
+        sigma = np.concatenate([kept, nothing], axis=1)
+    else:
+        sigma = np.repeat(unknown.state_sigma[:, None], begin.omega.size, axis=1)
+    # The states found so far belong to the kept modes still; to begin at nothing again costs many steps.
+    state = np.concatenate([at.state[:, keep], np.zeros((len(at.state), begin.stand_ins), np.complex128)], axis=1)
+    return _searched(unknown, begin, sigma, (state, at.force), fit.input_points, Effort())
+
+
+def _searched(
+    unknown: Hits,
+    begin: StartPoles,
+    state_sigma: NDArray[np.float64] | None,
+    local: tuple[NDArray[np.complex128], NDArray[np.float64]],
+    points: tuple[int | None, ...],
+    effort: Effort,
+) -> Fit:
+    problem = Problem(
+        blocks=unknown.blocks,
+        powers=RESIDUAL_POWERS,
+        n_inputs=len(points),
+        state_sigma=state_sigma,
+        drive_sigma=None,
+        zeta_prior=begin.zeta_prior,
+        force_sigma=unknown.force_sigma,
+    )
+    state, force = local
+    start = Parameters(begin.omega, begin.zeta, state, np.zeros(len(unknown.blocks), complex), force)
+    return Fit(problem, search(problem, start, effort), points)

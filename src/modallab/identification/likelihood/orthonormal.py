@@ -1,0 +1,47 @@
+"""Orthonormal columns of a tall matrix."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import IdentificationError
+
+Real = NDArray[np.float64]
+
+FAR = 0.1
+"""After one pass of Cholesky's the columns must be this near to orthonormal; then the second leaves rounding alone."""
+
+
+def orthonormal(tall: Real) -> tuple[Real, Real]:
+    """Q (rows, columns) with orthonormal columns and R upper triangular with Q R the matrix given.
+
+    By the Gram matrix's Cholesky factor, twice: three times as fast as Householder's reflections where rows are many,
+    and as orthonormal. Columns that hardly differ are left to the reflections.
+    Source: Yamamoto, Nakatsukasa, Yanagisawa, Fukaya, "Roundoff error analysis of the CholeskyQR2 algorithm", ETNA 44
+    (2015).
+
+    Args:
+        tall: (rows, columns) of about unit length, rows at least as many.
+
+    Raises:
+        IdentificationError: fewer rows than columns, or values that are not finite.
+    """
+    if tall.ndim != 2 or not 0 < tall.shape[1] <= tall.shape[0] or not np.isfinite(tall).all():
+        raise IdentificationError(
+            f"columns of shape {tall.shape} cannot be distinguished, or are not finite",
+            remedy="narrow the band to where the force has content, or ask for fewer modes",
+        )
+    try:
+        first = np.linalg.cholesky(tall.T @ tall).T
+        q = tall @ np.linalg.inv(first)
+        gram = q.T @ q
+        if not np.abs(gram - np.eye(len(gram))).max() < FAR:
+            return _by_reflections(tall)
+        second = np.linalg.cholesky(gram).T
+    except np.linalg.LinAlgError:
+        return _by_reflections(tall)
+    return q @ np.linalg.inv(second), second @ first
+
+
+def _by_reflections(tall: Real) -> tuple[Real, Real]:
+    q, r = np.linalg.qr(tall)
+    return q, r

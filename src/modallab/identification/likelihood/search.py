@@ -1,0 +1,174 @@
+"""The maximum-likelihood search for the poles: Levenberg-Marquardt on the projected problem."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from modallab.core.errors import IdentificationError
+from modallab.identification.likelihood.normal_matrix import normal_equations
+from modallab.identification.likelihood.projection import Parameters, Point, Problem, solve_at, with_own_noise
+
+Real = NDArray[np.float64]
+MAX_ITERATIONS = 40
+FIRST_LOOK = 12
+"""Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
+NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
+LEAST_DAMPING = 1e-6
+"""Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
+MAX_ZETA = 0.5
+HIGHEST = 0.98
+"""Share of half the sampling rate that no pole goes beyond."""
+PRIOR_REACH = 2.0
+"""Sigmas by which a damping ratio may leave its prior."""
+MIN_ZETA = 1e-7
+"""A pole that grows would overflow before a long block ends; no structure has one."""
+MAX_MOVE = 0.1
+"""Largest relative change of a frequency, or rise of a damping ratio, in one step."""
+MAX_FALL = 0.75
+"""Share of itself by which a damping ratio falls at most in one step: thrown to nothing it rings through the block."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Refined:
+    """End of a search: the model there, the covariance of all parameters, steps taken, whether it settled."""
+
+    point: Point
+    covariance: Real
+    iterations: int
+    settled: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How long a search goes on.
+
+    Attributes:
+        max_iterations: at most so many steps.
+        tolerance: it ends when a step would lower the cost, a sum of squares in noise units, by less than this: every
+            parameter then stands within sqrt(tolerance) of its sigma.
+        states_first: so many steps move only what each block has to itself, while the poles stay: rough poles would
+            else be led astray by states that are rougher still.
+    """
+
+    max_iterations: int = MAX_ITERATIONS
+    tolerance: float = 0.01
+    states_first: int = 0
+
+
+THOROUGH = Effort()
+
+
+def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Refined:
+    """Minimise the cost from `start`.
+
+    The noise of each output is taken anew from the residuals at every step.
+
+    Args:
+        problem: data and structure.
+        start: where to begin.
+        effort: how long it goes on.
+
+    Raises:
+        IdentificationError: the model's columns cannot be distinguished in these data.
+    """
+    point = solve_at(problem, start)
+    held = 2 * start.omega.size
+    for _ in range(effort.states_first):
+        trial, _ = _descend(problem, point, normal_equations(problem, point), 1e-3, held)
+        point = point if trial is None else with_own_noise(problem, trial)
+    damping = 1e-3
+    for done in range(effort.max_iterations):
+        equations = normal_equations(problem, point)
+        trial, damping = _descend(problem, point, equations, damping, worth=effort.tolerance)
+        if trial is None:
+            return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
+        gain = point.cost - trial.cost
+        point = with_own_noise(problem, trial)
+        if gain < effort.tolerance:
+            return Refined(point, covariance_of(normal_equations(problem, point)[0]), done + 1, settled=True)
+    return Refined(point, covariance_of(normal_equations(problem, point)[0]), effort.max_iterations, settled=False)
+
+
+def _descend(
+    problem: Problem, point: Point, equations: tuple[Real, Real], damping: float, held: int = 0, worth: float = 0.0
+) -> tuple[Point | None, float]:
+    """One step, with the first `held` parameters held; the point it leads to, or None if none is better.
+
+    `equations` are the normal equations there. A step that promises a gain below `worth` is not taken.
+    """
+    matrix, gradient = equations
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    scale[:held] = 0
+    if problem.fixed is not None:
+        scale[: 2 * problem.fixed.size][np.repeat(problem.fixed, 2)] = 0
+    scaled, pull = matrix * np.outer(scale, scale), scale * gradient
+    factor = 4.0
+    for _ in range(10):
+        try:
+            move = linalg.cho_solve(linalg.cho_factor(scaled + damping * np.eye(len(scaled))), pull)
+        except linalg.LinAlgError:
+            # Rounding has made it indefinite: two poles hardly differ.
+            damping = max(10 * damping, 1e-6)
+            continue
+        if move @ pull < worth and damping <= 1e-3:
+            return None, damping
+        after = _solved(problem, _moved(problem, point.parameters, scale * move), point.noise)
+        if after is not None and after.cost <= point.cost:
+            share = (point.cost - after.cost) / max(move @ (pull + damping * move), 1e-300)
+            return after, max(damping * _eased(float(share)), LEAST_DAMPING)
+        damping, factor = damping * factor, 4 * factor
+    return None, damping
+
+
+def _eased(share: float) -> float:
+    """What damping is multiplied by after a step that gave this share of what the quadratic model promised.
+
+    Source: Nielsen, "Damping parameter in Marquardt's method", report IMM-REP-1999-05 (1999).
+    """
+    return max(0.1, 1 - (2 * share - 1) ** 3)
+
+
+def _solved(problem: Problem, trial: Parameters, noise: Real) -> Point | None:
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return solve_at(problem, trial, noise)
+    except IdentificationError:
+        # Two poles have run into each other: a step too far, not the end.
+        return None
+
+
+def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
+    n, n_blocks = at.omega.size, len(problem.blocks)
+    move = step[: 2 * n].reshape(n, 2)
+    # Each pole is held back by itself: one that hardly matters must not slow the others down.
+    omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
+    dt = problem.blocks[0].excitation.grid.dt
+    if dt > 0:
+        # What is sampled tells a pole beyond half the rate from nothing, or from its own alias.
+        omega = np.minimum(omega, HIGHEST * np.pi / dt)
+    # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
+    centre, sigma = problem.zeta_prior.T
+    low, high = np.maximum(centre - PRIOR_REACH * sigma, MIN_ZETA), np.minimum(centre + PRIOR_REACH * sigma, MAX_ZETA)
+    zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), low, high)
+    local = step[2 * n :].reshape(n_blocks, problem.n_local)
+    width = at.force.shape[1]
+    force = at.force + local[:, problem.n_local - width :] if width else at.force
+    parts = local[:, : problem.n_local - width].reshape(n_blocks, -1, 2)
+    parts = parts[..., 0] + 1j * parts[..., 1]
+    n_state = 0 if problem.state_sigma is None else n
+    state = at.state + parts[:, :n] if n_state else at.state
+    drive = at.drive if problem.drive_sigma is None else at.drive + parts[:, n_state]
+    return Parameters(omega, zeta, state, drive, force)
+
+
+def covariance_of(matrix: Real) -> Real:
+    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even where some cannot be told."""
+    # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))
+    # What rounding has made zero or less is not known at all, as between two poles that hardly differ.
+    least = len(values) * np.finfo(float).eps * values[-1]
+    root = vectors * (scale[:, None] / np.sqrt(np.maximum(values, least)))
+    return root @ root.T

@@ -1,0 +1,106 @@
+"""Shapes at unit modal mass, from modal constants and the driving points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shapes:
+    """phi (modes, outputs) at unit modal mass with one sigma, or why there are none."""
+
+    phi: NDArray[np.complex128] | None
+    sigma: NDArray[np.float64] | None
+    unavailable: str
+
+
+def unit_mass_shapes(
+    constants: NDArray[np.complex128],
+    sigma: NDArray[np.float64],
+    output_points: Sequence[int | None],
+    input_points: Sequence[int | None],
+) -> Shapes:
+    """Shapes with A_jk = phi_j phi_k (eq. 13), by least squares over all inputs, weighted by 1 / sigma^2.
+
+    An input without a sensor at its point helps with the shape, but only a driving point gives the modal mass.
+
+    Args:
+        constants: (modes, outputs, inputs) modal constants, kg^-1.
+        sigma: (modes, outputs, inputs) their uncertainty.
+        output_points: point of each output.
+        input_points: point of each input.
+
+    Raises:
+        DataError: constants that are not finite, or do not fit sigma or points.
+    """
+    check_constants(constants, sigma, output_points, input_points)
+    unavailable = why_unavailable(output_points, input_points)
+    if unavailable:
+        return Shapes(None, None, unavailable)
+    rows = [None if p is None else _index(output_points, p) for p in input_points]
+    found = [_one_mode(a, s, rows) for a, s in zip(constants, sigma, strict=True)]
+    return Shapes(np.array([f[0] for f in found]), np.array([f[1] for f in found]), "")
+
+
+def check_constants(
+    constants: NDArray[np.complex128],
+    sigma: NDArray[np.float64],
+    output_points: Sequence[int | None],
+    input_points: Sequence[int | None],
+) -> None:
+    """Reject modal constants that cannot be.
+
+    Raises:
+        DataError: they are not finite, or not (modes, outputs, inputs) of these points and sigmas.
+    """
+    shape = (len(constants), len(output_points), len(input_points))
+    if constants.shape != shape or sigma.shape != shape or not np.isfinite(constants).all():
+        raise DataError(
+            f"modal constants {constants.shape} with sigma {sigma.shape} are not {shape}, or not finite",
+            remedy="give (modes, outputs, inputs) of both, with a point for every output and input",
+        )
+
+
+def why_unavailable(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> str:
+    """Why there can be no shapes at unit modal mass, or "" if there can."""
+    known = [p for p in output_points if p is not None]
+    if len(known) < 2:
+        return "no shapes: fewer than two sensors stand at known points; no modal mass for the same reason"
+    if not any(p is not None and p in known for p in input_points):
+        driven = ", ".join("unknown" if p is None else str(p) for p in input_points)
+        return f"no modal mass: no sensor stands at a driven point (driven: {driven}); put one there"
+    return ""
+
+
+def _index(points: Sequence[int | None], point: int) -> int | None:
+    return list(points).index(point) if point in points else None
+
+
+def _one_mode(
+    a: NDArray[np.complex128], sigma: NDArray[np.float64], rows: Sequence[int | None]
+) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    weight = 1 / np.maximum(sigma, 1e-12 * np.abs(a).max() + 1e-300) ** 2
+    driven = [(k, row) for k, row in enumerate(rows) if row is not None]
+    # The best driving point is the one whose own constant is known best.
+    best, row = max(driven, key=lambda item: np.abs(a[item[1], item[0]]) / sigma[item[1], item[0]])
+    phi = a[:, best] / np.sqrt(a[row, best])
+    for _ in range(20):
+        at_input = np.array(
+            [phi[r] if r is not None else _unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)]
+        )
+        phi = (weight * a) @ at_input.conj() / (weight @ np.abs(at_input) ** 2)
+    at_input = np.array([phi[r] if r is not None else _unseen(a[:, k], phi, weight[:, k]) for k, r in enumerate(rows)])
+    own = (weight @ np.abs(at_input) ** 2) ** -0.5
+    relative = sigma[row, best] / (2 * np.abs(a[row, best]))
+    turned = phi * np.exp(-1j * np.angle(phi[np.argmax(np.abs(phi))]))
+    # Keep the phase that belongs to unit modal mass; only the sign is free.
+    sign = 1.0 if np.real(np.vdot(turned, phi)) >= 0 else -1.0
+    return sign * phi, np.sqrt(own**2 + (np.abs(phi) * relative) ** 2)
+
+
+def _unseen(column: NDArray[np.complex128], phi: NDArray[np.complex128], weight: NDArray[np.float64]) -> np.complex128:
+    return np.sum(weight * phi.conj() * column) / np.sum(weight * np.abs(phi) ** 2)

@@ -1,0 +1,128 @@
+"""Repeated roots: one pole whose modal constants are those of several modes at once.
+
+Modes of equal frequency and damping have one pole, and their modal constants add up to a matrix of as many ranks. Seen
+from one force it is one mode. From several forces its rank tells how many modes there are; their shapes are known as a
+plane, in which any two that span it will do.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from modallab.identification.model.modal_mass import check_constants
+
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+
+SIGMAS = 5.0
+"""A second rank stands above what noise alone gives by this many sigmas."""
+SHARE = 0.02
+"""And is this share of the first at least: less is what the model of the pole leaves over."""
+MORE = 2.0
+"""And, where sensors stand at two driven points or more, so many times what is not reciprocal there."""
+ALIKE = 1e3
+"""Condition from which the driven points move alike in all modes of a pole, and cannot tell how to share the plane."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Split:
+    """Modal constants with repeated roots split up.
+
+    Attributes:
+        pole: (modes,) which pole each mode has, ascending.
+        constants: (modes, outputs, inputs), each of one rank where it was split.
+        sigma: (modes, outputs, inputs) of the constants; of a split one, that of the sum.
+    """
+
+    pole: NDArray[np.int64]
+    constants: Complex
+    sigma: Real
+
+
+def split_repeated(
+    constants: Complex, sigma: Real, output_points: Sequence[int | None], input_points: Sequence[int | None]
+) -> Split:
+    """Each pole's modal constants as those of one mode, or of several if their rank is higher.
+
+    An error of the model raises the rank too, but is not what modes are: reciprocal, with positive constants at the
+    driving points. Where sensors stand at two of them or more, only such a rank counts.
+
+    Where sensors stand at as many driven points, the parts are reciprocal, A_k = phi_k phi_k^T at the driven points,
+    with phi_k orthogonal to one another; else they are the terms of a singular value decomposition.
+
+    Args:
+        constants: (poles, outputs, inputs) kg^-1.
+        sigma: (poles, outputs, inputs) of the complex numbers.
+        output_points: point of each output.
+        input_points: point of each input.
+
+    Raises:
+        DataError: constants that are not finite, or do not fit sigma or points.
+    """
+    check_constants(constants, sigma, output_points, input_points)
+    pole: list[int] = []
+    parts: list[Complex] = []
+    for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
+        driven = _driven(output_points, input_points)
+        rank = _reciprocal_rank(a, _rank(a, s), driven)
+        found = [a] if rank == 1 else _parts(a, rank, driven)
+        pole += [r] * len(found)
+        parts += found
+    index = np.array(pole, dtype=np.int64)
+    return Split(index, np.array(parts).reshape(-1, *constants.shape[1:]), sigma[index])
+
+
+def _rank(a: Complex, sigma: Real) -> int:
+    """How many singular values stand above noise, whose largest is about sigma (sqrt(rows) + sqrt(columns))."""
+    if min(a.shape) < 2 or not np.isfinite(sigma).all():
+        return 1
+    values = np.linalg.svd(a, compute_uv=False)
+    noise = float(np.sqrt(np.mean(sigma**2))) * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
+    return max(1, int(np.sum((values > noise) & (values > SHARE * values[0]))))
+
+
+def _reciprocal_rank(a: Complex, rank: int, driven: list[tuple[int, int]]) -> int:
+    """As many of them as positive eigenvalues stand clear of what is not reciprocal among the driven points."""
+    if rank == 1 or len(driven) < 2:
+        return rank
+    at = a[[o for o, _ in driven]][:, [k for _, k in driven]]
+    values = np.linalg.eigvalsh((at.real + at.real.T) / 2)
+    # Sensors that all look the other way turn every sign.
+    values = values * np.sign(values[np.argmax(np.abs(values))])
+    odd = float(np.linalg.norm(at - at.T, 2)) / 2
+    return max(1, min(rank, int(np.sum(values > max(MORE * odd, 1e-9 * values.max())))))
+
+
+def _driven(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> list[tuple[int, int]]:
+    """(output, input) at each driven point that has a sensor."""
+    outputs = list(output_points)
+    return [(outputs.index(p), k) for k, p in enumerate(input_points) if p is not None and p in outputs]
+
+
+def _parts(a: Complex, rank: int, driven: list[tuple[int, int]]) -> list[Complex]:
+    u, values, vh = np.linalg.svd(a, full_matrices=False)
+    u, right = u[:, :rank], values[:rank, None] * vh[:rank]
+    mix = _reciprocal(u, right, driven)
+    left = u if mix is None else u @ mix
+    forces = right if mix is None else np.linalg.solve(mix, right)
+    return [np.asarray(np.outer(left[:, k], forces[k]), np.complex128) for k in range(rank)]
+
+
+def _reciprocal(u: Complex, right: Complex, driven: list[tuple[int, int]]) -> Complex | None:
+    """X with (U X) and (X^-1 right)^T the same at the driven points: X X^T = G, G from U_d G = right_d^T."""
+    if len(driven) < u.shape[1]:
+        return None
+    at = u[[o for o, _ in driven]]
+    if np.linalg.cond(at) > ALIKE:
+        return None
+    found = np.asarray(np.linalg.lstsq(at, right[:, [k for _, k in driven]].T, rcond=None)[0], np.complex128)
+    root: NDArray[Any] = linalg.sqrtm((found + found.T) / 2)
+    shapes = u @ root
+    # Turned by a real rotation the product stays what it is, and the shapes become orthogonal.
+    _, turn = np.linalg.eigh(np.real(shapes.conj().T @ shapes))
+    mix = np.asarray(root @ turn[:, ::-1], np.complex128)
+    return mix if np.isfinite(mix).all() and np.linalg.cond(mix) < ALIKE else None

@@ -1,0 +1,184 @@
+"""What modal analysis assumes of a structure, as verdicts with numbers: the paper's four, and the driving point's sign.
+
+Linearity (two levels), reciprocity (input and output exchanged), time invariance (first hit against last) and
+proportional damping (real modal constants); at a driving point power can only flow in: Re Y >= 0.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.frf.estimate import convert
+from modallab.identification.selection.criteria import mpd
+
+Assumption = Literal["linearity", "time invariance", "reciprocity", "proportional damping", "driving point"]
+Real = NDArray[np.float64]
+
+CHANGE_LIMIT = 0.05
+"""Share by which two FRFs of one structure may differ: mounting, position and direction of a sensor do as much."""
+PHASE_LIMIT_RAD = 0.1
+SIGMAS = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """One assumption: whether it holds, the number that says so, its limit, and both in words."""
+
+    assumption: Assumption
+    holds: bool
+    value: float
+    limit: float
+    words: str
+
+
+def linearity(low: Frf, high: Frf) -> Verdict:
+    """FRFs of two drive levels: for a linear structure they are one.
+
+    Raises:
+        DataError: the two are not FRFs of the same outputs, inputs and lines.
+    """
+    return _unchanged("linearity", low, high, "The FRFs of the two levels")
+
+
+def time_invariance(first: Frf, last: Frf) -> Verdict:
+    """FRFs from the first and from the last blocks of a test.
+
+    Raises:
+        DataError: as for `linearity`.
+    """
+    return _unchanged("time invariance", first, last, "The first and the last FRFs")
+
+
+def reciprocity(frf: Frf) -> Verdict:
+    """H_jk against H_kj, the worst pair of points at which there is both a sensor and a hit.
+
+    Raises:
+        DataError: no such pair; or no FRF.
+    """
+    values = convert(frf, frf.quantity).values
+    shared = [p for p in frf.input_points if p is not None and p in frf.output_points]
+    place = [(frf.output_points.index(p), frf.input_points.index(p)) for p in shared]
+    pairs = [(a, b) for i, a in enumerate(place) for b in place[:i]]
+    if not pairs:
+        raise DataError(
+            f"no two of the driven points {list(frf.input_points)} hold a sensor",
+            remedy="hit at two points where sensors stand",
+        )
+    away = [_difference(values[a[0], b[1]], values[b[0], a[1]]) for a, b in pairs]
+    noise = [_expected(frf, a, b) for a, b in pairs]
+    worst = int(np.argmax(np.array(away) - SIGMAS * np.array(noise)))
+    return _verdict("reciprocity", away[worst], noise[worst], "FRFs with input and output exchanged")
+
+
+def proportional_damping(model: ModalModel) -> Verdict:
+    """The modal constants' mean phase deviation from a line, the worst mode: zero for proportional damping.
+
+    Raises:
+        DataError: fewer than two outputs, or no mode.
+    """
+    modes, outputs, _ = model.modal_constants.shape
+    if modes == 0 or outputs < 2:
+        raise DataError(
+            f"{modes} modes at {outputs} outputs have no phases to compare", remedy="use two sensors or more"
+        )
+    size = np.abs(model.modal_constants)
+    best = np.argmax(np.sum(size, axis=1), axis=1)
+    columns = np.stack([model.modal_constants[r, :, k] for r, k in enumerate(best)])
+    parts = model.modal_constant_part_sigma
+    of_parts = model.modal_constant_sigma * (1 + 1j) / np.sqrt(2) if parts is None else parts
+    sigma = _across(columns, np.stack([of_parts[r, :, k] for r, k in enumerate(best)]))
+    deviation = mpd(columns)
+    # |A| dphi = sigma for each point; the mean of absolute values of a normal number is sqrt(2 / pi) of it.
+    noise = np.sum(np.nan_to_num(sigma), axis=1) / np.sum(np.abs(columns), axis=1) * np.sqrt(2 / np.pi)
+    limits = np.maximum(PHASE_LIMIT_RAD, SIGMAS * noise)
+    worst = int(np.argmax(deviation - limits))
+    value, limit = float(deviation[worst]), float(limits[worst])
+    words = (
+        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) stand off one phase by "
+        f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
+    )
+    return Verdict("proportional damping", value <= limit, value, limit, words)
+
+
+def _across(values: NDArray[np.complex128], of_parts: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Sigma of complex numbers across their own direction, from that of their real and imaginary parts."""
+    turn = np.angle(values)
+    return np.hypot(np.sin(turn) * of_parts.real, np.cos(turn) * of_parts.imag)
+
+
+def driving_point(frf: Frf) -> Verdict:
+    """Share of the driving points' lines where Re of mobility is below zero by more than its noise.
+
+    A turned sensor, a sensor on another spot or a delay between the channels does that; noise alone rarely.
+
+    Raises:
+        DataError: no sensor at a driven point; or no FRF.
+    """
+    mobility = convert(frf, "mobility")
+    pairs = [
+        (frf.output_points.index(p), k)
+        for k, p in enumerate(frf.input_points)
+        if p is not None and p in frf.output_points
+    ]
+    if not pairs:
+        raise DataError("no sensor stands at a driven point", remedy="put one there")
+    shares: list[float] = []
+    for o, i in pairs:
+        value = mobility.values[o, i]
+        variance = np.zeros(value.size) if mobility.variance is None else mobility.variance[o, i]
+        low = value.real < -np.maximum(SIGMAS * np.sqrt(variance / 2), 1e-3 * np.abs(value).max())
+        shares.append(float(np.mean(low)))
+    worst = max(shares)
+    words = f"Power flows out of a driving point at {100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % may."
+    return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
+
+
+def _unchanged(assumption: Assumption, one: Frf, other: Frf, subject: str) -> Verdict:
+    a, b = convert(one, one.quantity), convert(other, one.quantity)
+    same = a.values.shape == b.values.shape and np.allclose(a.frequency_hz, b.frequency_hz, rtol=1e-6)
+    if not same or a.outputs != b.outputs or a.input_points != b.input_points:
+        raise DataError(
+            f"FRFs of shapes {a.values.shape} and {b.values.shape} are not of one set-up",
+            remedy="give the same outputs, inputs and lines of both",
+        )
+    parts = [(_difference(x, y), _noise_of(a, b, o, i)) for (o, i, x, y) in _each(a.values, b.values)]
+    worst = max(parts, key=lambda p: p[0] - SIGMAS * p[1])
+    return _verdict(assumption, worst[0], worst[1], subject)
+
+
+def _each(
+    a: NDArray[np.complex128], b: NDArray[np.complex128]
+) -> list[tuple[int, int, NDArray[np.complex128], NDArray[np.complex128]]]:
+    return [(o, i, a[o, i], b[o, i]) for o in range(a.shape[0]) for i in range(a.shape[1])]
+
+
+def _difference(x: NDArray[np.complex128], y: NDArray[np.complex128]) -> float:
+    """RMS of the difference as a share of the RMS of the mean."""
+    level = np.sqrt(np.mean(np.abs(x + y) ** 2)) / 2
+    return float(np.sqrt(np.mean(np.abs(x - y) ** 2)) / level) if level > 0 else float("inf")
+
+
+def _noise_of(a: Frf, b: Frf, o: int, i: int) -> float:
+    if a.variance is None or b.variance is None:
+        return 0.0
+    level = np.mean(np.abs(a.values[o, i] + b.values[o, i]) ** 2) / 4
+    return float(np.sqrt(np.mean(a.variance[o, i] + b.variance[o, i]) / level))
+
+
+def _expected(frf: Frf, a: tuple[int, int], b: tuple[int, int]) -> float:
+    if frf.variance is None:
+        return 0.0
+    x, y = frf.values[a[0], b[1]], frf.values[b[0], a[1]]
+    level = np.mean(np.abs(x + y) ** 2) / 4
+    return float(np.sqrt(np.mean(frf.variance[a[0], b[1]] + frf.variance[b[0], a[1]]) / level))
+
+
+def _verdict(assumption: Assumption, value: float, noise: float, subject: str) -> Verdict:
+    limit = max(CHANGE_LIMIT, SIGMAS * noise)
+    words = f"{subject} differ by {100 * value:.2g} % of their level at worst; {100 * limit:.2g} % are allowed."
+    return Verdict(assumption, value <= limit, value, limit, words)

@@ -1,0 +1,86 @@
+"""Modes that the operator picks or drops, over what the automatic selection says."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import IdentificationError
+from modallab.identification.estimators.plscf import OrderPoles
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.options import Options
+from modallab.identification.selection.prune import is_mode
+
+NEAR = 0.02
+"""A mode within this share of the frequency that was said is the one that is meant."""
+FIRST_ZETA = 0.005
+"""Where a picked mode's damping begins if no order holds a pole there."""
+
+
+def start_poles(
+    found: NDArray[np.complex128], orders: Sequence[OrderPoles], options: Options
+) -> NDArray[np.complex128]:
+    """Where the search begins: at the stable poles, or, where the operator has picked modes, at those alone.
+
+    Args:
+        found: (poles,) the stable ones.
+        orders: all poles by order, among which a picked mode that is not stable is looked for.
+        options: with `pick_hz`.
+    """
+    if not options.pick_hz:
+        return found
+    every = np.concatenate([found, *[o.poles for o in reversed(orders)]])
+    poles: list[complex] = []
+    for requested in 2 * np.pi * np.array(sorted(options.pick_hz)):
+        sound = every[(every.real < 0) & (-every.real < 0.2 * np.abs(every))]
+        near = sound[np.abs(np.abs(sound) / requested - 1) < NEAR]
+        stable = near[np.isin(near, found)]
+        use = stable if stable.size else near
+        if use.size:
+            poles.append(complex(use[np.argmin(np.abs(np.abs(use) - requested))]))
+        else:
+            poles.append(complex(-FIRST_ZETA * requested, requested))
+    return np.array(list(dict.fromkeys(poles)))
+
+
+def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: bool) -> NDArray[np.bool_]:
+    """(modes,) which poles are modes: the operator's picks, or the automatic selection without what was dropped.
+
+    Args:
+        fit: a refined fit.
+        band_hz: band of the lines.
+        options: with `pick_hz` and `drop_hz`.
+        first: whether dropped modes are still in the fit.
+
+    Raises:
+        IdentificationError: no pole stands where one was picked, or no mode where one was dropped.
+    """
+    frequency = fit.point.parameters.omega / (2 * np.pi)
+    if options.pick_hz:
+        keep = np.zeros(frequency.size, bool)
+        inside = np.flatnonzero((frequency > band_hz[0]) & (frequency < band_hz[1]))
+        for requested in options.pick_hz:
+            keep[
+                _nearest(frequency, inside, requested, "the fit has no pole there", "leave it out, or widen the band")
+            ] = True
+    elif options.drop_hz and not first:
+        # What the operator has left stays, however much noise the dropped one is for it now.
+        keep = np.isinf(fit.problem.zeta_prior[:, 1]) & (frequency > band_hz[0]) & (frequency < band_hz[1])
+    elif options.refined:
+        keep = is_mode(fit, band_hz)
+    else:
+        # What an estimator says is taken as it says it: there is no covariance to judge it by.
+        keep = (frequency > band_hz[0]) & (frequency < band_hz[1])
+    for unwanted in options.drop_hz if first else ():
+        keep[_nearest(frequency, np.flatnonzero(keep), unwanted, "no mode stands there", "give a frequency found")] = (
+            False
+        )
+    return keep
+
+
+def _nearest(frequency: NDArray[np.float64], among: NDArray[np.int64], requested: float, says: str, remedy: str) -> int:
+    away = np.abs(frequency[among] / requested - 1)
+    if not away.size or away.min() > NEAR:
+        there = ", ".join(f"{f:.4g}" for f in np.sort(frequency[among])) or "none"
+        raise IdentificationError(f"{requested:g} Hz: {says}; there are {there} Hz", remedy=remedy)
+    return int(among[np.argmin(away)])

@@ -1,0 +1,57 @@
+"""Which refined poles are modes, and which only fitted noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.selection.criteria import mac
+
+MIN_SIGNIFICANCE = 5.0
+MAX_ZETA = 0.2
+MAX_FREQUENCY_SIGMA = 2e-3
+MAX_DAMPING_SIGMA = 0.5
+MUCH_WORSE = 3.0
+"""Times the sigma of the better known."""
+ALIKE = 0.5
+"""MAC of two poles' modal constants, over responses and forces, from which they may be one mode."""
+
+
+def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
+    """(modes,) whether a pole stands in the band, is stable, and is known well enough to be called a mode.
+
+    A pole that fits noise has an uncertainty as large as itself: sigma of f above 0.2 %, of zeta above half of zeta, or
+    no modal constant that stands above five of its sigmas.
+    """
+    at, sigma = fit.point.parameters, fit.pole_sigma
+    frequency = at.omega / (2 * np.pi)
+    inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
+    stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
+    known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
+    constants, sigma_of_parts = fit.modal_constants
+    seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma_of_parts), 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
+    good = stable & known & seen
+    double, host = _doubles(fit, constants, good)
+    # Beside its double a mode is hardly known; without it, it will be.
+    return inside & stable & (good | host) & ~double
+
+
+def _doubles(
+    fit: Fit, constants: NDArray[np.complex128], good: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Poles that stand on a better known one, and those they stand on.
+
+    They are nearer than half a half-width, with shapes that cancel, and much worse known or not known at all. One force
+    sees one shape at a frequency. From several, two modes there have modal constants that differ.
+    """
+    at, sigma = fit.point.parameters, fit.pole_sigma
+    likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
+    alike = (likeness > ALIKE) | (len(fit.input_points) == 1)
+    double, host = np.zeros(at.omega.size, bool), np.zeros(at.omega.size, bool)
+    order = np.argsort(sigma[:, 0] / at.omega)
+    for place, i in enumerate(order):
+        for j in order[:place]:
+            near = abs(at.omega[i] - at.omega[j]) < 0.5 * abs(at.zeta[i] * at.omega[i])
+            worse = sigma[i, 0] > MUCH_WORSE * sigma[j, 0] or not good[i]
+            if near and worse and alike[i, j]:
+                double[i] = host[j] = True
+    return double, host & ~double

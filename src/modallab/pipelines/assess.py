@@ -1,0 +1,169 @@
+"""The assumptions of a test, judged on its own records."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Signals
+from modallab.core.errors import DataError, ModallabError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.estimate import impact_frf
+from modallab.frf.stepped import stepped_frf
+from modallab.identification.estimators.tones import fit_tone
+from modallab.identification.impact import LEAK
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.selection.assumptions import (
+    Verdict,
+    driving_point,
+    linearity,
+    proportional_damping,
+    reciprocity,
+    time_invariance,
+)
+from modallab.identification.selection.confidence import confidence, least_strength, strength
+from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
+from modallab.signals.hit import find_hit, windowed_force
+from modallab.verification.assessment import Assessment, assessed
+
+Judge = tuple[str, Callable[[], Verdict]]
+Groups = Sequence[Sequence[Signals]]
+LOUD = 0.01
+FORCE_RATIO = 1.5
+"""Two levels of a hit are two if the harder one is this much harder."""
+
+
+def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Assessment:
+    """Verdicts on the hits: hard against soft, first against last, point against point."""
+
+    # On Re s = sigma, where the block's end cuts nothing off: two hits a sample apart would else seem to differ.
+    shift = float(np.log(LEAK) * groups[0][0].rate_hz / groups[0][0].force.size)
+
+    band = _loud_band(groups, model.band_hz)
+    flat = [s for group in groups for s in group]
+    # What the fit leaves over holds the very change that is looked for; the silence does not.
+    silence = pre_trigger_noise(flat)
+    noise = fit.point.noise if silence is None else silence
+
+    def frf(chosen: Groups) -> Frf:
+        return _with_noise(impact_frf(chosen, rig, band, damping_shift=shift), noise, chosen)
+
+    judges: list[Judge] = [
+        ("linearity", lambda: linearity(*(frf(g) for g in _two_levels(groups)))),
+        ("time invariance", lambda: time_invariance(*(frf(g) for g in _first_and_last(groups)))),
+        ("reciprocity", lambda: reciprocity(frf(groups))),
+        ("driving point", lambda: driving_point(frf(groups))),
+    ]
+    least = least_strength(fit, model_error(fit, flat))
+    return _assessed(model, fit, judges, least)
+
+
+def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Assessment:
+    """Verdicts on the sine blocks: level against level, and the driving point."""
+    judges: list[Judge] = [
+        ("linearity", lambda: linearity(*_by_level(signals, rig))),
+        ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
+        ("reciprocity", _not_in_this_test("a sine test drives one point")),
+        ("driving point", lambda: driving_point(_stepped(signals, rig))),
+    ]
+    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+
+
+def assess_frf(model: ModalModel, fit: Fit, frf: Frf) -> Assessment:
+    """Verdicts on FRFs that came as such."""
+    judges: list[Judge] = [
+        ("linearity", _not_in_this_test("the FRFs are of one level")),
+        ("time invariance", _not_in_this_test("the FRFs are of one time")),
+        ("reciprocity", lambda: reciprocity(frf)),
+        ("driving point", lambda: driving_point(frf)),
+    ]
+    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+
+
+def _assessed(model: ModalModel, fit: Fit, judges: Sequence[Judge], least: float) -> Assessment:
+    verdicts: list[Verdict] = []
+    unjudged: list[tuple[str, str]] = []
+    for name, judge in (*judges, ("proportional damping", lambda: proportional_damping(model))):
+        try:
+            verdicts.append(judge())
+        except ModallabError as error:
+            unjudged.append((name, str(error)))
+    omega = fit.point.parameters.omega / (2 * np.pi)
+    place = [int(np.argmin(np.abs(omega - f))) for f in model.frequency_hz]
+    return assessed(model, tuple(verdicts), tuple(unjudged), confidence(strength(fit)[place], least))
+
+
+def _not_in_this_test(why: str) -> Callable[[], Verdict]:
+    def judge() -> Verdict:
+        raise DataError(why)
+
+    return judge
+
+
+def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, float]:
+    """The band up to where the weakest of the hits has fallen by 20 dB: beyond, one hit alone says little."""
+    top = band_hz[1]
+    for signals in (s for group in groups for s in group):
+        power = np.abs(np.fft.rfft(windowed_force(signals.force, find_hit(signals.force)))) ** 2
+        quiet = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
+        top = min(top, float(quiet[quiet > 2 * band_hz[0]].min(initial=top)))
+    return band_hz[0], top
+
+
+def _two_levels(groups: Groups) -> tuple[Groups, Groups]:
+    soft: list[list[Signals]] = []
+    hard: list[list[Signals]] = []
+    for group in groups:
+        ordered = sorted(group, key=_peak)
+        if len(ordered) > 1 and _peak(ordered[-1]) > FORCE_RATIO * _peak(ordered[0]):
+            soft.append(ordered[:1])
+            hard.append(ordered[-1:])
+    if not soft:
+        raise DataError(
+            f"no two hits at one point differ by more than {FORCE_RATIO:g} in force", remedy="hit softly and hard"
+        )
+    return soft, hard
+
+
+def _peak(signals: Signals) -> float:
+    return float(np.max(np.abs(signals.force)))
+
+
+def _first_and_last(groups: Groups) -> tuple[Groups, Groups]:
+    several = [sorted(g, key=lambda s: s.block.order) for g in groups if len(g) > 1]
+    if not several:
+        raise DataError("every point was hit once", remedy="hit a point again at the end of the test")
+    return [g[:1] for g in several], [g[-1:] for g in several]
+
+
+def _with_noise(frf: Frf, noise: NDArray[np.float64], groups: Groups) -> Frf:
+    """The FRF with the variance that the responses' noise gives it: H1 of K hits has 2 noise^2 / sum |F|^2."""
+    first = groups[0][0]
+    n, rate = first.force.size, first.rate_hz
+    place = np.round(frf.frequency_hz * n / rate).astype(int)
+    window = np.exp(-frf.damping_shift * np.arange(n) / rate)
+    power = [
+        sum(np.abs(np.fft.rfft(window * windowed_force(s.force, find_hit(s.force)))[place]) ** 2 for s in group)
+        for group in groups
+    ]
+    variance = 2 * noise**2 * np.mean(window**2)
+    return replace(frf, variance=variance[:, None, None] / np.stack(power)[None])
+
+
+def _by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
+    levels = sorted({s.block.level for s in signals if s.block.level is not None})
+    if len(levels) != 2:
+        raise DataError(f"the blocks are of {len(levels)} drive levels", remedy="drive at two")
+    by_level = [{s.block.frequency_hz: s for s in signals if s.block.level == level} for level in levels]
+    shared = sorted(f for f in by_level[0] if f is not None and f in by_level[1])
+    if len(shared) < 4:
+        raise DataError(f"{len(shared)} frequencies were driven at both levels", remedy="drive the same at both")
+    one, other = (_stepped([of[f] for f in shared], rig) for of in by_level)
+    return one, replace(other, frequency_hz=one.frequency_hz)
+
+
+def _stepped(signals: Sequence[Signals], rig: Rig) -> Frf:
+    return stepped_frf(signals, [fit_tone(s).fit for s in signals], rig)

@@ -1,0 +1,166 @@
+"""Identifies every test of a campaign and verifies each model."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+from modallab.core.array_checks import check_signals
+from modallab.core.block import Block, Campaign, Signals
+from modallab.core.errors import DataError, ModallabError
+from modallab.core.model import ModalModel
+from modallab.core.units import Test
+from modallab.core.verification import Verification
+from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.frf.stepped import stepped_frf
+from modallab.identification.estimators.peak import identify_peaks
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.impact import default_band, identify_impact
+from modallab.identification.options import Options
+from modallab.identification.sine import fit_tone, identify_sine
+from modallab.pipelines.assess import assess_frf, assess_impact, assess_sine
+from modallab.signals.full_scale import overloaded
+from modallab.signals.scaling import to_signals_of
+from modallab.verification.assessment import Assessment
+from modallab.verification.reservations import doubts
+from modallab.verification.verify import verify_frf, verify_impact, verify_sine
+
+Source = Literal["impact", "sine", "frf"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Identified:
+    """One test's model, its verification and its assessment; none for the peak method: it has no model of the block.
+
+    `index` is the place among the campaign's FRFs of the one it came from.
+    """
+
+    source: Source
+    model: ModalModel
+    verification: Verification | None
+    assessment: Assessment | None = None
+    index: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Unidentified:
+    """A test that gave no model, and why."""
+
+    source: Source
+    error: ModallabError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Result:
+    """What a campaign gave: models, and tests without one."""
+
+    identified: tuple[Identified, ...]
+    unidentified: tuple[Unidentified, ...]
+
+
+def identify_campaign(campaign: Campaign, options: Options, test: Test | None = None) -> Result:
+    """Models of every test in a campaign, or of one.
+
+    Args:
+        campaign: blocks or FRFs, and the rig.
+        options: method, band, order.
+        test: only this test.
+
+    Returns:
+        models, and what a test without one died of: one bad test does not take the other with it.
+
+    Raises:
+        DataError: nothing to identify, or damaged records, when no test gave a model.
+        IdentificationError: no test holds a mode.
+    """
+    found: list[Identified] = []
+    failed: list[Unidentified] = []
+    for source, run in _runs(campaign, options, test):
+        try:
+            found.append(run())
+        except ModallabError as error:
+            failed.append(Unidentified(source, error))
+    if not found and failed:
+        raise failed[0].error
+    if not found:
+        raise DataError(
+            "there is no block to identify" if test is None else f"there is no block of a {test} test",
+            where=campaign.source,
+            remedy="check that the campaign holds impact or sine records",
+        )
+    return Result(tuple(found), tuple(failed))
+
+
+def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple[Source, Callable[[], Identified]]]:
+    runs: list[tuple[Source, Callable[[], Identified]]] = []
+    if campaign.of("impact") and test in (None, "impact"):
+        runs.append(("impact", lambda: _impact(campaign, campaign.of("impact"), options)))
+    if campaign.of("sine") and test in (None, "sine"):
+        runs.append(("sine", lambda: _sine(campaign, campaign.of("sine"), options)))
+    if test is None:
+        runs.extend(("frf", partial(_frf, campaign, i, options)) for i in range(len(campaign.frfs)))
+    return runs
+
+
+def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
+    """The blocks in SI units without those that ran into the converter's full scale, and a note on these.
+
+    Raises:
+        DataError: damaged samples, or no block is left.
+    """
+    force = campaign.rig.force_channel.name
+    for block in blocks:
+        check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
+    clean = [b for b in blocks if not overloaded(b, campaign.rig)]
+    left_out = [b.name for b in blocks if overloaded(b, campaign.rig)]
+    if not clean:
+        raise DataError(
+            f"all {len(blocks)} records run into the converter's full scale",
+            where=campaign.source,
+            remedy="lower the drive or the preamplifiers' gain and record again",
+        )
+    note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
+    return to_signals_of(clean, campaign.rig), note
+
+
+def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
+    return model.model_copy(update={"notes": (*notes, *model.notes)})
+
+
+def _with_doubts(model: ModalModel, assessment: Assessment) -> ModalModel:
+    return model.model_copy(update={"notes": (*model.notes, *doubts(model, assessment.confidence))})
+
+
+def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+    signals, notes = usable(campaign, blocks)
+    groups = group_by_point(signals)
+    if options.as_in_the_paper:
+        frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
+        return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
+    model, fit = identify_impact(signals, campaign.rig, options)
+    assessment = assess_impact(model, fit, groups, campaign.rig)
+    reported = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("impact", reported, verify_impact(model, fit, groups, campaign.rig), assessment)
+
+
+def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+    signals, notes = usable(campaign, blocks)
+    if options.as_in_the_paper:
+        tones = [fit_tone(s) for s in signals]
+        low, high = options.band_hz or (0.0, float("inf"))
+        used = [t for t in tones if low <= t.fit.frequency_hz <= high]
+        frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
+        return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
+    model, fit = identify_sine(signals, campaign.rig, options)
+    assessment = assess_sine(model, fit, signals, campaign.rig)
+    reported = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("sine", reported, verify_sine(model, fit, signals, campaign.rig), assessment)
+
+
+def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
+    frf = campaign.frfs[index]
+    if options.as_in_the_paper:
+        return Identified("frf", identify_peaks(frf, None), None, index=index)
+    model, fit = identify_frf(frf, campaign.rig, options)
+    assessment = assess_frf(model, fit, frf)
+    return Identified("frf", _with_doubts(model, assessment), verify_frf(model, frf), assessment, index)

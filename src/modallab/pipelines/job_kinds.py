@@ -1,0 +1,108 @@
+"""The kinds of job the project knows: identify, report, diagnose. Each is a few lines over the task itself."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pydantic import JsonValue
+
+from modallab.core.block import Campaign
+from modallab.core.errors import StorageError
+from modallab.core.frozen import Frozen
+from modallab.formats.atomic import replacing
+from modallab.gap.diagnose import diagnose
+from modallab.jobs import Computed, Kind, Notify
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import model_document
+from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
+from modallab.pipelines.report import report_content
+from modallab.reporting.gap_report import render as render_gap
+from modallab.reporting.report import render
+from modallab.storage import Store
+from modallab.storage.campaigns import campaign_of
+from modallab.storage.records import ENDED
+
+RESULTS = "results"
+"""Folder of what jobs leave, in the data folder: `results/<attempt>/<file>`."""
+
+Campaigns = Callable[[tuple[str, ...]], Campaign]
+Payload = tuple[Campaign, Any]
+
+
+def kinds(campaigns: Campaigns, folder: Path) -> tuple[Kind, ...]:
+    """All kinds of job.
+
+    Args:
+        campaigns: the recordings that a job's inputs name; `campaigns_of(store)` for runs.
+        folder: the data folder, where results are kept.
+    """
+
+    def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
+        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign, Frozen]:
+            return campaigns(inputs), parse_parameters(name, parameters)
+
+        def keep(attempt: str, computed: Computed) -> JsonValue:
+            return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
+
+        return Kind(name, load, compute, keep, limit_s)
+
+    return kind("identify", _identify, 3600.0), kind("report", _report, 3600.0), kind("diagnose", _diagnose, 4 * 3600.0)
+
+
+def campaigns_of(store: Store) -> Campaigns:
+    """Runs of a data folder, by name, as one campaign."""
+
+    def load(inputs: tuple[str, ...]) -> Campaign:
+        active = [run for run in inputs if store.catalogue.run(run).state not in ENDED]
+        if active:
+            raise StorageError(
+                f"still being recorded: {', '.join(active)}", where=str(store.folder), remedy="wait for the run's end"
+            )
+        return campaign_of(store, inputs)
+
+    return load
+
+
+def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
+    campaign, parameters = payload
+    notify(0.0)
+    return Computed(
+        _plain(model_document(campaign, identify_campaign(campaign, parameters.options(), parameters.test)))
+    )
+
+
+def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
+    campaign, parameters = payload
+    notify(0.0)
+    result = identify_campaign(campaign, parameters.options(), parameters.test)
+    notify(0.7)
+    content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
+    return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
+
+
+def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
+    campaign, parameters = payload
+    notify(0.0)
+    diagnosis = diagnose(campaign, parameters.hold_out)
+    notify(0.9)
+    return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
+
+
+def _plain(document: dict[str, object]) -> JsonValue:
+    # Tuples become lists here rather than in the database, so that a result is the same before and after.
+    return json.loads(json.dumps(document, allow_nan=False))
+
+
+def _keep(folder: Path, attempt: str, blobs: dict[str, bytes]) -> dict[str, JsonValue]:
+    if not blobs:
+        return {}
+    place = folder / RESULTS / attempt
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StorageError(f"cannot be made: {error}", where=str(place), remedy="look at the disk") from error
+    for name, content in blobs.items():
+        with replacing(place / name) as draft:
+            draft.write_bytes(content)
+    return {name: f"{RESULTS}/{attempt}/{name}" for name in blobs}

@@ -1,0 +1,37 @@
+"""A sine test that looks for the decays of the modes the impact test before it has found."""
+
+from collections.abc import Callable
+
+from modallab.core.block import Campaign
+from modallab.core.errors import ModallabError
+from modallab.core.model import ModalModel
+from modallab.core.plan import KnownMode, Plan, SinePlan
+from modallab.identification.options import Options
+from modallab.pipelines.identify import identify_campaign
+
+
+def with_modes(plan: SinePlan, model: ModalModel) -> SinePlan:
+    """The plan, with the modes of a model as those whose decays are looked for."""
+    pairs = zip(model.frequency_hz, model.damping_ratio, strict=True)
+    known = tuple(KnownMode(frequency_hz=float(f), damping_ratio=float(z)) for f, z in pairs if 0 < z < 1)
+    return plan.model_copy(update={"modes": known})
+
+
+def with_known_modes(plan: Plan, recorded: Callable[[], Campaign]) -> Plan:
+    """The plan, with the modes of the impact test that was recorded before it, if it needs them.
+
+    Args:
+        plan: needs them if it lengthens bursts until they have settled (`max_settle_s`), and names no modes itself.
+        recorded: what was recorded so far on this visit; read only if needed.
+
+    Returns:
+        The plan as it was where it needs none, or no impact test gave a model; the test itself then rejects a
+        `max_settle_s` that nothing decides on.
+    """
+    if not isinstance(plan, SinePlan) or plan.max_settle_s is None or plan.modes:
+        return plan
+    try:
+        result = identify_campaign(recorded(), Options(), "impact")
+    except ModallabError:
+        return plan
+    return with_modes(plan, result.identified[0].model)

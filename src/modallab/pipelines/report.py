@@ -1,0 +1,119 @@
+"""A campaign and its models as the content of a report."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab import __version__
+from modallab.core.block import Block, Campaign, Signals
+from modallab.core.frf import Frf
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.frf.estimate import convert, group_by_point, impact_frf
+from modallab.pipelines.diagram import diagram_of
+from modallab.pipelines.identify import Identified, Result, Unidentified, usable
+from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
+from modallab.reporting.figures.selection import example_block
+from modallab.signals.bandpass import bandpass
+from modallab.signals.scaling import remove_mean, to_signals
+
+PAPER_BAND = (3.0, 110.0)
+"""The paper's band-pass: its three lowest bending modes."""
+
+
+def report_content(
+    campaign: Campaign, result: Result, title: str, rejected: Sequence[tuple[Block, str]] = ()
+) -> ReportContent:
+    """Everything the report says of a campaign.
+
+    Args:
+        campaign: blocks and rig.
+        result: models of the tests.
+        title: heading.
+        rejected: hits that were not accepted, each with its reason.
+    """
+    return ReportContent(
+        title=title,
+        campaign=campaign,
+        outcomes=(
+            *(_outcome(campaign, item, rejected) for item in result.identified),
+            *(_without(item) for item in result.unidentified),
+        ),
+        truth=truth_of(campaign),
+        provenance={"modallab": __version__},
+    )
+
+
+def truth_of(campaign: Campaign) -> Truth | None:
+    """The modes a simulated bench says it was built with, if it was one."""
+    frequency = campaign.provenance.get("bench.frequency_hz")
+    damping = campaign.provenance.get("bench.damping_ratio")
+    if frequency is None or damping is None:
+        return None
+    bench = campaign.provenance.get("bench", "the bench")
+    return Truth(np.array(json.loads(frequency)), np.array(json.loads(damping)), f"the simulated bench {bench}")
+
+
+def _outcome(campaign: Campaign, item: Identified, rejected: Sequence[tuple[Block, str]]) -> Outcome:
+    if item.source == "frf":
+        return Outcome(
+            test=None,
+            model=item.model,
+            verification=item.verification,
+            assessment=item.assessment,
+            diagram=diagram_of(campaign, item, _given(campaign, item)),
+        )
+    test: Test = item.source
+    block = example_block(campaign, test)
+    example = None if block is None else to_signals(block, campaign.rig)
+    return Outcome(
+        test=test,
+        model=item.model,
+        frf=_measured(campaign, item),
+        verification=item.verification,
+        example=example,
+        filtered=None if example is None else _filtered(example),
+        hits=_hits(campaign, rejected) if test == "impact" else (),
+        assessment=item.assessment,
+        diagram=diagram_of(campaign, item),
+    )
+
+
+def _given(campaign: Campaign, item: Identified) -> Frf:
+    """The FRF that the model was made from, at the lines of its band."""
+    frf = campaign.frfs[item.index]
+    inside = (frf.frequency_hz >= item.model.band_hz[0]) & (frf.frequency_hz <= item.model.band_hz[1])
+    return replace(
+        frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
+    )
+
+
+def _without(item: Unidentified) -> Outcome:
+    return Outcome(test=None if item.source == "frf" else item.source, missing=str(item.error))
+
+
+def _filtered(signals: Signals) -> NDArray[np.float64] | None:
+    if PAPER_BAND[1] >= signals.rate_hz / 2 or signals.force.size < PAPER_BAND[0] * 100:
+        return None
+    return bandpass(remove_mean(signals.responses), signals.rate_hz, PAPER_BAND)
+
+
+def _measured(campaign: Campaign, item: Identified) -> Frf | None:
+    if item.source != "impact":
+        return None if item.verification is None else item.verification.measured
+    signals, _ = usable(campaign, campaign.of("impact"))
+    groups = group_by_point(signals)
+    return convert(impact_frf(groups, campaign.rig, item.model.band_hz), "mobility")
+
+
+def _hits(campaign: Campaign, rejected: Sequence[tuple[Block, str]]) -> tuple[Hit, ...]:
+    good = [_hit(block, campaign.rig, "") for block in campaign.of("impact")]
+    return (*good, *(_hit(block, campaign.rig, reason) for block, reason in rejected))
+
+
+def _hit(block: Block, rig: Rig, reason: str) -> Hit:
+    force = to_signals(block, rig).force
+    return Hit(block.name, block.drive_point, force, block.rate_hz, accepted=not reason, reason=reason)

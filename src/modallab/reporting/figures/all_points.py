@@ -1,0 +1,82 @@
+"""Measured against regenerated mobility at every point (figure 7 of the paper)."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from modallab.core.frf import Frf
+from modallab.core.verification import Verification
+from modallab.reporting.digits import share
+from modallab.reporting.figures import style
+from modallab.reporting.figures.overview import FEW, positive, unit
+from modallab.reporting.figures.selection import place
+
+Part = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
+"""Amplitude, real part or another part of complex numbers."""
+
+
+def all_points(check: Verification, input_: int = 0) -> Figure:
+    """One panel a point: amplitude of measured and regenerated mobility with their FRAC; thin, the untruncated FRF.
+
+    Args:
+        check: measured and regenerated mobility.
+        input_: which drive point.
+    """
+    n = len(check.measured.outputs)
+    with style.look():
+        figure, axes = style.grid(n, min(3, n), style.Cell(340, 230))
+        for i, panel in enumerate(axes):
+            draw(panel, check, i, input_, np.abs)
+            style.logarithmic(panel)
+            where = place(check.measured.outputs[i], check.measured.output_points[i])
+            style.label(
+                panel,
+                f"{where} · FRAC {share(float(check.frac[i, input_]))}",
+                "frequency [Hz]",
+                f"mobility [{unit(check.measured)}]",
+            )
+        low = min(panel.get_ylim()[0] for panel in axes)
+        high = max(panel.get_ylim()[1] for panel in axes)
+        for panel in axes:
+            panel.set_ylim(low, high)
+        style.legend(figure, axes[0].lines)
+    return figure
+
+
+def draw(axes: Axes, check: Verification, output: int, input_: int, part: Part) -> None:
+    """The three curves of one point, as amplitude, real part or another part of the complex number."""
+    few = check.measured.frequency_hz.size <= FEW
+    curves: tuple[tuple[Frf, str, dict[str, Any]], ...] = (
+        (check.untruncated, "the model, no block", {"color": style.SOFT, "linewidth": 0.7, "linestyle": "-"}),
+        (check.measured, "measured", _measured(few)),
+        (check.regenerated, "regenerated through the same block", _regenerated(few)),
+    )
+    for frf, name, options in curves:
+        values = part(frf.values[output, input_])
+        axes.plot(frf.frequency_hz, positive(values) if part is np.abs else values, label=name, **options)
+    low, high = check.measured.frequency_hz[[0, -1]]
+    edge = 0.012 * (high - low)
+    axes.set_xlim(low - edge, high + edge)
+
+
+def _measured(few: bool) -> dict[str, Any]:
+    if few:
+        return {
+            "color": style.MEASURED,
+            "linestyle": "none",
+            "marker": "o",
+            "markersize": 7,
+            "markerfacecolor": "none",
+            "markeredgewidth": 1.5,
+        }
+    return {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}
+
+
+def _regenerated(few: bool) -> dict[str, Any]:
+    if few:
+        return {"color": style.MODEL, "linestyle": "none", "marker": "x", "markersize": 5, "markeredgewidth": 1.4}
+    return {"color": style.MODEL, "linewidth": 1.5, "linestyle": "--"}

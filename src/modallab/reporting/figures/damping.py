@@ -1,0 +1,136 @@
+"""Damping as identified, beside what the half-power rule can see in a block of this length."""
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from modallab.reporting.compare import Mode, Reading
+from modallab.reporting.digits import plain
+from modallab.reporting.figures import style
+from modallab.verification.pairing import SAME_MODE
+
+PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
+"""Table 1 of the paper: frequency in Hz and what it calls modal damping, as ratios."""
+MANY = 6
+"""More modes than this stand closer together."""
+_PAPER: dict[str, Any] = {
+    "color": style.THIRD,
+    "markerfacecolor": style.PAPER,
+    "markersize": 6.5,
+    "linestyle": "none",
+    "zorder": 4,
+}
+_MARKS = {"impact": "o", "sine": "s", None: "o"}
+
+
+def damping(modes: Sequence[Mode]) -> Figure:
+    """One row a mode on a logarithmic scale of damping, one bar a test.
+
+    The grey bar reaches up to the floor of the half-power rule: what it reads for a mode inside lies at the bar's end,
+    whatever the beam does.
+
+    Args:
+        modes: matched over the tests, with the truth where it is known.
+    """
+    height = 62 if len(modes) <= MANY else 42
+    with style.look():
+        figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + height * max(len(modes), 1)))
+        values: list[float] = []
+        for row, mode in enumerate(modes):
+            values += _row(axes, -row, mode)
+        _scale(axes, values)
+        axes.set_yticks(range(0, -len(modes), -1), [f"mode {m.number}\n{plain(m.frequency_hz, 3)} Hz" for m in modes])
+        axes.set_ylim(-len(modes) + 0.4, 0.6)
+        axes.grid(axis="y", visible=False)
+        style.label(axes, "Damping ratio of each mode", "damping ratio ζ [%]", "")
+        style.legend(figure, _key(modes))
+    return figure
+
+
+def paper_value(mode: Mode) -> float | None:
+    """What the paper's Table 1 gives for this mode, if it is one of its three by frequency."""
+    return next((value for f, value in PAPER if abs(mode.frequency_hz - f) <= SAME_MODE * f), None)
+
+
+def _row(axes: Axes, y: float, mode: Mode) -> list[float]:
+    values: list[float] = []
+    n = len(mode.readings)
+    for place, reading in enumerate(mode.readings):
+        height = 0.56 / n
+        centre = y + 0.28 - height * (place + 0.5)
+        values += _bar(axes, centre, height * (0.9 if n > 1 else 1.0), reading)
+        values += _identified(axes, centre, reading.damping, reading.damping_sigma, _MARKS[reading.test])
+    paper = paper_value(mode)
+    if paper is not None:
+        values += [50 * paper, 100 * paper]
+        axes.plot([50 * paper, 100 * paper], [y - 0.4] * 2, "^", **_PAPER)
+    if isfinite(mode.true_damping):
+        values.append(100 * mode.true_damping)
+        axes.vlines(100 * mode.true_damping, y - 0.36, y + 0.36, color=style.SECOND, linewidth=2.2, zorder=3)
+    return values
+
+
+def _bar(axes: Axes, y: float, height: float, reading: Reading) -> list[float]:
+    values: list[float] = []
+    floor = 100 * reading.half_power_floor
+    if isfinite(floor) and floor > 0:
+        values.append(floor)
+        axes.barh(y, floor, height=height, left=1e-9, color=style.SHADE, zorder=1)
+        axes.vlines(floor, y - height / 2, y + height / 2, color=style.SOFT, linewidth=2, zorder=2)
+    if isfinite(reading.half_power) and reading.half_power > 0:
+        values.append(100 * reading.half_power)
+        axes.plot(100 * reading.half_power, y, "D", color=style.WARNING, markersize=6.5, zorder=4)
+    return values
+
+
+def _identified(axes: Axes, y: float, zeta: float, sigma: float, marker: str) -> list[float]:
+    if not (isfinite(zeta) and zeta > 0):
+        return []
+    error = [[100 * min(sigma, 0.9 * zeta)], [100 * sigma]] if isfinite(sigma) else None
+    hollow = marker != "o"
+    axes.errorbar(
+        100 * zeta,
+        y,
+        xerr=error,
+        fmt=marker,
+        color=style.MEASURED,
+        markerfacecolor=style.PAPER if hollow else style.MEASURED,
+        markersize=7,
+        capsize=4,
+        zorder=5,
+    )
+    return [100 * zeta]
+
+
+def _scale(axes: Axes, values: list[float]) -> None:
+    known = [v for v in values if v > 0] or [0.1, 10.0]
+    axes.set_xlim(min(known) / 2, max(known) * 2)
+    style.logarithmic(axes, "x")
+
+
+def _key(modes: Sequence[Mode]) -> list[Line2D | Patch]:
+    tests = list(dict.fromkeys(r.test for m in modes for r in m.readings))
+    handles: list[Line2D | Patch] = [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=_MARKS[test],
+            color=style.MEASURED,
+            markerfacecolor=style.PAPER if _MARKS[test] != "o" else style.MEASURED,
+            label=f"identified, {test or 'FRFs'} ± σ",
+        )
+        for test in tests
+    ]
+    handles.append(Line2D([], [], linestyle="none", marker="D", color=style.WARNING, label="half-power reading"))
+    handles.append(Patch(facecolor=style.SHADE, label="below the resolution"))
+    if any(paper_value(m) is not None for m in modes):
+        handles.append(Line2D([], [], marker="^", label="the paper's Table 1, read both ways", **_PAPER))
+    if any(isfinite(m.true_damping) for m in modes):
+        handles.append(Line2D([], [], color=style.SECOND, linewidth=2.2, label="truth"))
+    return handles

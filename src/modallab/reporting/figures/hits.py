@@ -1,0 +1,73 @@
+"""Every hit of the hammer, counted or rejected."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from modallab.reporting.content import Hit
+from modallab.reporting.figures import style
+from modallab.reporting.figures.overview import positive, spread
+
+BEFORE_S, AFTER_S = 0.005, 0.04
+
+
+def hits(hits: Sequence[Hit], band_hz: tuple[float, float]) -> Figure:
+    """The force pulses, laid over one another at their peaks, and their spectra.
+
+    Args:
+        hits: all hits, the rejected ones are drawn dashed.
+        band_hz: band of the test, shaded in the spectra: there a hit must have force.
+    """
+    points = sorted({h.point for h in hits if h.accepted}, key=lambda p: -1 if p is None else p)
+    colours = dict(zip(points, spread(len(points)) if points else [], strict=True))
+    with style.look():
+        figure, (pulse, spectrum) = style.grid(2, 2)
+        for hit in hits:
+            options = _options(hit, colours)
+            time, force = cut(hit)
+            pulse.plot(time * 1e3, force, **options)
+            frequency, height = impulse(hit)
+            spectrum.plot(frequency[1:], positive(height)[1:], **options)
+        style.label(pulse, "Force pulses", "time from the peak [ms]", "force [N]")
+        top = max(impulse(h)[1][1:].max() for h in hits)
+        style.logarithmic(spectrum)
+        spectrum.set_ylim(top / 3e3, top * 2)
+        spectrum.axvspan(*band_hz, color=style.SHADE, zorder=0, linewidth=0)
+        spectrum.set_xlim(0, min(6 * band_hz[1], hits[0].rate_hz / 2))
+        style.label(spectrum, "Spectra, band of the test shaded", "frequency [Hz]", "impulse density [N·s]")
+        style.legend(figure, _key(hits, colours))
+    return figure
+
+
+def cut(hit: Hit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Time from the peak in s and force in N, from just before to just after the contact."""
+    peak = int(np.argmax(np.abs(hit.force_n)))
+    first = max(peak - round(BEFORE_S * hit.rate_hz), 0)
+    last = min(peak + round(AFTER_S * hit.rate_hz) + 1, hit.force_n.size)
+    return (np.arange(first, last) - peak) / hit.rate_hz, hit.force_n[first:last]
+
+
+def impulse(hit: Hit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies in Hz and the amplitude of the force's Fourier transform in N s."""
+    n = hit.force_n.size
+    return np.fft.rfftfreq(n, 1 / hit.rate_hz).astype(np.float64), np.abs(np.fft.rfft(hit.force_n)) / hit.rate_hz
+
+
+def _options(hit: Hit, colours: dict[int | None, str]) -> dict[str, Any]:
+    if hit.accepted:
+        return {"color": colours[hit.point], "linewidth": 1.3}
+    return {"color": style.WARNING, "linewidth": 1.1, "linestyle": "--"}
+
+
+def _key(hits: Sequence[Hit], colours: dict[int | None, str]) -> list[Line2D]:
+    lines = [
+        Line2D([], [], color=colour, label="counted" if point is None else f"counted, point {point}")
+        for point, colour in colours.items()
+    ]
+    if any(not h.accepted for h in hits):
+        lines.append(Line2D([], [], color=style.WARNING, linestyle="--", label="rejected"))
+    return lines

@@ -1,0 +1,95 @@
+"""The mode shapes with their uncertainty (figure 6 of the paper)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.reporting.digits import plain
+from modallab.reporting.figures import style
+from modallab.reporting.figures.shape_data import Shape, line, shape
+from modallab.verification.pairing import nearest
+
+_MARKS = (("o", style.MEASURED), ("s", style.MODEL))
+
+
+def mode_shapes(models: Sequence[ModalModel], rig: Rig) -> Figure | None:
+    """One panel a mode of the first model with shapes; a second test's shapes lie beside them.
+
+    Args:
+        models: one a test, two at most are drawn.
+        rig: for the places of the sensors and the clamp.
+
+    Returns:
+        the figure, or None if no model has shapes at known places.
+    """
+    drawable = [m for m in models if m.n_modes and shape(m, 0, rig) is not None][:2]
+    if not drawable:
+        return None
+    first = drawable[0]
+    with style.look():
+        figure, axes = style.grid(first.n_modes, min(3, first.n_modes), style.Cell(340, 250))
+        for mode, panel in enumerate(axes):
+            reference = shape(first, mode, rig)
+            for model, mark in zip(drawable, _MARKS, strict=False):
+                found = _partner(first, mode, model, rig)
+                if found is not None and reference is not None:
+                    _draw(panel, _aligned(found, reference), mark, rig)
+            _frame(panel, rig)
+            style.label(panel, f"Mode {mode + 1} · {plain(float(first.frequency_hz[mode]))} Hz", "x [m]", "φ [kg⁻¹ᐟ²]")
+        style.legend(figure, [_key(model, mark) for model, mark in zip(drawable, _MARKS, strict=False)])
+    return figure
+
+
+def _partner(first: ModalModel, mode: int, model: ModalModel, rig: Rig) -> Shape | None:
+    place = mode if model is first else nearest(first.frequency_hz, model.frequency_hz)[mode]
+    return None if place is None else shape(model, place, rig)
+
+
+def _aligned(found: Shape, reference: Shape) -> Shape:
+    # Two nearly equal extremes can give two tests opposite signs: the first test's sign holds.
+    product = np.interp(reference.x_m, found.x_m, found.phi) @ reference.phi
+    return found if product >= 0 else replace(found, phi=-found.phi, quadrature=-found.quadrature)
+
+
+def _draw(axes: Axes, found: Shape, mark: tuple[str, str], rig: Rig) -> None:
+    symbol, colour = mark
+    hollow = symbol != "o"
+    axes.plot(*line(found.x_m, found.phi, rig.model == "cantilever"), color=colour, linewidth=0.9, alpha=0.7)
+    axes.errorbar(
+        found.x_m,
+        found.phi,
+        yerr=np.where(np.isfinite(found.sigma), found.sigma, 0.0),
+        fmt=symbol,
+        color=colour,
+        markerfacecolor="none" if hollow else colour,
+        markersize=8 if hollow else 4.5,
+        elinewidth=1.4,
+        capsize=3,
+    )
+
+
+def _key(model: ModalModel, mark: tuple[str, str]) -> Line2D:
+    symbol, colour = mark
+    fill = colour if symbol == "o" else "none"
+    name = f"{model.test} test" if model.test else "FRFs"
+    return Line2D([], [], color=colour, marker=symbol, markerfacecolor=fill, linewidth=0.9, label=f"{name}, ± 1 σ")
+
+
+def _frame(axes: Axes, rig: Rig) -> None:
+    axes.axhline(0, color=style.SOFT, linewidth=0.9, zorder=1)
+    if rig.model != "cantilever" or rig.beam is None:
+        return
+    length, (low, high) = rig.beam.length_m, axes.get_ylim()
+    reach = max(-low, high)
+    clamp = Rectangle((-0.03 * length, -reach / 3), 0.03 * length, 2 * reach / 3, hatch="////", linewidth=0)
+    clamp.set(facecolor="none", edgecolor=style.SOFT, label="_clamp")
+    axes.add_patch(clamp)
+    axes.plot([0, 0], [-reach / 3, reach / 3], color=style.SOFT, linewidth=1.6)
+    axes.set_xlim(-0.04 * length, 1.03 * length)

@@ -1,0 +1,72 @@
+"""Mode shapes made ready to be drawn: real, with one sign, along the beam."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.reporting.figures.selection import position
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shape:
+    """One mode shape along the beam.
+
+    Attributes:
+        x_m: (n,) places of the sensors, ascending.
+        phi: (n,) real part at unit modal mass in kg^-1/2, after a turn of the phase that makes it as real as can be.
+        quadrature: (n,) imaginary part after that turn: what moves a quarter of a period late.
+        sigma: (n,) standard deviation, NaN where not known.
+        skew_deg: mean angle, weighted by the squared amplitude, by which points move out of step.
+    """
+
+    x_m: NDArray[np.float64]
+    phi: NDArray[np.float64]
+    quadrature: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    skew_deg: float
+
+
+def shape(model: ModalModel, mode: int, rig: Rig) -> Shape | None:
+    """One mode's shape, the point with the largest motion positive; None if shapes or places are not known."""
+    if model.shapes is None:
+        return None
+    x = np.array([position(rig, name) for name in model.outputs])
+    phi = np.asarray(model.shapes[mode])
+    order = np.argsort(x, kind="stable")
+    known = order[np.isfinite(x[order]) & np.isfinite(phi[order])]
+    if known.size < 2:
+        return None
+    sigma = np.full(phi.shape, np.nan) if model.shape_sigma is None else model.shape_sigma[mode]
+    turned = straighten(phi[known])
+    return Shape(x[known], turned.real, turned.imag, sigma[known], _skew_deg(turned))
+
+
+def straighten(phi: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The shape turned in phase until its imaginary part is least, and the largest component positive."""
+    turn = np.exp(-0.5j * np.angle(np.sum(phi**2)))
+    turned = phi * turn
+    return turned * np.sign(turned.real[np.argmax(np.abs(turned))] or 1.0)
+
+
+def line(x_m: NDArray[np.float64], phi: NDArray[np.float64], clamped: bool, n: int = 60) -> NDArray[np.float64]:
+    """(2, n) smooth curve through the points, for the eye only; it starts at the clamp if there is one.
+
+    No slope is forced at the clamp: whether it is rigid is a question, not a fact.
+    """
+    if clamped and x_m[0] > 0:
+        x_m, phi = np.concatenate([[0.0], x_m]), np.concatenate([[0.0], phi])
+    places, keep = np.unique(x_m, return_index=True)
+    fine = np.linspace(places[0], places[-1], n)
+    if places.size < 4:
+        return np.array([fine, np.interp(fine, places, phi[keep])])
+    return np.array([fine, CubicSpline(places, phi[keep], bc_type="not-a-knot")(fine)])
+
+
+def _skew_deg(phi: NDArray[np.complex128]) -> float:
+    weight = np.abs(phi) ** 2
+    angle = np.arctan2(np.abs(phi.imag), np.abs(phi.real))
+    return float(np.rad2deg((weight * angle).sum() / weight.sum())) if weight.sum() > 0 else 0.0

@@ -1,0 +1,97 @@
+"""Stabilisation diagram, CMIF and MIF over one frequency axis."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from modallab.identification.selection.diagram import IN_FREQUENCY, NEW, STABLE, Diagram
+from modallab.reporting.figures import style
+from modallab.reporting.figures.overview import FEW, positive
+
+MOST_ORDERS = 40
+"""Of more orders every second, third ... is drawn: more marks than these are a smear, and a page of many MB."""
+MOST_CURVES = 3
+
+_MARKS: dict[int, tuple[str, str, str, float]] = {
+    NEW: ("x", style.SOFT, "pole not seen at the order below", 4.0),
+    IN_FREQUENCY: ("^", style.MODEL, "frequency holds", 4.5),
+    STABLE: ("o", style.MEASURED, "frequency and damping hold", 4.5),
+}
+_CURVES = (style.MEASURED, style.MODEL, style.THIRD)
+
+
+def stabilisation(diagram: Diagram, modes_hz: NDArray[np.float64], counted: str = "order") -> Figure:
+    """Three panels: poles by order, CMIF, and MIF.
+
+    Args:
+        diagram: the poles of all orders, and the indicators.
+        modes_hz: (modes,) the model's frequencies, marked in every panel.
+        counted: what the order counts.
+    """
+    with style.look():
+        figure, axes = style.grid(3, 2, style.Cell(460, 300))
+        _poles(axes[0], diagram, counted)
+        _indicators(axes[1], axes[2], diagram)
+        for panel in axes:
+            panel.set_xlim(float(diagram.line_hz[0]), float(diagram.line_hz[-1]))
+            for mode in modes_hz:
+                panel.axvline(float(mode), color=style.SECOND, linewidth=0.9, linestyle="--", zorder=0)
+        style.legend(figure, _key(diagram))
+    return figure
+
+
+def _poles(axes: Axes, diagram: Diagram, counted: str) -> None:
+    drawn = _drawn(diagram.order)
+    for standing, (marker, colour, _, size) in _MARKS.items():
+        here = drawn & (diagram.standing == standing)
+        axes.plot(
+            diagram.frequency_hz[here],
+            diagram.order[here],
+            linestyle="none",
+            marker=marker,
+            color=colour,
+            markerfacecolor=colour if marker == "o" else "none",
+            markersize=size,
+        )
+    style.label(axes, "Stabilisation diagram", "frequency [Hz]", f"{counted} [1]")
+    axes.set_ylim(0, float(diagram.order.max(initial=1)) * 1.04)
+
+
+def _drawn(order: NDArray[np.int64]) -> NDArray[np.bool_]:
+    every = np.unique(order)
+    return np.isin(order, every[:: max(1, -(-every.size // MOST_ORDERS))])
+
+
+def _indicators(above: Axes, below: Axes, diagram: Diagram) -> None:
+    marker = "o" if diagram.line_hz.size <= FEW else ""
+    for i, colour in list(enumerate(_CURVES))[:MOST_CURVES]:
+        for axes, curves in ((above, diagram.cmif), (below, diagram.mmif)):
+            if i < len(curves):
+                axes.plot(
+                    diagram.line_hz, positive(curves[i]), color=colour, marker=marker, markersize=3, linewidth=1.2
+                )
+    style.logarithmic(above)
+    style.label(above, "CMIF", "frequency [Hz]", "squared singular value [m²/(N·s)²]")
+    style.label(below, "MIF" if len(diagram.mmif) == 1 else "Multivariate MIF", "frequency [Hz]", "in-phase share [1]")
+    below.set_ylim(0, 1.03)
+
+
+def _key(diagram: Diagram) -> list[Line2D]:
+    handles = [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=marker,
+            color=colour,
+            markerfacecolor=colour if marker == "o" else "none",
+            label=says,
+        )
+        for marker, colour, says, _ in _MARKS.values()
+    ]
+    several = max(len(diagram.cmif), len(diagram.mmif)) > 1
+    curves = ("first curve", "second", "third") if several else ("indicator",)
+    handles += [Line2D([], [], color=c, label=t) for c, t in zip(_CURVES, curves, strict=False)]
+    return [*handles, Line2D([], [], color=style.SECOND, linestyle="--", label="mode of the model")]

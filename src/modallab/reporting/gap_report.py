@@ -1,0 +1,144 @@
+"""The report of a diagnosis: one HTML file that a person understands at once."""
+
+from importlib.resources import files
+from pathlib import Path
+
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.effects import kind_of
+from modallab.formats.atomic import replacing
+from modallab.gap.report.summary import sentence
+from modallab.reporting.figures import style
+from modallab.reporting.figures.gap_pictures import bench_picture, pair_bars, shrink_bar
+from modallab.reporting.markup import Markup, table, tag, trusted
+
+
+def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> None:
+    """Write the report. The file is whole or, after an error, as it was before.
+
+    Raises:
+        StorageError: the file can't be written.
+    """
+    text = render(diagnosis, campaign)
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
+    """The whole page as text."""
+    title = f"The gap of {campaign.rig.name}"
+    main = tag(
+        "main",
+        _place(diagnosis, campaign),
+        _effects(diagnosis),
+        _shrink(diagnosis),
+        _evidence(diagnosis),
+        _split(diagnosis),
+        _next(diagnosis),
+    )
+    head = tag("header", tag("h1", title), tag("p", sentence(diagnosis), class_="lead"))
+    return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{tag("body", head, main)}</html>\n'
+
+
+def _head(title: str) -> Markup:
+    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
+    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
+    colours = f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"
+    return tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("title", title),
+        tag("style", trusted(colours + sheet)),
+    )
+
+
+def _section(heading: str, *parts: str | None) -> Markup:
+    return tag("section", tag("h2", heading), *parts)
+
+
+def _plate(picture: Markup, caption: str) -> Markup:
+    return tag("figure", tag("div", picture, class_="scroll"), tag("figcaption", caption), class_="plate")
+
+
+def _place(diagnosis: Diagnosis, campaign: Campaign) -> Markup:
+    where = diagnosis.where
+    if where.stage is None:
+        said = "Nothing stands out: what is left is noise."
+    else:
+        channels = ", ".join(where.channels) if where.channels else "no single channel"
+        at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
+        said = f"Stage: {where.stage}{at}. Channels: {channels}. Seen in: {' and '.join(where.tests) or 'no test'}."
+    why = tag("ul", *(tag("li", w) for w in where.why)) if where.why else None
+    return _section("Where it lies", _plate(bench_picture(campaign.rig, where), said), why)
+
+
+def _effects(diagnosis: Diagnosis) -> Markup | None:
+    if not diagnosis.effects:
+        return None
+    rows: list[list[str]] = []
+    for found in diagnosis.effects:
+        kind = kind_of(found.effect)
+        for parameter in kind.parameters:
+            low, high = found.interval.get(parameter.name, (float("nan"), float("nan")))
+            rows.append(
+                [
+                    found.effect.replace("_", " "),
+                    f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}",
+                    f"{found.parameters[parameter.name]:.5g}",
+                    f"{low:.5g} to {high:.5g}",
+                    f"{found.probability:.2f}",
+                ]
+            )
+        if not kind.parameters:
+            rows.append([found.effect.replace("_", " "), str(found.place), "", "", f"{found.probability:.2f}"])
+    head = ["effect", "parameter", "value", "95 % interval", "probability"]
+    return _section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
+
+
+def _shrink(diagnosis: Diagnosis) -> Markup | None:
+    shrink = diagnosis.shrink
+    if shrink.closed is None:
+        return None
+    said = (
+        f"Share of the reducible gap that the effect closes on {len(shrink.held_out)} records no fit has seen: from "
+        f"{shrink.before:.3g} to {shrink.after:.3g} noise units. The whisker is the 95 % interval by bootstrap."
+    )
+    return _section("How far it shrinks", _plate(shrink_bar(shrink), said))
+
+
+def _evidence(diagnosis: Diagnosis) -> Markup | None:
+    if not diagnosis.candidates:
+        return None
+    rows = [
+        [" and ".join(c.effects).replace("_", " "), f"{c.gap:.2f}", f"{c.probability:.3f}"]
+        for c in diagnosis.candidates
+    ]
+    head = ["explanation", "gap it leaves (noise units)", "probability"]
+    return _section("The candidates", table("Explanations that were fitted to the end", head, rows, numeric=(1, 2)))
+
+
+def _split(diagnosis: Diagnosis) -> Markup:
+    gap = diagnosis.gap
+    picture = pair_bars(gap.by_channel, gap.after_by_channel)
+    said = (
+        "Rms residual of each channel in noise units, on a logarithmic scale: before, and with the effects; 1 is noise."
+    )
+    bands = [[f"{k} Hz", f"{v:.1%}"] for k, v in gap.by_band.items()]
+    tests = [[k, f"{v:.3g}"] for k, v in {**gap.by_test, **gap.by_level, **gap.by_order}.items()]
+    return _section(
+        "The residual, before and after",
+        _plate(picture, said),
+        tag(
+            "div",
+            table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
+            table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
+            class_="pair",
+        ),
+    )
+
+
+def _next(diagnosis: Diagnosis) -> Markup:
+    notes = tag("ul", *(tag("li", n) for n in diagnosis.notes)) if diagnosis.notes else None
+    return _section("What to do next", tag("p", diagnosis.next_experiment), notes)

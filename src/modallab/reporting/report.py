@@ -1,0 +1,89 @@
+"""The report: one HTML file that holds everything it shows."""
+
+from importlib.resources import files
+from pathlib import Path
+
+from modallab.formats.atomic import replacing
+from modallab.reporting.compare import modes
+from modallab.reporting.content import ReportContent
+from modallab.reporting.figures import style
+from modallab.reporting.markup import Markup, tag, trusted
+from modallab.reporting.sections import (
+    assumptions,
+    half_power,
+    model,
+    provenance,
+    rig,
+    shapes,
+    signals,
+    start,
+    summary,
+    verification,
+)
+from modallab.reporting.sections import modes as table_of_modes
+from modallab.reporting.sections.section import Section
+
+
+def write_report(path: Path, content: ReportContent) -> None:
+    """Write the report. The file is whole or, after an error, as it was before.
+
+    Raises:
+        StorageError: the file can't be written.
+    """
+    text = render(content)
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def render(content: ReportContent) -> str:
+    """The whole page as text."""
+    found = modes(content.models, content.truth, content.confidence)
+    parts = [
+        table_of_modes.section(content, found),
+        half_power.section(content, found),
+        shapes.section(content),
+        verification.section(content),
+        start.section(content),
+        assumptions.section(content),
+        signals.section(content),
+        model.section(content),
+        rig.section(content),
+        provenance.section(content),
+    ]
+    shown = [p for p in parts if p.body is not None]
+    absent = _absent(parts)
+    if absent is not None:
+        shown.insert(len(shown) - 2, absent)
+    head = tag(
+        "header", tag("h1", content.title), tag("p", summary.sentence(content, found), class_="lead"), _contents(shown)
+    )
+    body = tag("body", head, tag("main", *(p.render() for p in shown)))
+    return f'<!DOCTYPE html>\n<html lang="en">{_head(content.title)}{body}</html>\n'
+
+
+def _absent(parts: list[Section]) -> Section | None:
+    reasons = list(dict.fromkeys(reason for p in parts for reason in p.absent if reason))
+    if not reasons:
+        return None
+    return Section("absent", "What is not here, and why", tag("ul", *(tag("li", r) for r in reasons)))
+
+
+def _contents(shown: list[Section]) -> Markup:
+    return tag("nav", *(tag("a", p.heading, href=f"#{p.anchor}") for p in shown), aria_label="Contents")
+
+
+def _head(title: str) -> Markup:
+    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
+    return tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("title", title),
+        tag("style", trusted(_colours() + sheet)),
+    )
+
+
+def _colours() -> str:
+    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
+    return f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"

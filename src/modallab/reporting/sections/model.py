@@ -1,0 +1,115 @@
+"""The modal model in full."""
+
+import numpy as np
+
+from modallab.core.model import ModalModel
+from modallab.reporting.content import ReportContent
+from modallab.reporting.digits import about, plain, scientific
+from modallab.reporting.figures.selection import place
+from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.sections.section import Section, paragraph
+
+_METHODS = {
+    "peak": "peak search and half-power rule",
+    "plscf": "least-squares complex frequency-domain estimator (pLSCF)",
+}
+
+
+def section(content: ReportContent) -> Section:
+    """Modal constants, shapes and residuals of every model, folded away."""
+    parts: list[Markup] = []
+    for model in content.models:
+        if model.n_modes:
+            parts += _model(model)
+    if not parts:
+        return Section("model", "The model in full", None)
+    formula = paragraph(
+        "The receptance is the sum over the modes of A / (ω₀² − ω² + 2jζω₀ω), with the modal constant A = φⱼφₖ of "
+        "response point j and force point k at unit modal mass."
+    )
+    return Section("model", "The model in full", join([formula, *parts]))
+
+
+def _model(model: ModalModel) -> list[Markup]:
+    low, high = model.band_hz
+    head = f"{(model.test or 'FRFs').capitalize()}: {_METHODS[model.method]}, {about(low)} to {about(high)} Hz"
+    folds = [_fold("Modal constants", _constants(model))]
+    if model.shapes is not None:
+        folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
+    if model.residual_powers:
+        folds.append(_fold("What modes outside the band add", _residuals(model)))
+    return [tag("h3", head), *folds]
+
+
+def _fold(summary: str, *tables: Markup) -> Markup:
+    return tag("details", tag("summary", summary), *tables)
+
+
+def _constants(model: ModalModel) -> Markup:
+    sigma, parts = model.modal_constant_sigma, model.modal_constant_part_sigma
+    imag = sigma if parts is None else parts.imag
+    return join(
+        table(
+            f"Modal constants in kg⁻¹, {_force(model, k)}: value and sigma",
+            ("response", *(f"mode {r + 1}" for r in range(model.n_modes))),
+            [
+                (
+                    _point(model, j),
+                    *(
+                        _complex(model.modal_constants[r, j, k], sigma[r, j, k], imag[r, j, k])
+                        for r in range(model.n_modes)
+                    ),
+                )
+                for j in range(len(model.outputs))
+            ],
+            range(1, model.n_modes + 1),
+        )
+        for k in range(model.modal_constants.shape[2])
+    )
+
+
+def _shapes(model: ModalModel) -> Markup:
+    assert model.shapes is not None
+    sigma = np.full(model.shapes.shape, np.nan) if model.shape_sigma is None else model.shape_sigma
+    rows = [
+        (_point(model, j), *(_complex(complex(v), float(s), float(s)) for v, s in zip(phi, own, strict=True)))
+        for j, (phi, own) in enumerate(zip(model.shapes.T, sigma.T, strict=True))
+    ]
+    header = ("point", *(f"mode {r + 1}" for r in range(model.n_modes)))
+    return table("Shapes φ in kg⁻¹ᐟ²: value and sigma", header, rows, range(1, model.n_modes + 1))
+
+
+def _residuals(model: ModalModel) -> Markup:
+    return join(
+        table(
+            f"Residuals, {_force(model, k)}, as coefficients of s to a power, in m/N s to minus that power",
+            ("response", *(f"power {p}" for p in model.residual_powers)),
+            [
+                (
+                    _point(model, j),
+                    *(scientific(float(model.residuals[t, j, k])) for t in range(len(model.residual_powers))),
+                )
+                for j in range(len(model.outputs))
+            ],
+            range(1, len(model.residual_powers) + 1),
+        )
+        for k in range(model.residuals.shape[2])
+    )
+
+
+def _complex(value: complex, sigma: float, sigma_imag: float) -> str:
+    digits = 3
+    text = plain(value.real, digits)
+    # An imaginary part that its sigma hides is left out.
+    if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma_imag:
+        text += f" {'−' if value.imag < 0 else '+'} {plain(abs(value.imag), digits)}j"
+    return text if not np.isfinite(sigma) else f"{text} ± {plain(sigma, 1)}"
+
+
+def _point(model: ModalModel, output: int) -> str:
+    return place(model.outputs[output], model.output_points[output])
+
+
+def _force(model: ModalModel, k: int) -> str:
+    point = model.input_points[k]
+    return "force at an unknown point" if point is None else f"force at point {point}"

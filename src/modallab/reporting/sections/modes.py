@@ -1,0 +1,138 @@
+"""The table of modes, and whether the tests agree."""
+
+from math import isfinite
+
+from modallab.reporting.compare import Mode, Reading, deviation, verdict
+from modallab.reporting.content import ReportContent
+from modallab.reporting.digits import UNKNOWN, alike, confident, glued, listed, plain, relative, with_sigma
+from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.sections.section import Section, paragraph
+from modallab.reporting.sections.summary import compare_tests
+
+HEADER = ("mode", "test", "frequency [Hz]", "damping ζ [%]", "half-power ζ [%]")
+TRUTH = ("true frequency [Hz], error", "true ζ [%], error")
+
+
+def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
+    """Frequencies and damping with their sigmas, beside the half-power reading and the truth."""
+    missing = tuple(o.missing for o in content.outcomes if o.model is None and o.missing)
+    if not content.models:
+        return Section("modes", "The modes", None, missing or ("There is no modal model: no test was identified.",))
+    if not modes:
+        return Section("modes", "The modes", paragraph(_none(content)), missing)
+    parts: list[Markup | None] = [
+        _table(content, modes),
+        paragraph(
+            "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
+            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence tells how far a "
+            "mode stands above what noise, or what the model leaves unexplained, could pass for: 0 is at the limit, 1 "
+            "far above."
+        ),
+        _too_sure(modes),
+        _unseen(content, modes),
+        _notes(content),
+        _agreement(modes),
+    ]
+    absent = missing + (
+        () if content.truth else ("The true modes are not known; only a simulated bench can tell them.",)
+    )
+    return Section("modes", "The modes", join(parts), absent)
+
+
+def _unseen(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
+    """Modes that lie in the band of a test that did not find them."""
+    lines: list[Markup] = []
+    for model in content.models:
+        low, high = model.band_hz
+        inside = [m for m in modes if low <= m.frequency_hz <= high]
+        lost = [f"mode {m.number}" for m in inside if all(r.test != model.test for r in m.readings)]
+        if lost:
+            name = f"The {model.test} test" if model.test else "The FRFs' model"
+            lines.append(paragraph(f"{name} did not find {listed(lost)}, though in its band."))
+    return join(lines) if lines else None
+
+
+def _notes(content: ReportContent) -> Markup | None:
+    notes = [f"{(m.test or 'FRFs').capitalize()}: {note}" for m in content.models for note in m.notes]
+    return tag("ul", *(tag("li", glued(n)) for n in notes)) if notes else None
+
+
+def _none(content: ReportContent) -> str:
+    notes = " ".join(n for m in content.models for n in m.notes)
+    return f"The estimator found no mode in its band. {notes}".strip()
+
+
+def _table(content: ReportContent, modes: tuple[Mode, ...]) -> Markup:
+    true = content.truth is not None
+    known = any(isfinite(r.confidence) for m in modes for r in m.readings)
+    rows = [[*_row(m, r, true), *([confident(r.confidence)] if known else [])] for m in modes for r in m.readings]
+    header = HEADER + (TRUTH if true else ()) + (("confidence",) if known else ())
+    return table("Natural frequencies and damping", header, rows, range(2, len(header)), "modes")
+
+
+def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
+    cells = [
+        str(mode.number),
+        reading.test or "FRFs",
+        with_sigma(reading.frequency_hz, reading.frequency_sigma_hz),
+        with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
+        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "not readable",
+    ]
+    return cells + (_truth(mode, reading) if true else [])
+
+
+def _truth(mode: Mode, reading: Reading) -> list[str]:
+    if not isfinite(mode.true_frequency_hz):
+        return [UNKNOWN, UNKNOWN]
+    return [
+        _true(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz),
+        _true(100 * reading.damping, 100 * reading.damping_sigma, 100 * mode.true_damping),
+    ]
+
+
+def _true(value: float, sigma: float, truth: float) -> Markup:
+    gap = deviation(value, sigma, truth, 0.0)
+    error = relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
+    return join([alike(truth, sigma), tag("br"), tag("small", error)])
+
+
+def _too_sure(modes: tuple[Mode, ...]) -> Markup | None:
+    """Where the truth shows that a stated uncertainty is too small."""
+    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _off(m, r)]
+    if not off:
+        return None
+    return paragraph(f"More than 3 σ off the truth: {listed(off)}. There the stated uncertainty is too small.")
+
+
+def _off(mode: Mode, reading: Reading) -> bool:
+    gaps = (
+        deviation(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz, 0.0),
+        deviation(reading.damping, reading.damping_sigma, mode.true_damping, 0.0),
+    )
+    return any(verdict(gap) == "disagree" for gap in gaps)
+
+
+def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
+    pairs = compare_tests(modes)
+    if not pairs:
+        return None
+    first = pairs[0][0].readings
+    rows = [
+        (
+            str(m.number),
+            _apart(m.readings[0].frequency_hz, m.readings[1].frequency_hz, f),
+            _apart(m.readings[0].damping, m.readings[1].damping, z),
+            verdict(max(f, z)),
+        )
+        for m, f, z in pairs
+    ]
+    caption = f"Do the {first[0].test} and the {first[1].test} test agree?"
+    explained = paragraph(
+        "Two values agree if they lie no more than 2 σ apart, σ being that of their difference. Past 3 σ chance is "
+        "no longer a fair explanation: one of the tests, or one of the uncertainties, is wrong."
+    )
+    return join([table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained])
+
+
+def _apart(a: float, b: float, deviations: float) -> str:
+    return relative(b, a) + (f" ({deviations:.1f} σ)" if isfinite(deviations) else "")

@@ -1,0 +1,64 @@
+"""The mode shapes, moving and with their uncertainty."""
+
+from modallab.reporting.content import ReportContent
+from modallab.reporting.figures.animation import animated_shapes
+from modallab.reporting.figures.mode_shapes import mode_shapes
+from modallab.reporting.figures.shape_data import shape
+from modallab.reporting.markup import join
+from modallab.reporting.sections.section import Section, paragraph, plate
+from modallab.reporting.sections.shapes_compared import compared
+
+OUT_OF_STEP_DEG = 5.0
+
+
+def section(content: ReportContent) -> Section:
+    """Animated shapes of the first test that has them; below, all shapes with sigma bars."""
+    anchor, heading = "shapes", "The mode shapes"
+    absent = tuple(
+        f"{_called(m.test)} has no mode shapes at unit modal mass ({m.shapes_unavailable})."
+        for m in content.models
+        if m.shapes is None and m.n_modes
+    )
+    figure = mode_shapes(content.models, content.rig)
+    drawn = next((m for m in content.models if m.n_modes and shape(m, 0, content.rig) is not None), None)
+    if figure is None or drawn is None:
+        unplaced = any(m.shapes is not None and m.n_modes for m in content.models)
+        why = (
+            "The places of the sensors are not known, so the mode shapes can't be drawn; they stand in the model below."
+        )
+        return Section(anchor, heading, None, (*absent, why) if unplaced else absent)
+    still = plate(
+        figure,
+        "shapes",
+        "Mode shapes over the length of the beam with bars of one sigma, one panel a mode, the clamp at the left",
+        "Mode shapes at unit modal mass with bars of one standard deviation; a bar smaller than its mark can't be "
+        "seen. The free end, or where the beam moves most, points up. The curve between the points is only drawn "
+        "through them.",
+        min(3, drawn.n_modes),
+    )
+    text = "So the beam moves at its natural frequencies, slowed down and magnified. The dots are the sensors."
+    return Section(
+        anchor,
+        heading,
+        join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, compared(content)]),
+        absent,
+    )
+
+
+def _skew(content: ReportContent) -> str | None:
+    for model in content.models:
+        found = [shape(model, i, content.rig) for i in range(model.n_modes)]
+        loose = [
+            f"mode {i + 1} by {s.skew_deg:.0f}°" for i, s in enumerate(found) if s and s.skew_deg > OUT_OF_STEP_DEG
+        ]
+        if loose:
+            return paragraph(
+                f"In the {model.test or 'FRF'} test the points do not move quite in step: {', '.join(loose)}. With "
+                "light, evenly spread damping they would. The moving pictures show it; the figure below shows the part "
+                "in step."
+            )
+    return None
+
+
+def _called(test: str | None) -> str:
+    return f"The {test} test" if test else "The FRFs"

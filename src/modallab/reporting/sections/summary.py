@@ -1,0 +1,74 @@
+"""The report in one sentence."""
+
+from math import isfinite
+
+import numpy as np
+
+from modallab.reporting.compare import Mode, deviation, verdict
+from modallab.reporting.content import ReportContent
+from modallab.reporting.digits import about, counted, glued, listed, plain, share
+
+MATCH = 0.9
+"""A point with a lower FRAC is not matched by the model."""
+
+
+def sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
+    """What was found, in one sentence."""
+    return glued(_sentence(content, modes))
+
+
+def _sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
+    if not content.models:
+        return "No modal model could be identified; what went wrong is said below."
+    if not modes:
+        low, high = content.models[0].band_hz
+        return f"No mode was found between {about(low)} and {about(high)} Hz."
+    low, high = (f(m.band_hz[i] for m in content.models) for i, f in enumerate((min, max)))
+    head = f"{counted(len(modes), 'mode')} between {about(low)} and {about(high)} Hz"
+    return f"{head}: {_modes(modes)}{_agreement(modes)}{_mismatch(content)}."
+
+
+def compare_tests(modes: tuple[Mode, ...]) -> list[tuple[Mode, float, float]]:
+    """Each mode that two tests saw, with the joint sigmas between them in frequency and in damping."""
+    pairs = [(m, *m.readings[:2]) for m in modes if len(m.readings) > 1]
+    return [
+        (
+            m,
+            deviation(a.frequency_hz, a.frequency_sigma_hz, b.frequency_hz, b.frequency_sigma_hz),
+            deviation(a.damping, a.damping_sigma, b.damping, b.damping_sigma),
+        )
+        for m, a, b in pairs
+    ]
+
+
+def _mismatch(content: ReportContent) -> str:
+    """Where the model does not repeat what was measured."""
+    checks = [(o, float(np.nan_to_num(o.verification.frac, nan=0.0).min())) for o in content.outcomes if o.verification]
+    bad = [
+        f"{f'the {o.test} test' if o.test else 'the FRFs'} (FRAC down to {share(f)})" for o, f in checks if f < MATCH
+    ]
+    return f"; the model does not repeat {listed(bad)} at all points" if bad else ""
+
+
+def _modes(modes: tuple[Mode, ...]) -> str:
+    if len(modes) > 4:
+        frequencies = listed([plain(m.frequency_hz) for m in modes])
+        low, high = (100 * f(m.best.damping for m in modes) for f in (min, max))
+        return f"{frequencies} Hz, with damping ratios from {plain(low, 2)} to {plain(high, 2)} %"
+    return listed(
+        [f"{plain(m.frequency_hz)} Hz with a damping ratio of {plain(100 * m.best.damping, 2)} %" for m in modes]
+    )
+
+
+def _agreement(modes: tuple[Mode, ...]) -> str:
+    pairs = compare_tests(modes)
+    gaps = [d for _, *both in pairs for d in both if isfinite(d)]
+    if not gaps:
+        return ""
+    tests = " and ".join(f"the {r.test} test" for r in pairs[0][0].readings[:2])
+    found = verdict(max(gaps))
+    if found == "agree":
+        return f"; {tests} agree within their uncertainty"
+    if found == "borderline":
+        return f"; {tests} agree but for one value that lies {max(gaps):.1f} σ apart"
+    return f"; {tests} disagree, by {max(gaps):.1f} σ at worst"

@@ -1,0 +1,97 @@
+"""The model held against the measurement."""
+
+import numpy as np
+
+from modallab.core.verification import Verification
+from modallab.reporting.content import Outcome, ReportContent
+from modallab.reporting.digits import listed, share
+from modallab.reporting.figures.all_points import all_points
+from modallab.reporting.figures.one_point import one_point
+from modallab.reporting.figures.selection import farthest, place
+from modallab.reporting.markup import Markup, join, table, tag
+from modallab.reporting.sections.section import Section, paragraph, plate
+
+
+def section(content: ReportContent) -> Section:
+    """Measured against regenerated mobility at all points, then at the free end in full."""
+    parts: list[Markup] = []
+    absent: list[str] = []
+    for i, outcome in enumerate(content.outcomes):
+        if outcome.verification is None:
+            if outcome.model is not None:
+                absent.append(
+                    f"The model of {_called(outcome)} was not held against its measurement: no verification was given."
+                )
+            continue
+        parts += _one(content, outcome, outcome.verification, i)
+    if not parts:
+        return Section("verification", "Does the model match the measurement?", None, tuple(absent))
+    return Section(
+        "verification", "Does the model match the measurement?", join([paragraph(_METHOD), *parts]), tuple(absent)
+    )
+
+
+_METHOD = (
+    "The model is asked to play the test again: its response to the measured force is cut into the same blocks and "
+    "treated in the same way, then compared with what was measured. FRAC says how well the two curves match: 1 is a "
+    "perfect match, 0 is none. The thin line is the mobility of the model itself. It has higher and sharper peaks "
+    "than any block of this length can show."
+)
+
+
+def _one(content: ReportContent, outcome: Outcome, check: Verification, i: int) -> list[Markup]:
+    test = outcome.test or "frf"
+    known = np.nan_to_num(check.frac, nan=0.0)
+    worst = int(np.argmin(np.median(known, axis=0)))
+    drive = check.measured.input_points[worst]
+    at = "" if drive is None else f", force at point {drive}"
+    several = (
+        " Of the drive points the one that matches worst is drawn; the table has the others."
+        if check.frac.shape[1] > 1
+        else ""
+    )
+    output = farthest(content.rig, check.measured.outputs)
+    where = place(check.measured.outputs[output], check.measured.output_points[output])
+    named = where[0].lower() + where[1:]
+    spread = f"FRAC from {share(known.min())} to {share(known.max())}"
+    alone = len(check.measured.outputs) == 1
+    one = plate(
+        one_point(check, output, worst),
+        f"one-{test}-{i}",
+        f"Amplitude, phase, real and imaginary part of the mobility at {named}, measured and regenerated. {spread}",
+        f"Mobility at {named}{at}, in full. {spread + '. ' if alone else ''}In the real and the imaginary part the "
+        "peaks of the thin line are cut off.",
+    )
+    heading = tag("h3", f"{_called(outcome)[0].upper()}{_called(outcome)[1:]}")
+    if alone:
+        return [heading, one]
+    return [
+        heading,
+        plate(
+            all_points(check, worst),
+            f"all-{test}-{i}",
+            f"Measured and regenerated mobility at {len(check.measured.outputs)} points over frequency, {spread}",
+            f"Mobility at all points{at}: measured against regenerated. {spread}.{several}",
+            min(3, len(check.measured.outputs)),
+        ),
+        one,
+        _fracs(check),
+    ]
+
+
+def _fracs(check: Verification) -> Markup:
+    drives = [f"force at point {p}" if p is not None else "force" for p in check.measured.input_points]
+    rows = [
+        (place(name, point), *(share(float(value)) for value in check.frac[i]))
+        for i, (name, point) in enumerate(zip(check.measured.outputs, check.measured.output_points, strict=True))
+    ]
+    points = [str(p) for p in check.measured.input_points if p is not None]
+    driven = f", force at {'point' if len(points) == 1 else 'points'} {listed(points)}" if points else ""
+    whole = table(
+        "FRAC of measured against regenerated mobility", ("response", *drives), rows, range(1, len(drives) + 1)
+    )
+    return tag("details", tag("summary", f"FRAC at every point{driven}"), whole)
+
+
+def _called(outcome: Outcome) -> str:
+    return f"the {outcome.test} test" if outcome.test else "the FRFs"

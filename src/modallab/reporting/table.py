@@ -1,0 +1,77 @@
+"""The table of modes for the terminal."""
+
+from collections.abc import Sequence
+from math import isfinite
+
+from rich import box
+from rich.table import Table
+
+from modallab.core.model import ModalModel
+from modallab.reporting.compare import Confidence, Mode, Reading, modes
+from modallab.reporting.content import Truth
+from modallab.reporting.digits import UNKNOWN, alike, concise, confident, plain
+
+# No Greek letters: a terminal that knows only its country's letters would stop at them.
+VALUES = ("frequency\n[Hz]", "damping\n[%]", "half-power\n[%]")
+TRUTH = ("true\n[Hz]", "true\n[%]")
+CONFIDENCE = "confi-\ndence"
+
+
+def modal_table(
+    models: Sequence[ModalModel], truth: Truth | None = None, confidence: Sequence[Confidence] = ()
+) -> Table:
+    """Frequency and damping of every mode with their sigma, the half-power reading, truth and confidence where known.
+
+    Args:
+        models: one a test.
+        truth: the modes of a simulated bench.
+        confidence: how clearly each mode stands, one array a model.
+
+    Returns:
+        a table to be printed by rich; it fits into 80 columns.
+    """
+    table = Table(title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=0, show_edge=False)
+    table.title_justify = table.caption_justify = "left"
+    for heading in ("mode", "test"):
+        table.add_column(heading, no_wrap=True, min_width=6 if heading == "test" else 4)
+    found = modes(models, truth, confidence)
+    known = any(isfinite(reading.confidence) for mode in found for reading in mode.readings)
+    for heading in (*VALUES, *(TRUTH if truth else ()), *((CONFIDENCE,) if known else ())):
+        table.add_column(heading, justify="right", no_wrap=True, min_width=max(map(len, heading.split())))
+    for mode in found:
+        for reading in mode.readings:
+            cells = _cells(mode, reading, truth is not None)
+            if known:
+                cells.append(confident(reading.confidence))
+            table.add_row(*cells, end_section=reading is mode.readings[-1])
+    return table
+
+
+def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
+    cells = [
+        str(mode.number),
+        reading.test or "FRFs",
+        concise(reading.frequency_hz, reading.frequency_sigma_hz),
+        concise(100 * reading.damping, 100 * reading.damping_sigma),
+        plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "-",
+    ]
+    if not true:
+        return cells
+    if not isfinite(mode.true_frequency_hz):
+        return [*cells, UNKNOWN, UNKNOWN]
+    return [
+        *cells,
+        alike(mode.true_frequency_hz, reading.frequency_sigma_hz),
+        alike(100 * mode.true_damping, 100 * reading.damping_sigma),
+    ]
+
+
+def _caption(models: Sequence[ModalModel]) -> str:
+    if not models:
+        return "No test could be identified."
+    if not any(m.n_modes for m in models):
+        return "No mode was found in the band."
+    return (
+        "4.80(3) stands for 4.80 ± 0.03, one standard deviation. "
+        "If the beam still rings at its end, half-power reads the block, not the beam."
+    )

@@ -1,0 +1,56 @@
+"""Blocks of a run: what is kept, whether it counts, and its samples."""
+
+from fastapi import Response
+
+from modallab.core.documents.pages import Page
+from modallab.core.documents.runs import BlockView
+from modallab.service.api.bodies import Judgement
+from modallab.service.api.cursor import Cursor, Limit, number_of, page
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import LeaseId, ServiceOf
+from modallab.service.api.router import make_router
+from modallab.service.campaigns.runs import block_record, block_records, block_view
+from modallab.service.campaigns.samples import read_samples
+from modallab.service.campaigns.verdicts import judge
+
+router = make_router("blocks")
+SAMPLES = "application/octet-stream"
+
+
+@router.get("/runs/{run}/blocks", responses=documented(404))
+def list_blocks(run: str, service: ServiceOf, limit: Limit = 100, cursor: Cursor = None) -> Page[BlockView]:
+    """The blocks of a run in the order of time, rejected ones with them."""
+    after = number_of(cursor)
+    rows = [row for row in block_records(service, run) if after is None or row.n > after]
+    return page([block_view(row) for row in rows[: limit + 1]], limit, lambda block: block.n)
+
+
+@router.get("/runs/{run}/blocks/{n}", responses=documented(404))
+def get_block(run: str, n: int, service: ServiceOf) -> BlockView:
+    """One block."""
+    return block_view(block_record(service, run, n))
+
+
+@router.get(
+    "/runs/{run}/blocks/{n}/samples",
+    response_class=Response,
+    responses={200: {"content": {SAMPLES: {"schema": {"type": "string", "format": "binary"}}}}} | documented(404),
+)
+def get_samples(run: str, n: int, service: ServiceOf) -> Response:
+    """The samples as the device delivered them: (channels, count), C order, little-endian; the CRC-32 is of these."""
+    block = block_record(service, run, n)
+    samples = read_samples(service, block)
+    headers = {
+        "Modallab-Dtype": samples.dtype.str,
+        "Modallab-Shape": f"{samples.shape[0]},{samples.shape[1]}",
+        "Modallab-Crc32": str(block.crc32),
+        "ETag": f'"{block.crc32:08x}"',
+    }
+    return Response(samples.tobytes(), media_type=SAMPLES, headers=headers)
+
+
+@router.put("/runs/{run}/blocks/{n}/verdict", responses=documented(404, 409, 507))
+def put_verdict(run: str, n: int, verdict: Judgement, service: ServiceOf, lease: LeaseId = None) -> BlockView:
+    """Accept or reject a block. FRFs and models made afterwards follow. Needs the lease of the run's rig."""
+    judge(service, run, n, verdict, lease)
+    return block_view(block_record(service, run, n))

@@ -1,0 +1,62 @@
+"""Campaigns: make, list, read, rename."""
+
+from fastapi import Response
+
+from modallab.core.documents.campaigns import CampaignView
+from modallab.core.documents.pages import Page
+from modallab.service.api.bodies import ChangedCampaign, NewCampaign
+from modallab.service.api.cursor import Cursor, Limit, page, place_of
+from modallab.service.api.etag import IfMatch, IfNoneMatch, mark, revision_of, unchanged
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import Operator, ServiceOf
+from modallab.service.api.rigs import state_of
+from modallab.service.api.router import ONCE, PREFIX, make_router
+
+router = make_router("campaigns")
+
+
+@router.get("/campaigns")
+def list_campaigns(service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[CampaignView]:
+    """All campaigns, the newest first."""
+    return page(service.repository.campaigns(place_of(cursor), limit + 1), limit, lambda campaign: campaign.id)
+
+
+@router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+def create_campaign(new: NewCampaign, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
+    """Make a campaign on a rig."""
+    state_of(service, new.rig)
+    campaign = service.repository.create(new, operator)
+    response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"
+    mark(response, campaign.revision)
+    return campaign
+
+
+@router.get(
+    "/campaigns/{campaign}",
+    response_model=CampaignView,
+    responses={304: {"description": "unchanged"}} | documented(404),
+)
+def get_campaign(
+    campaign: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None
+) -> CampaignView | Response:
+    """A campaign and the names of its runs."""
+    found = service.repository.campaign(campaign)
+    if unchanged(if_none_match, found.revision):
+        return Response(status_code=304, headers={"ETag": f'"{found.revision}"'})
+    mark(response, found.revision)
+    return found
+
+
+@router.patch("/campaigns/{campaign}", responses=documented(404, 412, 428, 507))
+def change_campaign(
+    campaign: str,
+    change: ChangedCampaign,
+    service: ServiceOf,
+    operator: Operator,
+    response: Response,
+    if_match: IfMatch = None,
+) -> CampaignView:
+    """Rename a campaign or change its note; say by `If-Match` which revision you read."""
+    changed = service.repository.change(campaign, change, revision_of(if_match), operator)
+    mark(response, changed.revision)
+    return changed

@@ -1,0 +1,102 @@
+"""Who may ask, and how much: looked at before any route."""
+
+import hashlib
+import secrets
+from collections.abc import Iterable
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from modallab.service.api.problem_kinds import KINDS
+from modallab.service.api.problems import problem
+
+COOKIE = "modallab_session"
+OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/", "/docs", "/openapi.json"})
+OPEN_FOLDERS = ("/docs/", "/problems/", "/page/")
+SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+def session_of(token: str) -> str:
+    """What a browser's cookie holds instead of the token."""
+    return hashlib.sha256(f"modallab session {token}".encode()).hexdigest()
+
+
+class Guard:
+    """Looks at Host, Origin, token and the size of the body."""
+
+    def __init__(self, app: ASGIApp, token: str, hosts: Iterable[str], body_bytes: int) -> None:
+        self._app = app
+        self._token = token.encode()
+        self._session = session_of(token).encode()
+        self._hosts = frozenset(hosts)
+        self._body_bytes = body_bytes
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass on what may be asked."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        connection = HTTPConnection(scope)
+        rejected = self._rejection(connection)
+        if rejected is not None:
+            await _reject(scope, receive, send, *rejected)
+            return
+        await self._app(scope, self._limited(scope, receive), send)
+
+    def _rejection(self, connection: HTTPConnection) -> tuple[str, str] | None:
+        headers, path = connection.headers, connection.scope["path"]
+        host = headers.get("host", "")
+        if _name(host) not in self._hosts:
+            return "foreign-host", f"this service is not {host!r}"
+        origin = headers.get("origin")
+        changes = connection.scope["type"] == "websocket" or connection.scope["method"] not in SAFE
+        if origin is not None and changes and origin.partition("://")[2] != host:
+            return "foreign-origin", f"sent by a page of {origin!r}"
+        if int(_digits(headers.get("content-length", "0"))) > self._body_bytes:
+            return "too-large", f"more than {self._body_bytes} bytes"
+        if path in OPEN_PATHS or path.startswith(OPEN_FOLDERS) or self._knows_token(headers, connection):
+            return None
+        return "token-needed", "the request carries no token, or a wrong one"
+
+    def _knows_token(self, headers: Headers, connection: HTTPConnection) -> bool:
+        kind, _, sent = headers.get("authorization", "").partition(" ")
+        if kind.lower() == "bearer" and secrets.compare_digest(sent.strip().encode(), self._token):
+            return True
+        return secrets.compare_digest(connection.cookies.get(COOKIE, "").encode(), self._session)
+
+    def _limited(self, scope: Scope, receive: Receive) -> Receive:
+        if scope["type"] != "http":
+            return receive
+        left = self._body_bytes
+
+        async def limited() -> Message:
+            nonlocal left
+            message = await receive()
+            left -= len(message.get("body", b""))
+            if left < 0:
+                # FastAPI lets only this kind through while it reads a body.
+                raise HTTPException(413, f"more than {self._body_bytes} bytes")
+            return message
+
+        return limited
+
+
+async def _reject(scope: Scope, receive: Receive, send: Send, code: str, detail: str) -> None:
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.close", "code": 1008, "reason": detail[:100]})
+        return
+    kind = KINDS[code]
+    headers = {"WWW-Authenticate": "Bearer"} if kind.status == 401 else {}
+    await problem(kind, detail, headers, remedy=kind.meaning)(scope, receive, send)
+
+
+def _name(host: str) -> str:
+    if host.startswith("["):
+        return host[1:].partition("]")[0]
+    return host.partition(":")[0].lower()
+
+
+def _digits(text: str) -> str:
+    return text if text.isascii() and text.isdigit() and len(text) < 19 else "0"

@@ -1,0 +1,38 @@
+"""Whether the service can work, for a watchdog; counters, for a monitor."""
+
+import shutil
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import PlainTextResponse
+
+from modallab import __version__
+from modallab.core.documents.pages import Health
+from modallab.service.api.event_feed import Feed
+from modallab.service.api.openapi_document import OPEN
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import ServiceOf
+from modallab.service.counters import counters
+
+router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500, 503))
+
+
+@router.get("/health", openapi_extra=OPEN)
+def get_health(service: ServiceOf, response: Response) -> Health:
+    """Whether every rig can be used. Needs no token."""
+    states = {state.id: state.state for state in service.control.states()}
+    good = all(state in ("idle", "running") for state in states.values())
+    response.headers["Cache-Control"] = "no-store"
+    return Health(
+        status="good" if good else "degraded",
+        version=__version__,
+        rigs={rig: str(state) for rig, state in states.items()},
+        free_bytes=shutil.disk_usage(service.folder).free,
+    )
+
+
+@router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))
+def get_metrics(service: ServiceOf, request: Request) -> str:
+    """Counters and gauges in Prometheus' text format."""
+    feed: Feed = request.app.state.feed
+    values = counters(service) | {"modallab_event_listeners": float(feed.listeners)}
+    return "".join(f"# TYPE {name.partition('{')[0]} gauge\n{name} {value:g}\n" for name, value in values.items())

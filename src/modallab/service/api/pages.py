@@ -1,0 +1,61 @@
+"""Pages for people: the API's documentation, with nothing from elsewhere, and one page for every kind of problem."""
+
+import re
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+
+import fastapi_offline
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import HTMLResponse, RedirectResponse
+from fastapi.staticfiles import StaticFiles
+
+from modallab.service.api.problem_kinds import KINDS
+from modallab.service.errors import NotFoundError
+
+router = APIRouter(include_in_schema=False)
+_STYLE = "body{font:18px/1.5 system-ui,sans-serif;max-width:42em;margin:3em auto;padding:0 1em}code{font-size:.95em}"
+
+
+@router.get("/")
+def begin() -> RedirectResponse:
+    """Who types the address alone is led to what can be read."""
+    return RedirectResponse("/docs")
+
+
+@router.get("/docs")
+def show_api() -> HTMLResponse:
+    """The API, to read and to try."""
+    return get_swagger_ui_html(
+        openapi_url="/openapi.json",
+        title="modallab",
+        swagger_js_url="/docs/static/swagger-ui-bundle.js",
+        swagger_css_url="/docs/static/swagger-ui.css",
+        swagger_favicon_url="/docs/static/favicon.png",
+    )
+
+
+@router.get("/problems/{code}")
+def show_problem(code: str) -> HTMLResponse:
+    """What a kind of problem means."""
+    kind = KINDS.get(code)
+    if kind is None:
+        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(sorted(KINDS))}")
+    return HTMLResponse(
+        f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+        f"<title>{escape(kind.title)}</title><style>{_STYLE}</style>"
+        f"<h1>{escape(kind.title)}</h1><p><code>{escape(code)}</code>, status {kind.status}</p>"
+        f"<p>{_marked(kind.meaning)}</p><p><a href=/docs>The API</a></p></html>"
+    )
+
+
+def _marked(text: str) -> str:
+    """What stands between backticks is code."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
+
+
+def mount_static(app: FastAPI) -> None:
+    """Serve Swagger UI from the package it comes in."""
+    folder = Path(str(files(fastapi_offline) / "static"))
+    app.mount("/docs/static", StaticFiles(directory=folder), name="swagger-ui")

@@ -1,0 +1,1 @@
+"""The rules of a campaign: how runs begin, what blocks count, what is left after a crash."""

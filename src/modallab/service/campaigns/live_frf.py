@@ -1,0 +1,43 @@
+"""FRF and coherence of a run as far as it has come."""
+
+from modallab.core.block import Block
+from modallab.core.frf import Frf
+from modallab.core.rig import Rig
+from modallab.frf.estimate import convert, group_by_point, impact_frf
+from modallab.frf.stepped import stepped_frf
+from modallab.identification.estimators.tones import fit_tone
+from modallab.service.errors import ConflictError
+from modallab.signals.full_scale import overloaded
+from modallab.signals.scaling import to_signals_of
+from modallab.storage import Store
+
+LOWEST_HZ = 0.5
+USABLE = 0.4
+"""Anti-alias filters hold the relation between channels up to this part of the rate."""
+
+
+def live_frf(store: Store, run: str) -> Frf:
+    """Mobility of a run's blocks that count now, with coherence where blocks are averaged.
+
+    Raises:
+        ConflictError: there is no block that counts yet.
+        DataError, StorageError: blocks that cannot be used, or not be read.
+    """
+    record = store.catalogue.run(run)
+    blocks = [block for block in store.blocks(run) if not overloaded(block, record.rig)]
+    if not blocks:
+        raise ConflictError(f"run {run} has no good block yet", where=run, remedy="wait for the first good block")
+    frf = _impact(blocks, record.rig) if record.test == "impact" else _sine(blocks, record.rig)
+    return convert(frf, "mobility")
+
+
+def _impact(blocks: list[Block], rig: Rig) -> Frf:
+    groups = group_by_point(to_signals_of(blocks, rig))
+    return impact_frf(groups, rig, (LOWEST_HZ, USABLE * blocks[0].rate_hz))
+
+
+def _sine(blocks: list[Block], rig: Rig) -> Frf:
+    # One level only: FRFs of different levels are what is compared, never averaged.
+    level = blocks[-1].level
+    tones = [fit_tone(signals) for signals in to_signals_of([b for b in blocks if b.level == level], rig)]
+    return stepped_frf([tone.signals for tone in tones], [tone.fit for tone in tones], rig)

@@ -1,0 +1,123 @@
+"""A session at the bench from one program: as in the service, but in this process."""
+
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Self
+
+from modallab.core.documents.campaigns import CampaignNew
+from modallab.core.documents.pages import EventView
+from modallab.core.documents.runs import Command, RunNew
+from modallab.core.plan import Plan
+from modallab.core.rig import Rig
+from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.recovery import Recovery
+from modallab.service.context import open_service
+from modallab.service.errors import RigUnavailableError, RunEndedError, ServiceError
+from modallab.service.records.event_log import EventLog
+from modallab.service.records.leases import Leases
+from modallab.service.rigs.active_run import Diary
+from modallab.service.rigs.controller import Bench, Controller
+from modallab.service.rigs.controllers import Controllers, rig_ids
+from modallab.storage import Store
+from modallab.storage.lease import Lease
+
+LOCK = "service.lock"
+LOOK_S = 0.05
+OPEN_S = 300.0
+LEASE_S = 3600.0
+
+
+class LocalCampaign:
+    """One rig and one campaign on it. As a context manager it leaves the bench at rest."""
+
+    def __init__(self, rig: Rig, url: str, folder: Path, name: str, operator: str) -> None:
+        """Open the folder and begin to open the bench.
+
+        Raises:
+            ServiceError: a service uses the folder.
+            StorageError: the folder cannot be used.
+        """
+        boot = secrets.token_hex(8)
+        self._store = Store(folder)
+        self._lock = Lease(folder / LOCK)
+        if not self._lock.acquire():
+            self._store.close()
+            raise ServiceError(
+                "a service uses this data folder", where=str(folder), remedy="ask the service, or name another folder"
+            )
+        self._ended: SimpleQueue[str] = SimpleQueue()
+        diary = Diary(self._store, EventLog(self._store.catalogue.engine))
+        Recovery(diary).look()
+        (self._rig,) = rig_ids([rig.name])
+        leases = Leases(self._store.catalogue.engine, boot)
+        self._controller = Controller(Bench(self._rig, rig, url, folder), diary, self._ended.put)
+        self._controllers = Controllers([self._controller], leases)
+        self._service = open_service(folder, self._controllers, boot)
+        self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
+        self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
+
+    def run(self, plan: Plan, notify: Callable[[EventView], None]) -> str:
+        """Run a plan to its end; `tell` gets every event of it. Returns the run's name.
+
+        Raises:
+            ModallabError: it could not be begun, or ended early; what was acknowledged is kept.
+        """
+        self._wait_until_open()
+        self._service.leases.renew(self._rig, self._lease.id)
+        seen = self._service.log.last()
+        run = begin(self._service, self.campaign.id, RunNew(plan=plan), self._lease.id)
+        ended = False
+        while True:
+            events = self._service.log.after(seen, 1000)
+            for event in (event for event in events if event.run == run):
+                notify(event)
+            seen = events[-1].seq if events else seen
+            if ended and not events:
+                return self._require_done(run)
+            ended = ended or self._has_ended()
+
+    def command(self, run: str, command: Command) -> None:
+        """Tell the active run something. Raises as `Control`."""
+        self._controllers.command(self._rig, run, command, self._lease.id)
+
+    def emergency_stop(self, reason: str) -> None:
+        """Bring the output to 0 V and latch the rig. Raises as `Control`."""
+        self._controllers.emergency_stop(None, reason, self._lease.operator)
+
+    def close(self) -> None:
+        """Leave the bench at rest."""
+        self._controllers.close()
+        self._service.leases.release(self._rig, self._lease.id)
+        self._service.close()
+        self._lock.release()
+        self._store.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _has_ended(self) -> bool:
+        try:
+            self._ended.get(timeout=LOOK_S)
+        except Empty:
+            return False
+        return True
+
+    def _wait_until_open(self) -> None:
+        state = self._controller.wait_until_settled(OPEN_S)
+        if state.state != "idle":
+            raise RigUnavailableError(
+                f"the bench is {state.state}: {state.error}", where=state.bench, remedy="look at its cables and address"
+            )
+
+    def _require_done(self, run: str) -> str:
+        record = self._store.catalogue.run(run)
+        if record.state != "done":
+            raise RunEndedError(
+                f"the run is {record.state}: {record.reason}", where=run, remedy="what it had kept can be read"
+            )
+        return run

@@ -1,0 +1,90 @@
+"""All that the service knows, in one place, for whoever answers questions about it."""
+
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+
+from sqlalchemy import Engine
+
+from modallab.jobs import Job, Jobs
+from modallab.service.after_run import AfterRun
+from modallab.service.records import audit
+from modallab.service.records.event_log import EventLog
+from modallab.service.records.idempotency import Keys
+from modallab.service.records.leases import Leases
+from modallab.service.records.repository import CampaignRepository
+from modallab.service.rigs.control import Control
+from modallab.storage import Store
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Service:
+    """One data folder, and the rigs that record into it.
+
+    Attributes:
+        store: runs and blocks.
+        control: commands to the rigs.
+        boot: names this start of the service; leases of another are void.
+        log: events.
+        book: campaigns.
+        leases: who may command which rig.
+        jobs: identification, diagnosis, reports.
+        after: what happens when a run ends.
+        keys: idempotency keys.
+    """
+
+    store: Store
+    control: Control
+    boot: str
+    log: EventLog
+    repository: CampaignRepository
+    leases: Leases
+    jobs: Jobs
+    after: AfterRun
+    keys: Keys
+
+    @property
+    def engine(self) -> Engine:
+        """The database."""
+        return self.store.catalogue.engine
+
+    @property
+    def folder(self) -> Path:
+        """The data folder."""
+        return self.store.folder
+
+    def cancel(self, job: str, operator: str) -> Job:
+        """Cancel a job, and keep who did.
+
+        Raises:
+            UnknownJobError: there is none of this name.
+        """
+        cancelled = self.jobs.cancel(job)
+        audit.enter(self.engine, operator, "cancel-job", job, {"state": cancelled.state})
+        return cancelled
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self.store.close()
+
+
+def open_service(folder: Path, control: Control, boot: str) -> Service:
+    """Open a data folder for the service.
+
+    Raises:
+        StorageError, FormatError: it cannot be used.
+    """
+    store = Store(folder)
+    engine = store.catalogue.engine
+    jobs = Jobs(engine)
+    return Service(
+        store=store,
+        control=control,
+        boot=boot,
+        log=EventLog(engine),
+        repository=CampaignRepository(engine),
+        leases=Leases(engine, boot),
+        jobs=jobs,
+        after=AfterRun(store, jobs),
+        keys=Keys(engine, secrets.token_hex(8)),
+    )

@@ -1,0 +1,1 @@
+"""Jobs of a campaign: ordered, followed, and their result files."""

@@ -1,0 +1,222 @@
+"""The supervisor: opens the data folder, the rigs and the listeners, starts the processes, and watches over them."""
+
+import logging
+import os
+import secrets
+import socket
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from threading import Event as Flag
+from threading import Thread
+from typing import Self
+
+from modallab.core.errors import ModallabError
+from modallab.core.rig import Rig
+from modallab.core.settings import Settings
+from modallab.jobs import Jobs
+from modallab.service.after_run import AfterRun
+from modallab.service.campaigns.recovery import Recovery
+from modallab.service.errors import ServiceError
+from modallab.service.jobs.job_watch import JobWatch
+from modallab.service.process.api_process import run_api
+from modallab.service.process.child import Child
+from modallab.service.process.heartbeat import HeartbeatTimer
+from modallab.service.process.job_process import Computing, run_jobs
+from modallab.service.process.stop_listener import StopListener
+from modallab.service.process.wire import Counter
+from modallab.service.records.event_log import EventLog
+from modallab.service.records.leases import Leases
+from modallab.service.rigs.active_run import Diary
+from modallab.service.rigs.controller import Bench, Controller
+from modallab.service.rigs.controllers import Controllers, rig_ids
+from modallab.storage import Store
+from modallab.storage.lease import Lease
+
+LOG = logging.getLogger(__name__)
+LOOK_S = 0.1
+BEAT_LOOK_S = 0.05
+BACKLOG = 1024
+LOCK = "service.lock"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the service can be reached."""
+
+    host: str
+    port: int
+    stop_port: int
+
+
+class Supervisor:
+    """The service. What moves is in processes of its own; here is only what must work when they do not."""
+
+    def __init__(self, settings: Settings, rigs: Sequence[tuple[Rig, str]], token: str) -> None:
+        """Open everything; `rigs` are (rig, address of its bench).
+
+        Raises:
+            ServiceError: another service uses the data folder, or a port is taken.
+            StorageError: the data folder cannot be used.
+        """
+        self._settings = settings
+        self._closing = Flag()
+        self.store = Store(settings.data)
+        self._lock = Lease(settings.data / LOCK)
+        if not self._lock.acquire():
+            self.store.close()
+            raise ServiceError(
+                "another service uses this data folder", where=str(settings.data), remedy="stop it, or name another"
+            )
+        self._counter: Counter | None = None
+        boot = secrets.token_hex(8)
+        log = EventLog(self.store.catalogue.engine)
+        diary = Diary(self.store, log)
+        jobs = self._queue = Jobs(self.store.catalogue.engine)
+        self._diary = diary
+        self._watch = JobWatch(self.store.catalogue.engine, jobs, log)
+        after = AfterRun(self.store, jobs)
+        self._recovery = Recovery(diary, after)
+        self._recovery.look()
+        listener = _bound(settings.host, settings.port)
+        leases = Leases(self.store.catalogue.engine, boot)
+        ids = rig_ids([rig.name for rig, _ in rigs])
+        self.controllers = Controllers(
+            [
+                Controller(Bench(i, rig, url, settings.data), diary, after, self._show)
+                for i, (rig, url) in zip(ids, rigs, strict=True)
+            ],
+            leases,
+        )
+        try:
+            self._stop = StopListener(settings.host, settings.stop_port, self.controllers.emergency_stop)
+        except OSError as error:
+            self.controllers.close()
+            raise _taken(settings.stop_port, error) from error
+        self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
+        self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
+        self._computing: dict[str, int] = {}
+        self.controllers.others = self._processes
+        self._api.look()
+        for work in (self._keep, self._guard):
+            Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
+
+    def wait(self) -> None:
+        """Until `close` is called; in short waits, since on Windows Ctrl-C does not interrupt a long one."""
+        while not self._closing.wait(0.2):
+            pass
+
+    def ask_to_close(self) -> None:
+        """Have `wait` return."""
+        self._closing.set()
+
+    def close(self) -> None:
+        """Leave every rig at rest, and end the processes."""
+        self._closing.set()
+        self._stop.close()
+        self.controllers.close()
+        self._api.close()
+        self._jobs.close()
+        self._lock.release()
+        self.store.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _api_started(self, connection: Connection) -> None:
+        self._counter = Counter(connection, self.controllers)
+
+    def _jobs_started(self, connection: Connection) -> None:
+        Thread(target=self._hear_jobs, args=(connection,), name="jobs", daemon=True).start()
+
+    def _hear_jobs(self, connection: Connection) -> None:
+        owner = ""
+        with suppress(EOFError, OSError):
+            while True:
+                reported: Computing = connection.recv()
+                owner, self._computing = reported.owner, reported.processes
+        self._computing = {}
+        if owner and not self._closing.is_set():
+            self._free_jobs(owner)
+
+    def _free_jobs(self, owner: str) -> None:
+        try:
+            self._queue.release(owner)
+        except ModallabError as error:
+            # Then its leases run out.
+            LOG.warning("jobs of %s: %s", owner, error)
+
+    def _processes(self) -> dict[str, int]:
+        known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
+        return {name: pid for name, pid in known.items() if pid is not None} | self._computing
+
+    def _show(self, content: bytes) -> None:
+        counter = self._counter
+        if counter is not None:
+            counter.show(content)
+
+    def _keep(self) -> None:
+        """Housekeeping, which may wait for a disk."""
+        while not self._closing.wait(LOOK_S):
+            try:
+                self._api.look()
+                if self._settings.jobs and self._counter is not None and self._counter.began:
+                    # Its imports take seconds of processor time, and the REST service comes first.
+                    self._jobs.look()
+                self._diary.log.flush()
+                self._watch.look()
+                self._recovery.look()
+            except Exception:
+                LOG.exception("supervisor")
+
+    def _guard(self) -> None:
+        """The heartbeat, which waits for nothing."""
+        tripped = False
+        silence = HeartbeatTimer(self._settings.timeout_s, BEAT_LOOK_S)
+        while not self._closing.wait(BEAT_LOOK_S):
+            trouble = self._trouble(silence)
+            if trouble and not tripped:
+                self._trip(trouble)
+            tripped = bool(trouble)
+
+    def _trouble(self, silence: HeartbeatTimer) -> str:
+        counter = self._counter
+        if counter is None or not counter.began:
+            return ""
+        timed_out = silence.look(counter.heard_s, self._api.used_s)
+        # Started anew it may be back within the second that silence is given: its end alone is reason enough.
+        return counter.gone or (
+            f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
+        )
+
+    def _trip(self, trouble: str) -> None:
+        try:
+            stopped = self.controllers.trip_driving(trouble)
+        except ModallabError:
+            LOG.exception("heartbeat: %s", trouble)
+        else:
+            LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    # Bound here, so that requests wait in line while the REST process is started again.
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(BACKLOG)
+    except OSError as error:
+        listener.close()
+        raise _taken(port, error) from error
+    return listener
+
+
+def _taken(port: int, error: OSError) -> ServiceError:
+    return ServiceError(f"cannot listen on port {port}: {error.strerror}", where="port", remedy="name another port")

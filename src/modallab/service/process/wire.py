@@ -1,0 +1,221 @@
+"""Commands between the REST process and the supervisor: calls one way, answers the other, and a sign of life."""
+
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from queue import Full, Queue
+from threading import Event as Flag
+from threading import Lock, Thread
+from typing import Any
+
+from modallab.core.documents.runs import Command
+from modallab.core.errors import ModallabError
+from modallab.service.errors import RigUnavailableError
+from modallab.service.rigs.control import Control, ControllerState, StartRun
+
+LOG = logging.getLogger(__name__)
+BEAT_S = 0.2
+ANSWER_S = 30.0
+FRAMES = 4
+"""Live samples that may wait for a reader; the newer ones are not shown then."""
+CALLS = frozenset({"states", "processes", "start", "command", "emergency_stop", "reset"})
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Do something; the answer carries the same number."""
+
+    number: int
+    name: str
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What came of a call."""
+
+    number: int
+    value: Any = None
+    error: ModallabError | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """The REST process lives."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Live samples, as they go on to whoever looks."""
+
+    content: bytes
+
+
+class RemoteControl:
+    """The REST process's end: a `Control` whose work is done in the supervisor."""
+
+    def __init__(self, connection: Connection, gone: Callable[[], None]) -> None:
+        """`gone` is called when the supervisor is."""
+        self._connection = connection
+        self._gone = gone
+        self._sending = Lock()
+        self._waiting: dict[int, Future[Any]] = {}
+        self._number = 0
+        self._lost = Flag()
+        self.on_frame: Callable[[bytes], None] = _ignore
+        Thread(target=self._hear, name="answers", daemon=True).start()
+        Thread(target=self._beat, name="heartbeat", daemon=True).start()
+
+    def states(self) -> tuple[ControllerState, ...]:
+        """As `Control`."""
+        return self._call("states")
+
+    def processes(self) -> dict[str, int]:
+        """As `Control`."""
+        return self._call("processes")
+
+    def start(self, order: StartRun) -> str:
+        """As `Control`."""
+        return self._call("start", order)
+
+    def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
+        """As `Control`."""
+        self._call("command", rig, run, command, lease)
+
+    def emergency_stop(self, rig: str | None, reason: str, operator: str) -> tuple[str, ...]:
+        """As `Control`."""
+        return self._call("emergency_stop", rig, reason, operator)
+
+    def reset(self, rig: str, reason: str, lease: str | None) -> None:
+        """As `Control`."""
+        self._call("reset", rig, reason, lease)
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        future: Future[Any] = Future()
+        with self._sending:
+            self._number += 1
+            number = self._number
+            self._waiting[number] = future
+            try:
+                self._connection.send(Call(number, name, arguments))
+            except OSError as error:
+                raise _no_supervisor() from error
+        try:
+            return future.result(ANSWER_S)
+        except TimeoutError as error:
+            raise _no_supervisor() from error
+        finally:
+            self._waiting.pop(number, None)
+
+    def _hear(self) -> None:
+        try:
+            while True:
+                answer: Answer | Frame | None = self._connection.recv()
+                if answer is None:
+                    break
+                if isinstance(answer, Frame):
+                    self.on_frame(answer.content)
+                    continue
+                future = self._waiting.get(answer.number)
+                if future is None:
+                    continue
+                if answer.error is not None:
+                    future.set_exception(answer.error)
+                else:
+                    future.set_result(answer.value)
+        except (EOFError, OSError):
+            pass
+        self._lost.set()
+        for future in list(self._waiting.values()):
+            future.set_exception(_no_supervisor())
+        self._gone()
+
+    def _beat(self) -> None:
+        while not self._lost.wait(BEAT_S):
+            try:
+                with self._sending:
+                    self._connection.send(Sign())
+            except OSError:
+                return
+
+
+class Counter:
+    """The supervisor's end: hears calls, has each done on a thread of its own, knows when it last heard anything."""
+
+    def __init__(self, connection: Connection, control: Control) -> None:
+        self._connection = connection
+        self._control = control
+        self._sending = Lock()
+        self.heard_s = time.monotonic()
+        self.began = False
+        self._gone_s: float | None = None
+        self._frames: Queue[Frame | None] = Queue(FRAMES)
+        self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="call")
+        for work in (self._hear, self._show):
+            Thread(target=work, name="calls", daemon=True).start()
+
+    def _hear(self) -> None:
+        try:
+            while True:
+                message: Call | Sign = self._connection.recv()
+                self.heard_s = time.monotonic()
+                self.began = True
+                if isinstance(message, Call):
+                    self._pool.submit(self._do, message)
+        except (EOFError, OSError):
+            self._gone_s = time.monotonic()
+            self._pool.shutdown(wait=False)
+            with suppress(Full):
+                self._frames.put_nowait(None)
+
+    def show(self, content: bytes) -> None:
+        """Pass live samples on, if those before have been taken; whoever shows them waits for nobody."""
+        if self._gone_s is None and self.began:
+            with suppress(Full):
+                self._frames.put_nowait(Frame(content))
+
+    def _show(self) -> None:
+        # A REST process that is frozen reads nothing, and the run that is on must not stand still with it.
+        with suppress(OSError):
+            while self._gone_s is None and (frame := self._frames.get()) is not None:
+                with self._sending:
+                    self._connection.send(frame)
+
+    @property
+    def since_heard_s(self) -> float:
+        """Since it was heard last."""
+        return time.monotonic() - self.heard_s
+
+    @property
+    def gone(self) -> str:
+        """What is to be said of it once it has ended; before, ""."""
+        gone_s = self._gone_s
+        return "" if gone_s is None else f"the REST process has been gone for {time.monotonic() - gone_s:.1f} s"
+
+    def _do(self, call: Call) -> None:
+        try:
+            if call.name not in CALLS:
+                raise ModallabError(f"there is no call {call.name!r}")
+            answer = Answer(call.number, getattr(self._control, call.name)(*call.arguments))
+        except ModallabError as error:
+            answer = Answer(call.number, error=error)
+        except Exception as error:
+            LOG.exception("call %s", call.name)
+            answer = Answer(call.number, error=ModallabError(f"unexpected {type(error).__name__}: {error}"))
+        try:
+            with self._sending:
+                self._connection.send(answer)
+        except OSError:
+            return
+
+
+def _ignore(_content: bytes) -> None:
+    """Nobody looks."""
+
+
+def _no_supervisor() -> RigUnavailableError:
+    return RigUnavailableError("the supervisor does not answer", remedy="look at the service's log")

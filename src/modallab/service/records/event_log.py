@@ -1,0 +1,93 @@
+"""The log of events: append-only, in one order, so that whoever was away reads on from where he was."""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+from sqlalchemy import Connection, Engine, func, insert, select, text
+
+from modallab.core.documents.pages import EventView
+from modallab.core.errors import StorageError
+from modallab.service.records.database import reading, writing
+from modallab.storage.recorder import utc_now
+from modallab.storage.service_tables import EVENTS
+
+MAX_WAITING = 10_000
+"""Events kept in memory while the disk takes none; the oldest go first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """What an event is about; "" where it is about none."""
+
+    rig: str = ""
+    campaign: str = ""
+    run: str = ""
+
+
+class EventLog:
+    """Appends and reads events. A full disk delays them and never stops who tells them."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._waiting: deque[dict[str, Any]] = deque(maxlen=MAX_WAITING)
+        self._lock = Lock()
+
+    def append(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
+        """Add an event; what the disk would not take is added with the next one, in order."""
+        row = {
+            "utc": utc_now(),
+            "rig": topic.rig,
+            "campaign": topic.campaign,
+            "run": topic.run,
+            "kind": kind,
+            "content": dict(content),
+        }
+        with self._lock:
+            self._waiting.append(row)
+            self._write_waiting()
+
+    def flush(self) -> None:
+        """Try again to write what waits."""
+        with self._lock:
+            self._write_waiting()
+
+    @property
+    def waiting(self) -> int:
+        """Events the disk has not taken yet."""
+        return len(self._waiting)
+
+    def after(self, seq: int, limit: int, topic: Topic | None = None) -> list[EventView]:
+        """Up to `limit` events after number `seq`, oldest first; with a topic only its own."""
+        query = select(EVENTS).where(EVENTS.c.seq > seq).order_by(EVENTS.c.seq).limit(limit)
+        for name in ("rig", "campaign", "run"):
+            requested = getattr(topic, name) if topic is not None else ""
+            if requested:
+                query = query.where(EVENTS.c[name] == requested)
+        with reading(self._engine) as connection:
+            return [EventView(**row) for row in connection.execute(query).mappings()]
+
+    def last(self) -> int:
+        """Number of the newest event, 0 if there is none."""
+        with reading(self._engine) as connection:
+            return connection.scalar(select(func.max(EVENTS.c.seq))) or 0
+
+    def _write_waiting(self) -> None:
+        if not self._waiting:
+            return
+        rows = list(self._waiting)
+        try:
+            with writing(self._engine) as connection:
+                one_at_a_time(connection)
+                connection.execute(insert(EVENTS), rows)
+        except StorageError:
+            return
+        self._waiting.clear()
+
+
+def one_at_a_time(connection: Connection) -> None:
+    """Numbers must become visible in their order, or a reader would pass by one; SQLite has one writer anyway."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("LOCK TABLE events IN EXCLUSIVE MODE"))

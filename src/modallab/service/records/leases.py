@@ -1,0 +1,113 @@
+"""The right to command a rig: one holder at a time, for a limited time, with a number that grows with every holder."""
+
+import secrets
+import time
+from typing import Any
+
+from sqlalchemy import Connection, Engine, delete, insert, select, update
+
+from modallab.core.documents.rigs import Lease, LeaseHolder
+from modallab.service.errors import LeaseHeldError, LeaseNeededError
+from modallab.service.records import audit
+from modallab.service.records.database import reading, writing
+from modallab.storage.service_tables import LEASES
+
+REMEDY = "ask for the lease of the rig, renew it before it is over, and send its id as Modallab-Lease"
+
+
+class Leases:
+    """Leases of one service. Time is the machine's monotonic clock, so that no clock on the wall ends or prolongs one.
+
+    A lease of an earlier start of the service is void: nobody may hold what nobody watched.
+    """
+
+    def __init__(self, engine: Engine, boot: str) -> None:
+        """`boot` names this start of the service."""
+        self._engine = engine
+        self._boot = boot
+
+    def take(self, rig: str, operator: str, ttl_s: float, *, take_over: bool = False) -> Lease:
+        """Take the lease of a rig; with `take_over` from its holder, whose lease commands nothing from then on.
+
+        Raises:
+            LeaseHeldError: someone holds it.
+        """
+        with writing(self._engine) as connection:
+            row = _row(connection, rig)
+            holder = row["operator"] if row is not None and self._remaining_s(row) > 0 else None
+            if holder is not None and not take_over:
+                raise LeaseHeldError(
+                    f"{holder} holds {rig} for {self._remaining_s(row):.1f} s more",
+                    where=rig,
+                    remedy="ask the holder to give it back, or wait; if the holder's program is gone, ask with "
+                    "take_over; an emergency stop needs no lease",
+                )
+            fence = 1 if row is None else int(row["fence"]) + 1
+            connection.execute(delete(LEASES).where(LEASES.c.rig == rig))
+            lease = Lease(id=secrets.token_urlsafe(18), rig=rig, operator=operator, fence=fence, ttl_s=ttl_s)
+            values = lease.model_dump() | {"boot": self._boot, "expires_s": time.monotonic() + ttl_s}
+            connection.execute(insert(LEASES).values(values))
+            taken_from = {} if holder is None else {"taken_from": holder}
+            audit.note(connection, operator, "take-lease", rig, {"fence": fence, "ttl_s": ttl_s, **taken_from})
+        return lease
+
+    def renew(self, rig: str, lease: str) -> Lease:
+        """Begin the lease's time anew.
+
+        Raises:
+            LeaseNeededError: it is over or not the one.
+        """
+        with writing(self._engine) as connection:
+            row = self._held(_row(connection, rig), rig, lease)
+            later = update(LEASES).where(LEASES.c.rig == rig).values(expires_s=time.monotonic() + row["ttl_s"])
+            connection.execute(later)
+        return _lease(row)
+
+    def release(self, rig: str, lease: str) -> None:
+        """Give the lease back.
+
+        Raises:
+            LeaseNeededError: it is over or not the one.
+        """
+        with writing(self._engine) as connection:
+            row = self._held(_row(connection, rig), rig, lease)
+            # The row stays, for its number must grow.
+            connection.execute(update(LEASES).where(LEASES.c.rig == rig).values(expires_s=0.0))
+            audit.note(connection, row["operator"], "release-lease", rig, {"fence": row["fence"]})
+
+    def require(self, rig: str, lease: str | None) -> Lease:
+        """The lease, if `lease` names the one that is held now.
+
+        Raises:
+            LeaseNeededError: it does not.
+        """
+        with reading(self._engine) as connection:
+            return _lease(self._held(_row(connection, rig), rig, lease))
+
+    def holder(self, rig: str) -> LeaseHolder | None:
+        """Who holds the rig; None if nobody does."""
+        with reading(self._engine) as connection:
+            row = _row(connection, rig)
+        if row is None or self._remaining_s(row) <= 0:
+            return None
+        return LeaseHolder(operator=row["operator"], fence=row["fence"], remaining_s=self._remaining_s(row))
+
+    def _remaining_s(self, row: Any) -> float:
+        return float(row["expires_s"]) - time.monotonic() if row["boot"] == self._boot else 0.0
+
+    def _held(self, row: Any, rig: str, lease: str | None) -> Any:
+        if not lease:
+            raise LeaseNeededError(f"commanding {rig} needs its lease, and none was sent", where=rig, remedy=REMEDY)
+        if row is None or not secrets.compare_digest(str(row["id"]).encode(), lease.encode()):
+            raise LeaseNeededError(f"this is not the lease of {rig} that is held now", where=rig, remedy=REMEDY)
+        if self._remaining_s(row) <= 0:
+            raise LeaseNeededError(f"the lease of {rig} is over", where=rig, remedy=REMEDY)
+        return row
+
+
+def _row(connection: Connection, rig: str) -> Any:
+    return connection.execute(select(LEASES).where(LEASES.c.rig == rig)).mappings().one_or_none()
+
+
+def _lease(row: Any) -> Lease:
+    return Lease(**{name: row[name] for name in Lease.model_fields})

@@ -1,0 +1,147 @@
+"""The repository of campaigns: which there are, which runs belong to each, how each run ended."""
+
+import secrets
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import Connection, Engine, insert, select, update
+
+from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
+from modallab.service.errors import ChangedError, NotFoundError
+from modallab.service.records import audit
+from modallab.service.records.database import reading, writing
+from modallab.storage.recorder import utc_now
+from modallab.storage.service_tables import CAMPAIGN_RUNS, CAMPAIGNS
+
+
+@dataclass(frozen=True, slots=True)
+class RunEntry:
+    """What the repository says of a run.
+
+    Attributes:
+        run: its name.
+        campaign: it belongs to.
+        rig: id of the rig.
+        operator: who began it.
+        continues: the run whose good blocks it takes over.
+        code: of the error it ended with, else "".
+    """
+
+    run: str
+    campaign: str
+    rig: str
+    operator: str
+    continues: str | None
+    code: str = ""
+
+
+class CampaignRepository:
+    """Campaigns and their runs, in the service's database."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+
+    def create(self, new: CampaignNew, operator: str) -> CampaignView:
+        """Enter a campaign, under an id made here.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        now = datetime.now(UTC)
+        row: dict[str, Any] = {
+            "id": f"c{now:%Y%m%dT%H%M%S}-{secrets.token_hex(4)}",
+            "name": new.name,
+            "note": new.note,
+            "rig": new.rig,
+            "operator": operator,
+            "created_utc": utc_now(),
+            "revision": 1,
+        }
+        with writing(self._engine) as connection:
+            connection.execute(insert(CAMPAIGNS).values(row))
+            audit.note(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
+        return CampaignView(**row)
+
+    def campaign(self, campaign: str) -> CampaignView:
+        """One campaign.
+
+        Raises:
+            NotFoundError: there is none of this id.
+        """
+        with reading(self._engine) as connection:
+            return _campaign(connection, campaign)
+
+    def campaigns(self, before: str | None, limit: int) -> list[CampaignView]:
+        """Up to `limit` campaigns before the one named `before`, newest first."""
+        query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.id.desc()).limit(limit)
+        if before is not None:
+            query = query.where(CAMPAIGNS.c.id < before)
+        with reading(self._engine) as connection:
+            return [_campaign(connection, name) for name in connection.scalars(query).all()]
+
+    def change(self, campaign: str, change: CampaignChange, revision: int, operator: str) -> CampaignView:
+        """Change a campaign, if it is still at `revision`.
+
+        Raises:
+            NotFoundError: there is none of this id.
+            ChangedError: it is at another revision.
+        """
+        values = change.model_dump(exclude_none=True)
+        with writing(self._engine) as connection:
+            found = _campaign(connection, campaign)
+            if found.revision != revision:
+                raise ChangedError(
+                    f"the campaign is at revision {found.revision}, not {revision}",
+                    where=campaign,
+                    remedy="read it again, and decide again",
+                )
+            query = update(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)
+            connection.execute(query.values(**values, revision=revision + 1))
+            audit.note(connection, operator, "change-campaign", campaign, values)
+            return _campaign(connection, campaign)
+
+    def add_run(self, entry: RunEntry, plan: dict[str, Any]) -> None:
+        """Enter a run that has begun.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        with writing(self._engine) as connection:
+            connection.execute(insert(CAMPAIGN_RUNS).values({name: getattr(entry, name) for name in _ENTRY}))
+            more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
+            connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
+            audit.note(connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan})
+
+    def set_code(self, run: str, code: str) -> None:
+        """Keep the code of the error that ended a run.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        with writing(self._engine) as connection:
+            connection.execute(update(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run).values(code=code))
+
+    def entry(self, run: str) -> RunEntry | None:
+        """What the repository says of a run; None if it belongs to no campaign."""
+        with reading(self._engine) as connection:
+            row = connection.execute(select(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run)).mappings().one_or_none()
+        return None if row is None else RunEntry(**row)
+
+    def chain(self, run: str) -> tuple[str, ...]:
+        """A run with all it continues, the oldest first."""
+        found = [run]
+        while (entry := self.entry(found[0])) is not None and entry.continues and entry.continues not in found:
+            found.insert(0, entry.continues)
+        return tuple(found)
+
+
+_ENTRY = ("run", "campaign", "rig", "operator", "continues", "code")
+
+
+def _campaign(connection: Connection, campaign: str) -> CampaignView:
+    row = connection.execute(select(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)).mappings().one_or_none()
+    if row is None:
+        raise NotFoundError(f"there is no campaign {campaign!r}", remedy="look at the list of campaigns")
+    runs = select(CAMPAIGN_RUNS.c.run).where(CAMPAIGN_RUNS.c.campaign == campaign).order_by(CAMPAIGN_RUNS.c.run)
+    return CampaignView(**row, runs=tuple(connection.scalars(runs).all()))

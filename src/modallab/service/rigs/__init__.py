@@ -1,0 +1,1 @@
+"""The rigs of a service: who controls each, and the run that is active."""

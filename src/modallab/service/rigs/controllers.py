@@ -1,0 +1,99 @@
+"""All rigs of a service, behind one `Control`."""
+
+import re
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+from modallab.core.documents.runs import Command
+from modallab.core.errors import ModallabError
+from modallab.service.errors import NotFoundError
+from modallab.service.records.leases import Leases
+from modallab.service.rigs.control import ControllerState, StartRun
+from modallab.service.rigs.controller import Controller
+
+
+class Controllers:
+    """The rigs by id. The lease is looked at here, last of all, so that no delay on the way outlives it."""
+
+    def __init__(self, controllers: Sequence[Controller], leases: Leases) -> None:
+        self._controllers = {controller.bench.id: controller for controller in controllers}
+        self._leases = leases
+        self.others: Callable[[], dict[str, int]] = dict
+
+    def states(self) -> tuple[ControllerState, ...]:
+        """How every rig stands."""
+        return tuple(controller.state() for controller in self._controllers.values())
+
+    def processes(self) -> dict[str, int]:
+        """As `Control`."""
+        rigs = {
+            f"rig {rig}": controller.pid for rig, controller in self._controllers.items() if controller.pid is not None
+        }
+        return rigs | self.others()
+
+    def start(self, order: StartRun) -> str:
+        """Begin a run; returns its name. Raises as `Control`."""
+        controller = self._controller(order.rig)
+        lease = self._leases.require(order.rig, order.lease)
+        return controller.start(order, lease.operator)
+
+    def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
+        """Tell an active run something. Raises as `Control`."""
+        controller = self._controller(rig)
+        controller.command(run, command, self._leases.require(rig, lease).operator)
+
+    def emergency_stop(self, rig: str | None, reason: str, operator: str) -> tuple[str, ...]:
+        """Bring outputs to 0 V and latch; all rigs at once, none waits for another.
+
+        Raises:
+            NotFoundError: no rig of this id.
+            ModallabError: an output could not be reached; the others were tried all the same.
+        """
+        controllers = list(self._controllers.values()) if rig is None else [self._controller(rig)]
+        return self._stop(controllers, lambda controller: controller.emergency_stop(reason, operator))
+
+    def trip_driving(self, reason: str) -> tuple[str, ...]:
+        """Stop every rig whose output may move; for whoever misses a heartbeat."""
+        controllers = [controller for controller in self._controllers.values() if controller.driving]
+        return self._stop(controllers, lambda controller: controller.emergency_stop(reason, "heartbeat"))
+
+    def reset(self, rig: str, reason: str, lease: str | None) -> None:
+        """Let a tripped rig be driven again. Raises as `Control`."""
+        controller = self._controller(rig)
+        controller.reset(reason, self._leases.require(rig, lease).operator)
+
+    def close(self) -> None:
+        """Leave every rig at rest."""
+        for controller in self._controllers.values():
+            controller.close()
+
+    def _controller(self, rig: str) -> Controller:
+        if rig not in self._controllers:
+            known = ", ".join(self._controllers) or "none"
+            raise NotFoundError(f"there is no rig {rig!r}", remedy=f"this service has: {known}")
+        return self._controllers[rig]
+
+    @staticmethod
+    def _stop(controllers: Sequence[Controller], stop: Callable[[Controller], None]) -> tuple[str, ...]:
+        failed: ModallabError | None = None
+        if not controllers:
+            return ()
+        with ThreadPoolExecutor(max_workers=len(controllers)) as pool:
+            for future in [pool.submit(stop, controller) for controller in controllers]:
+                try:
+                    future.result()
+                except ModallabError as error:
+                    failed = error
+        if failed is not None:
+            raise failed
+        return tuple(controller.bench.id for controller in controllers)
+
+
+def rig_ids(names: Sequence[str]) -> tuple[str, ...]:
+    """An id for each rig, from its name: lower case, words joined by hyphens, never twice the same."""
+    found: list[str] = []
+    for name in names:
+        base = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "rig"
+        number = 1 + sum(other == base or other.startswith(f"{base}--") for other in found)
+        found.append(base if number == 1 else f"{base}--{number}")
+    return tuple(found)

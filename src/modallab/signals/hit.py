@@ -1,0 +1,86 @@
+"""Where the hit lies in an impact block, and the force with everything else set to zero."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.signals.checks import check_positive, check_rows
+
+BESIDE, FAR = 2.5, 8.0
+"""In sigmas of the noise: what a neighbour of a contact's sample reaches, and from where on it needs none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """Samples `first` to `stop` (exclusive) hold the hit; `offset` is the force channel's level outside, in N."""
+
+    first: int
+    stop: int
+    peak: int
+    offset: float
+    noise: float
+
+
+def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
+    """The stretch about the peak beyond which force is noise only.
+
+    Args:
+        force: (n,) N.
+        threshold: how many noise sigmas belong to the hit.
+
+    Raises:
+        DataError: no sample stands out of the noise, or the force is not one record.
+    """
+    check_rows(force, "force")
+    check_positive(threshold, "the threshold in sigmas")
+    if force.ndim != 1:
+        raise DataError(f"the force has shape {force.shape}", remedy="give the force channel alone, (n,)")
+    peak = int(np.argmax(np.abs(force)))
+    offset = float(np.median(force))
+    level = np.abs(force - offset)
+    # Most of a block is silence, so the median of |force| is the noise's, hit or not.
+    noise = float(1.4826 * np.median(level))
+    loud = _loud(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
+    if level[peak] < 2 * threshold * noise or loud.size == 0:
+        raise DataError(
+            f"no hit: the force peaks at {level[peak]:.3g} N over a noise of {noise:.3g} N",
+            remedy="leave this record out, or use a sine test's identification",
+        )
+    # A double hit would be one long hit: both contacts are force that acted, and stay.
+    margin = max(4, int(loud[-1] - loud[0]) // 2)
+    first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
+    quiet = np.concatenate([force[:first], force[stop:]])
+    if quiet.size < 16:
+        return Hit(first, stop, peak, offset, noise)
+    # A median of few counts is coarse; the silence itself gives offset and noise.
+    return Hit(first, stop, peak, float(quiet.mean()), float(quiet.std()))
+
+
+def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:
+    """Indices of the samples that belong to a contact: above `least`, and not alone.
+
+    Of thousands of samples one may stand five sigmas out of the noise by chance, and would make the hit last up to it.
+    It has no neighbour that leans to its side; a contact has, or stands out far more.
+    """
+    level, side = np.abs(force), np.sign(force)
+    beside = np.maximum(side * np.roll(force, 1), side * np.roll(force, -1))
+    return np.flatnonzero((level > least) & ((beside > BESIDE * noise) | (level > FAR * noise)))
+
+
+def windowed_force(force: NDArray[np.float64], hit: Hit) -> NDArray[np.float64]:
+    """The force with its offset taken off and zero outside the hit.
+
+    The force channel's noise would otherwise ring through every lightly damped mode of a predicted response.
+
+    Raises:
+        DataError: the force is not one record, or not one that this hit can be of.
+    """
+    check_rows(force, "force")
+    if force.ndim != 1 or not 0 <= hit.first < hit.stop <= force.size:
+        found = f"a hit from sample {hit.first} to {hit.stop} is not in a force of shape {force.shape}"
+        raise DataError(found, remedy="give the force in which the hit was found")
+    quiet = np.zeros_like(force)
+    quiet[hit.first : hit.stop] = force[hit.first : hit.stop] - hit.offset
+    return quiet

@@ -1,0 +1,68 @@
+"""Modes that may be none, in words: those that hardly stand out, and those that one sensor alone sees."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.model import ModalModel
+
+LITTLE = 0.2
+"""A mode of less confidence is told as doubtful."""
+ALONE = 0.98
+"""Share of a mode's squared constants from which one sensor has it to itself."""
+SIGMAS = 5.0
+LEAST_OUTPUTS = 4
+
+
+def doubts(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
+    """Sentences on the modes to be doubted.
+
+    Args:
+        model: the modes.
+        confidence: (modes,) 0 to 1, NaN where it is not known.
+    """
+    weak = np.flatnonzero(confidence < LITTLE)
+    found = [_weak(model, weak)] if weak.size else []
+    seen = seen_by_one(model)
+    return (*found, *(_alone(model, o, np.flatnonzero(seen == o)) for o in np.unique(seen[seen >= 0]).tolist()))
+
+
+def seen_by_one(model: ModalModel) -> NDArray[np.int64]:
+    """(modes,) the output that has a mode to itself though forces at other points drive it; -1 where there is none.
+
+    What a force at k drives moves at k. A sensor that clips, is loose or rings by itself answers every force.
+    """
+    found = np.full(model.n_modes, -1, dtype=np.int64)
+    if len(model.outputs) < LEAST_OUTPUTS:
+        return found
+    power = np.sum(np.abs(model.modal_constants) ** 2, axis=2)
+    for r, each in enumerate(power):
+        o = int(np.argmax(each))
+        constants, sigma = model.modal_constants[r, o], model.modal_constant_sigma[r, o]
+        elsewhere = [k for k, p in enumerate(model.input_points) if p is not None and p != model.output_points[o]]
+        driven = any(abs(constants[k]) > SIGMAS * sigma[k] for k in elsewhere)
+        if each[o] > ALONE * each.sum() and driven:
+            found[r] = o
+    return found
+
+
+def _weak(model: ModalModel, modes: NDArray[np.int64]) -> str:
+    which, hold = _named(model, modes)
+    return (
+        f"{which} {'are' if modes.size > 1 else 'is'} doubtful: {hold} hardly above what noise, or what the model "
+        "leaves unexplained, could pass for. Look at the FRFs there, or leave it out by hand."
+    )
+
+
+def _alone(model: ModalModel, output: int, modes: NDArray[np.int64]) -> str:
+    which, _ = _named(model, modes)
+    return (
+        f"{which} {'are' if modes.size > 1 else 'is'} seen by {model.outputs[output]} alone, though other points were "
+        "driven: no mode of a structure is. Look at that sensor, its mounting, and its records for clipping."
+    )
+
+
+def _named(model: ModalModel, modes: Sequence[int] | NDArray[np.int64]) -> tuple[str, str]:
+    listed = ", ".join(f"{model.frequency_hz[r]:.4g}" for r in modes)
+    return (f"The modes at {listed} Hz", "they stand") if len(modes) > 1 else (f"The mode at {listed} Hz", "it stands")

@@ -1,0 +1,111 @@
+"""A slow mode far below the noise is still seen; noise and hum alone are rest."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from modallab.acquisition.monitor.settled import (
+    FLOOR_SCATTER,
+    Floor,
+    check_settled,
+    fading,
+    floor_of,
+    noise_limit,
+    residual_ratio,
+)
+
+RATE, N, CHANNELS = 2000.0, 4096, 10
+T = np.arange(N) / RATE
+SHAPE = 1 - np.cos(np.pi * np.arange(1, CHANNELS + 1) / (2 * CHANNELS))
+SIGMA = np.sqrt(0.983**2 + 1 / 12)
+
+
+def window(rng: np.random.Generator, tone: np.ndarray | float = 0.0) -> np.ndarray:
+    """Counts of a 16-bit converter: 0.3 mV of noise at 0.305 mV a count."""
+    return np.rint(rng.normal(0, 0.983, (CHANNELS, N)) + tone)
+
+
+def ringing(rng: np.random.Generator, tip: float, hz: float = 4.8) -> np.ndarray:
+    """The first mode with `tip` noise rms at the free end."""
+    return tip * SIGMA * SHAPE[:, None] * np.sin(2 * np.pi * hz * T + rng.uniform(0, 2 * np.pi))
+
+
+@pytest.fixture(scope="module")
+def floor() -> Floor:
+    rng = np.random.default_rng(0)
+    return floor_of([window(rng) for _ in range(4)])
+
+
+def test_noise_alone_is_rest(floor: Floor) -> None:
+    rng = np.random.default_rng(1)
+    assert all(check_settled(window(rng), floor).quiet for _ in range(200))
+
+
+def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(floor: Floor) -> None:
+    rng = np.random.default_rng(2)
+    looks = [check_settled(window(rng, ringing(rng, 0.2, 4.8 + rng.uniform(-0.25, 0.25))), floor) for _ in range(200)]
+    assert not any(look.quiet for look in looks)
+    assert max(look.level for look in looks) < 1.1
+    assert all(abs(look.line * RATE / N - 4.8) < 0.8 for look in looks)
+
+
+def test_a_twentieth_of_the_noise_passes(floor: Floor) -> None:
+    rng = np.random.default_rng(3)
+    assert np.mean([check_settled(window(rng, ringing(rng, 0.05)), floor).quiet for _ in range(100)]) > 0.97
+
+
+def test_a_loud_channel_is_no_rest(floor: Floor) -> None:
+    rng = np.random.default_rng(4)
+    loud = window(rng)
+    loud[3] *= 2
+    look = check_settled(loud, floor)
+    assert look.level == pytest.approx(2, rel=0.1)
+    assert not look.quiet
+
+
+def test_a_hum_that_was_there_from_the_start_is_part_of_the_floor() -> None:
+    rng = np.random.default_rng(5)
+    hum = 5 * np.sin(2 * np.pi * 50 * T)
+    humming = floor_of([window(rng, hum) for _ in range(4)])
+    assert all(check_settled(window(rng, hum), humming).quiet for _ in range(50))
+    assert not check_settled(window(rng, hum + ringing(rng, 0.3)), humming).quiet
+
+
+def test_an_offset_is_no_motion(floor: Floor) -> None:
+    rng = np.random.default_rng(6)
+    assert check_settled(window(rng) + 1000, floor).quiet
+
+
+def test_a_channel_below_one_count_has_the_rounding_as_its_floor() -> None:
+    timed_out = floor_of([np.zeros((2, 512))] * 4)
+    np.testing.assert_allclose(timed_out.rms, 1 / np.sqrt(12))
+    assert check_settled(np.zeros((2, 512)), timed_out).quiet
+
+
+@pytest.mark.parametrize("channels", [1, 2, 10, 30])
+def test_the_limit_is_the_quantile_of_the_mean_of_so_many_exponentials(channels: int) -> None:
+    quantile = chi2.isf(5e-7, 2 * channels) / (2 * channels)
+    assert noise_limit(channels) / FLOOR_SCATTER == pytest.approx(quantile, rel=0.12)
+
+
+def test_windows_that_fade_are_no_floor_and_windows_of_noise_are() -> None:
+    rng = np.random.default_rng(7)
+    noise = [window(rng) for _ in range(4)]
+    assert not fading(noise, floor_of(noise))
+    decay = [window(rng, 3 * np.exp(-0.15 * n * N / RATE) * ringing(rng, 1.0)) for n in range(4)]
+    assert fading(decay, floor_of(decay))
+
+
+@pytest.mark.parametrize("part", [0.005, 0.02, 0.1])
+def test_the_residual_is_measured_as_part_of_the_hits_own_motion(floor: Floor, part: float) -> None:
+    rng = np.random.default_rng(8)
+    own = ringing(rng, 300.0)
+    ratio, line = residual_ratio(window(rng, part * own), window(rng, own)[:, : N // 2], floor)
+    assert ratio == pytest.approx(part, rel=0.3)
+    assert line * RATE / N == pytest.approx(4.8, abs=0.5)
+
+
+def test_no_residual_is_zero(floor: Floor) -> None:
+    rng = np.random.default_rng(9)
+    own = window(rng, ringing(rng, 300.0))[:, : N // 2]
+    assert all(residual_ratio(window(rng), own, floor)[0] == 0 for _ in range(50))

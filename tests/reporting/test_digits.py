@@ -1,0 +1,105 @@
+from datetime import date
+from math import inf, nan
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from modallab.reporting.digits import (
+    about,
+    alike,
+    concise,
+    counted,
+    day,
+    glued,
+    listed,
+    plain,
+    relative,
+    scientific,
+    share,
+    short,
+    with_sigma,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "text"),
+    [
+        (4.80213, 0.00031, "4.8021 ± 0.0003 Hz"),
+        (4.80213, 0.00014, "4.80213 ± 0.00014 Hz"),
+        (87.9, 0.0996, "87.90 ± 0.10 Hz"),
+        (4392.3, 12.0, "4392 ± 12 Hz"),
+        (4392.3, 130.0, "4392 ± 130 Hz"),
+        (30.86, nan, "30.86 Hz (± unknown)"),
+        (30.86, inf, "30.86 Hz (± unknown)"),
+        (30.86, 0.0, "30.86 Hz (± unknown)"),
+        (nan, 0.1, "unknown"),
+        (-0.5, 0.1, "−0.50 ± 0.10 Hz"),
+    ],
+)
+def test_a_value_has_the_digits_that_its_sigma_bears(value, sigma, text):
+    assert with_sigma(value, sigma, "Hz") == text
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "text"),
+    [
+        (4.80213, 0.00031, "4.8021(3)"),
+        (4.80213, 0.00014, "4.80213(14)"),
+        (4392.3, 12.0, "4392(12)"),
+        (43.9, 1.4, "43.9(1.4)"),
+        (30.86, nan, "30.86(?)"),
+        (nan, 1.0, "unknown"),
+    ],
+)
+def test_the_concise_form_counts_in_the_last_places(value, sigma, text):
+    assert concise(value, sigma) == text
+
+
+def test_a_truth_is_written_to_the_places_of_the_reading():
+    assert (alike(4.8029912, 0.0003), alike(4.8029912, nan), alike(nan, 1.0)) == ("4.8030", "4.8030", "unknown")
+    assert (about(2.44128), about(799.9), about(4997.0)) == ("2.44", "800", "5000")
+
+
+@settings(derandomize=True)
+@given(st.floats(1e-3, 1e5), st.floats(1e-6, 1.0))
+def test_rounding_costs_less_than_half_a_sigma(value, share_of_it):
+    sigma = value * share_of_it
+    shown, shown_sigma = with_sigma(value, sigma).split(" ± ")
+    assert abs(float(shown.replace("−", "-")) - value) <= 0.5 * sigma * 1.0001
+    assert float(shown_sigma) == pytest.approx(sigma, rel=0.26)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(4.80213, "4.802"), (0.0, "0"), (12345.6, "12346"), (0.000123456, "0.0001235"), (1.5e-12, "1.500×10⁻¹²")],
+)
+def test_a_plain_number_has_four_digits(value, text):
+    assert plain(value) == text
+
+
+def test_unknown_numbers_are_called_so():
+    assert {plain(nan), scientific(nan), share(nan), short(inf), relative(nan, 1.0), relative(1.0, 0.0)} == {"unknown"}
+
+
+@pytest.mark.parametrize(
+    ("value", "reference", "text"),
+    [(1.0, 1.0, "0 %"), (1.00004, 1.0, "+0.0040 %"), (0.976, 1.0, "−2.4 %"), (2.5, 1.0, "+150 %")],
+)
+def test_a_difference_is_in_percent_with_its_sign(value, reference, text):
+    assert relative(value, reference) == text
+
+
+def test_words():
+    assert scientific(-1.234e-5) == "−1.23×10⁻⁵"
+    assert (short(3.0), short(1.024), short(110.0)) == ("3", "1.024", "110")
+    assert (listed([]), listed(["a"]), listed(["a", "b", "c"])) == ("", "a", "a, b and c")
+    assert (counted(1, "block"), counted(3, "frequency", "frequencies")) == ("1 block", "3 frequencies")
+    assert (day(date(2024, 5, 31)), day(None)) == ("2024-05-31", "not given")
+
+
+def test_a_number_is_never_parted_from_its_unit():
+    assert glued("3 to 110 Hz, 0.51 % in 1.024 s, 4 ± 1 kg") == (
+        "3 to 110\u00a0Hz, 0.51\u00a0% in 1.024\u00a0s, 4\u00a0±\u00a01\u00a0kg"
+    )
+    assert glued("5 modes, 3 mice") == "5 modes, 3 mice"

@@ -1,0 +1,92 @@
+"""A session at the bench: plans in turn, events as they come, one campaign at the end."""
+
+import json
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.errors import PlanError
+from modallab.core.events import Event
+from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.rig import Rig
+from modallab.formats.rig.rig_file import read_rig
+from modallab.pipelines.known_modes import with_known_modes
+from modallab.service.campaigns.demo_plan import DEMO_POINTS, demo_plans
+from modallab.service.campaigns.plain_session import record_campaign
+from modallab.storage import Store
+
+
+@pytest.fixture(scope="module")
+def link_rig() -> Rig:
+    return read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))
+
+
+def test_the_demo_does_both_tests_of_the_paper() -> None:
+    impact, sine = demo_plans()
+    assert isinstance(impact, ImpactPlan)
+    assert isinstance(sine, SinePlan)
+    assert (impact.points, impact.hits, impact.rate_hz) == (DEMO_POINTS, 5, 2000.0)
+    assert (len(sine.frequencies_hz), sine.rate_hz, list(sine.levels_v)) == (24, 1000.0, ["low"])
+
+
+def test_the_demos_campaign_has_15_good_hits_and_24_sine_blocks(link_rig: Rig, tmp_path: Path) -> None:
+    events: list[Event] = []
+    campaign = record_campaign("sim://cantilever?seed=1", link_rig, demo_plans(), tmp_path, events.append)
+    assert [len(campaign.of("impact")), len(campaign.of("sine"))] == [15, 24]
+    assert [b.order for b in campaign.blocks] == list(range(39))
+    assert len({b.name for b in campaign.blocks}) == 39
+    assert {b.duration_s for b in campaign.blocks} == {1.024}
+    assert len([e for e in events if e.kind == "block" and e.accepted]) == 39
+    assert campaign.rig == link_rig
+
+
+def test_a_plan_that_fails_ends_the_visit_and_what_was_recorded_stays(link_rig: Rig, tmp_path: Path) -> None:
+    plans = (ImpactPlan(points=(10,), hits=1), SinePlan(levels_v={"low": 99.0}))
+    with pytest.raises(PlanError, match="99 V"):
+        record_campaign("sim://cantilever?seed=1", link_rig, plans, tmp_path, lambda _: None)
+    with Store(tmp_path) as store:
+        done, failed = store.catalogue.runs()
+        assert (done.state, failed.state) == ("done", "failed")
+        assert len(store.blocks(done.id)) == 1
+
+
+def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_tell_whether_it_settled(
+    link_rig: Rig, tmp_path: Path
+) -> None:
+    # 1.6 % of damping: after 2.5 s a decay of the first mode is left that 6 s more take away.
+    sine = SinePlan(
+        frequencies_hz=(8 / 1.024,), ramp_s=0.2, settle_s=2.5, max_settle_s=12.0, wait_s=1.0, settle_timeout_s=10.0
+    )
+    impact = ImpactPlan(points=(10,), hits=3)
+    campaign = record_campaign("sim://cantilever?seed=2&zeta=0.016", link_rig, (impact, sine), tmp_path, lambda _: None)
+    runs = campaign.provenance["runs"].split()
+    truth_hz = json.loads(campaign.provenance["bench.frequency_hz"])[0]
+    with Store(tmp_path) as store:
+        plan = store.catalogue.run(runs[1]).plan
+        first, *_, last = store.catalogue.blocks(runs[1])
+    assert isinstance(plan, SinePlan)
+    assert plan.modes[0].frequency_hz == pytest.approx(truth_hz, rel=1e-3)
+    assert plan.modes[0].damping_ratio == pytest.approx(0.016, rel=0.02)
+    assert not first.note.accepted
+    assert "not settled" in first.note.reason
+    assert last.note.accepted
+    assert float(last.note.facts["settle_s"]) > 2.5
+    assert float(last.note.facts["decay_ratio"]) < 0.1 * float(first.note.facts["decay_ratio"])
+
+
+def test_without_an_impact_test_before_it_a_sine_test_that_wants_to_settle_is_rejected(
+    link_rig: Rig, tmp_path: Path
+) -> None:
+    sine = SinePlan(frequencies_hz=(8 / 1.024,), max_settle_s=12.0)
+    with pytest.raises(PlanError, match="nothing says when it has settled"):
+        record_campaign("sim://cantilever?seed=2", link_rig, (sine,), tmp_path, lambda _: None)
+
+
+@pytest.mark.parametrize("plan", [SinePlan(), ImpactPlan(points=(10,))])
+def test_a_plan_that_needs_no_modes_costs_no_identification(plan: SinePlan | ImpactPlan) -> None:
+    def read() -> Campaign:
+        raise AssertionError("nothing had to be read")
+
+    assert with_known_modes(plan, read) is plan

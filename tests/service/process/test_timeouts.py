@@ -1,0 +1,108 @@
+"""A frozen process is found out within a second; one that only has to wait its turn is not."""
+
+import os
+import threading
+import time
+from multiprocessing import Pipe
+
+import pytest
+
+from modallab.service.process.heartbeat import HeartbeatTimer
+from modallab.service.process.wire import Counter, RemoteControl, Sign
+
+LOOK_S = 0.05
+
+
+class Clock:
+    """Goes on when it is told to."""
+
+    now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def _until_found(silence: HeartbeatTimer, clock: Clock, look_s: float) -> float:
+    began = clock.now_s
+    while not silence.look(began, 0.0):
+        clock.now_s += look_s
+        assert clock.now_s < began + 60
+    return clock.now_s - began
+
+
+def test_on_a_quiet_machine_a_second_is_a_second(clock: Clock) -> None:
+    assert _until_found(HeartbeatTimer(1.0, LOOK_S, clock), clock, LOOK_S) == pytest.approx(1.05, abs=0.06)
+
+
+def test_whoever_listens_late_himself_does_not_blame_the_other(clock: Clock) -> None:
+    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    heard = clock.now_s
+    # One look in which nobody had the processor for two seconds, then a sign.
+    assert not silence.look(heard, 0.0)
+    clock.now_s += 2.0
+    assert not silence.look(heard, 0.0)
+    assert not silence.look(clock.now_s, 0.0)
+    assert silence.counted_s == 0.0
+
+
+def test_however_busy_five_times_the_silence_is_too_long(clock: Clock) -> None:
+    assert _until_found(HeartbeatTimer(1.0, LOOK_S, clock), clock, 0.7) == pytest.approx(5.2, abs=0.71)
+
+
+def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) -> None:
+    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    heard, used_s = clock.now_s, 0.0
+    while not silence.look(heard, used_s):
+        clock.now_s += LOOK_S
+        used_s += 0.01
+        assert clock.now_s < heard + 60
+    assert clock.now_s - heard == pytest.approx(5.05, abs=0.06)
+
+
+def test_every_sign_begins_anew(clock: Clock) -> None:
+    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    for _ in range(40):
+        heard = clock.now_s
+        for _ in range(15):
+            clock.now_s += LOOK_S
+            assert not silence.look(heard, 0.0)
+
+
+def test_live_samples_wait_for_nobody_who_reads_no_more() -> None:
+    ours, theirs = Pipe()
+    counter = Counter(ours, control=None)
+    try:
+        theirs.send(Sign())
+        while not counter.began:
+            time.sleep(0.01)
+        # Much more than a pipe holds, and nobody reads any of it.
+        showing = threading.Thread(target=lambda: [counter.show(bytes(100_000)) for _ in range(200)], daemon=True)
+        showing.start()
+        showing.join(30)
+        assert not showing.is_alive()
+    finally:
+        theirs.close()
+
+
+def test_frames_arrive_in_their_order_where_someone_reads() -> None:
+    ours, theirs = Pipe()
+    seen: list[bytes] = []
+    gone = threading.Event()
+    remote = RemoteControl(theirs, gone.set)
+    remote.on_frame = seen.append
+    counter = Counter(ours, control=None)
+    while not counter.began:
+        time.sleep(0.01)
+    sent = [os.urandom(8) for _ in range(20)]
+    for frame in sent:
+        counter.show(frame)
+        while not seen or seen[-1] != frame:
+            time.sleep(0.005)
+    ours.send(None)
+    assert gone.wait(10)
+    assert seen == sent

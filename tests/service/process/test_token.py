@@ -1,0 +1,45 @@
+"""The token: its owner's alone, and no service for others without one that was chosen."""
+
+import stat
+import sys
+from pathlib import Path
+
+import pytest
+
+from modallab.core.settings import Settings
+from modallab.service.errors import ServiceError
+from modallab.service.process.token_file import require_token, token_path
+
+
+def test_a_token_is_made_once_for_its_owner_only(tmp_path: Path) -> None:
+    settings = Settings(data=tmp_path / "data")
+    token = require_token(settings)
+    assert len(token) >= 32
+    assert require_token(settings) == token
+    if sys.platform != "win32":
+        assert stat.S_IMODE(token_path(settings).stat().st_mode) == 0o600
+        # One that others could have read is no secret any more.
+        token_path(settings).chmod(0o644)
+        assert require_token(settings) != token
+
+
+def test_nobody_else_gets_in_without_a_token_that_was_chosen(tmp_path: Path) -> None:
+    with pytest.raises(ServiceError, match=r"others can reach 0\.0\.0\.0"):
+        require_token(Settings(data=tmp_path, host="0.0.0.0"))
+    chosen = "sixteen characters"
+    assert require_token(Settings(data=tmp_path, host="0.0.0.0", token=chosen)) == chosen
+
+
+def test_settings_come_from_the_environment_and_are_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MODALLAB_PORT", "9000")
+    monkeypatch.setenv("MODALLAB_HOSTS", '["lab-pc"]')
+    assert (Settings().port, Settings().hosts) == (9000, ("lab-pc",))
+    monkeypatch.setenv("MODALLAB_TOKEN", "short")
+    with pytest.raises(ValueError, match="at least 16 characters"):
+        Settings()
+
+
+def test_every_setting_is_in_the_reference() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
+    missing = [name for name in Settings.model_fields if f"| `MODALLAB_{name.upper()}` |" not in text]
+    assert not missing
