@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.model.candidates import structural
+from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of
@@ -17,7 +17,7 @@ def strayed(rig, make, beam):
     prepared = prepare(make(Effect(effect="sensor_mass", parameters={"mass_each": 0.02}, place={"x": "all"})))
     free = nuisances(rig, TOP_HZ)
     bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
-    (candidate,) = (c for c in structural(rig) if c.effect == "sensor_mass")
+    (candidate,) = (c for c in of_bench(rig) if c.effect == "sensor_mass")
     u = np.concatenate([np.zeros(free.size), [candidate.slots[0].coordinate(0.013)]])
     u[:3] = beam
     problem = Problem(bench.thin, free, (candidate,))

@@ -10,10 +10,11 @@ from modallab.core.block import Campaign
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
-from modallab.gap.model.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.model.candidates import of_bench, of_channel
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
+from modallab.twin.candidate import Candidate
 
 STEP = 1e-3
 
@@ -26,7 +27,7 @@ def data(make: Callable[..., Campaign]) -> Reduced:
 
 
 def every(rig: Rig) -> dict[str, Candidate]:
-    return {c.effect: c for c in (*structural(rig), *chained(rig), *of_channel(rig, 4)) if c.slots}
+    return {c.effect: c for c in (*of_bench(rig), *of_channel(rig, 4)) if c.slots}
 
 
 MOVED = (

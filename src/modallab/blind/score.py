@@ -8,14 +8,18 @@ from typing import Any, cast
 import numpy as np
 
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.effects import CATALOGUE
+from modallab.core.effects import kind_of
+from modallab.twin.effect_model import NoChange
+from modallab.twin.effects import models
 
 X_TOLERANCE = 0.05
 """Share of the beam's length within which a place is right."""
 SURE = 0.9
 """Probability from which a name is a claim."""
-LATER = frozenset({"clamp_friction", "clearance", "cubic_spring", "breathing_crack", "air_drag"})
-"""Nonlinear effects the twin has no model of: the right answer is that it does not know them."""
+
+
+def _modelled() -> frozenset[str]:
+    return frozenset(name for name, model in models().items() if model.change is not NoChange.NO_MODEL_YET)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +44,8 @@ class Trial:
 
     @property
     def names(self) -> frozenset[str]:
-        """True effects that the catalogue names and the twin can model."""
-        out = LATER | self.withheld
-        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in CATALOGUE and e["effect"] not in out)
+        """True effects that may be named: where the twin has no model, the right answer is that it does not know."""
+        return frozenset(str(e["effect"]) for e in self.truth if e["effect"] in _modelled() - self.withheld)
 
     @property
     def knowable(self) -> bool:
@@ -97,7 +100,7 @@ def parameter_errors(trial: Trial) -> list[float]:
         for name, value in cast("dict[str, float]", true["parameters"]).items():
             if found is not None and name in found.parameters and name not in {"sign", "hz"}:
                 # A gain of one is no effect: what counts is how far it is off one.
-                zero = 1.0 if name == "gain" else 0.0
+                zero = kind_of(found.effect).parameter(name).none
                 errors.append(abs(found.parameters[name] - value) / abs(value - zero))
     return errors
 

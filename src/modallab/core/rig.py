@@ -29,6 +29,16 @@ class Beam(Frozen):
     density_kg_m3: Positive
     clamp: str = "rigid at x = 0"
 
+    @property
+    def bending_stiffness_n_m2(self) -> float:
+        """EI."""
+        return self.youngs_modulus_pa * self.width_m * self.thickness_m**3 / 12
+
+    @property
+    def mass_kg(self) -> float:
+        """Of the whole beam."""
+        return self.density_kg_m3 * self.width_m * self.thickness_m * self.length_m
+
 
 class Tolerance(Frozen):
     """One standard deviation, relative, of what is believed about the beam and the sensors."""

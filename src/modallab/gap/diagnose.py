@@ -16,7 +16,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import TOP_HZ, as_came, bench_of, weights_of
-from modallab.gap.report.inspected import inspected
+from modallab.gap.report.inspected import inspected, shown
 from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, squares
 from modallab.gap.report.next_step import next_experiment
@@ -51,7 +51,8 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     bench = bench_of(prepared, fitted, free, allowed)
     choice = choose(bench, explain(bench))
     seen = [f for f in inspected(prepared, choice.fit.problem.twin(choice.fit.u)) if allowed(f.effect)]
-    withheld = _withheld(prepared, allowed)
+    # Effects the records show but whose names must not be used.
+    withheld = [name for name in shown(prepared) if not allowed(name)]
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
@@ -69,18 +70,6 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         twin=_calibrated(choice.fit),
         notes=[*prepared.notes, *contradictions(choice, prepared)],
     )
-
-
-def _withheld(prepared: Prepared, allowed: Callable[[str], bool]) -> list[str]:
-    """Effects the records show but whose names must not be used."""
-    shown = {
-        "noisy_channel": bool(prepared.noisy),
-        "mains_hum": prepared.hum is not None,
-        "clipping": bool(prepared.clipped),
-        "residual_ringing": prepared.ringing is not None,
-        "floor_vibration": prepared.floor is not None,
-    }
-    return [name for name, there in shown.items() if there and not allowed(name)]
 
 
 def _verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:

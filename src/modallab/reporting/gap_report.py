@@ -11,6 +11,7 @@ from modallab.gap.report.summary import sentence
 from modallab.reporting.figures import style
 from modallab.reporting.figures.gap_pictures import bench_picture, pair_bars, shrink_bar
 from modallab.reporting.markup import Markup, table, tag, trusted
+from modallab.twin.effects import model_of
 
 
 def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> None:
@@ -84,7 +85,7 @@ def _effects(diagnosis: Diagnosis) -> Markup | None:
             low, high = found.interval.get(parameter.name, (float("nan"), float("nan")))
             rows.append(
                 [
-                    found.effect.replace("_", " "),
+                    model_of(found.effect).spoken,
                     f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}",
                     f"{found.parameters[parameter.name]:.5g}",
                     f"{low:.5g} to {high:.5g}",
@@ -92,7 +93,7 @@ def _effects(diagnosis: Diagnosis) -> Markup | None:
                 ]
             )
         if not kind.parameters:
-            rows.append([found.effect.replace("_", " "), str(found.place), "", "", f"{found.probability:.2f}"])
+            rows.append([model_of(found.effect).spoken, str(found.place), "", "", f"{found.probability:.2f}"])
     head = ["effect", "parameter", "value", "95 % interval", "probability"]
     return _section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
 

@@ -10,10 +10,12 @@ from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.design.planned import planned
-from modallab.gap.model.candidates import Candidate, chained, of_channel, structural
+from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
+from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.effects import models
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,8 @@ ALIKE = 0.95
 """Cosine from which two effects count as not to be distinguished."""
 PLACES = (0.37, 0.63, 0.92, 1.0)
 """Where on the beam an effect with a place is tried."""
+SMALL = 0.003
+"""How far a factor is off the one that stands for no effect where the effect is small."""
 SEEN = 5.0
 """Noise units that an effect of a plain size must leave to be seen at all."""
 
@@ -97,32 +101,24 @@ def of_data(data: Reduced) -> Distinguishability:
 def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:
     """Every effect in a small size, at a few places."""
     middle = data.channels[len(data.channels) // 2]
-    candidates = structural(rig) + chained(rig) + of_channel(rig, middle)
     found: list[tuple[Candidate, Array]] = []
-    for c in candidates:
-        # A turned sensor is a gain of -1: the same signature, distinguished by nothing but its size.
-        if c.effect == "polarity":
-            continue
-        if (c.effect in {"shaker_mass", "stinger_moment", "clock_error"} and data.sines is None) or (
-            c.effect == "hit_position" and not data.impacts
-        ):
+    for c in of_bench(rig) + of_channel(rig, middle):
+        # What has no size, as a turned sensor, has no signature of a small one.
+        if not c.slots or not testable(c, data):
             continue
         places = PLACES if any(s.name == "x" for s in c.slots) else (None,)
         for x in places:
-            values = [
-                s.coordinate(x) if s.name == "x" and x is not None else s.coordinate(_small(c, s.name)) for s in c.slots
-            ]
+            values = [s.coordinate(x if s.name == "x" and x is not None else _small(s)) for s in c.slots]
             found.append((c, np.array(values)))
     return found
 
 
-def _small(candidate: Candidate, name: str) -> float:
-    starts = next(s.starts for s in candidate.slots if s.name == name)
-    if candidate.effect in {"clamp_rotation", "clamp_translation"} or name == "hz":
-        return 10 * max(starts)
-    if name == "gain":
-        return 1.003
-    return min((v for v in starts if v > 0), key=abs) / (30 if name != "zeta" else 1)
+def _small(slot: Slot) -> float:
+    if slot.power < 0:
+        return 10 * max(slot.starts)
+    if slot.none:
+        return slot.none + SMALL
+    return min((v for v in slot.starts if v > 0), key=abs) / (30 if slot.power else 1)
 
 
 def _plainly(candidate: Candidate) -> float:
@@ -132,14 +128,10 @@ def _plainly(candidate: Candidate) -> float:
     """
     slot = next(s for s in candidate.slots if s.name != "x")
     positive = [v for v in slot.starts if v > 0]
-    plain, small = positive[len(positive) // 2], _small(candidate, slot.name)
-    if candidate.effect in {"clamp_rotation", "clamp_translation"}:
-        return small / plain
-    if slot.name == "hz":
-        return (small / plain) ** 2
-    if slot.name == "gain":
-        return abs(float(np.log(min(v for v in positive if v > 1)) / np.log(small)))
-    return plain / small
+    plain, small = positive[len(positive) // 2], _small(slot)
+    if slot.none:
+        return abs(float(np.log(min(v for v in positive if v > slot.none) / slot.none) / np.log(small / slot.none)))
+    return (small / plain) ** -slot.power if slot.power < 0 else (plain / small) ** slot.power
 
 
 def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) -> list[str]:
@@ -156,8 +148,6 @@ def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) ->
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
         said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}
-    if frozenset({"added_mass", "sensor_mass"}) in pairs:
-        said.append("Repeat the hits with one accelerometer only: that tells the sensors' mass from another.")
-    if any("force_gain" in pair for pair in pairs):
-        said.append("Strike a free known mass: that calibrates the hammer apart from the beam's density.")
+    rivals = [(name, rival) for name, model in models().items() for rival in model.rivals if rival.plan]
+    said += [r.plan for name, r in rivals if any(name in p and (not r.effect or r.effect in p) for p in pairs)]
     return said

@@ -19,7 +19,7 @@ ROUNDS = 3
 
 def with_drift_curve(fit: Fit) -> Fit:
     """The fit with the share of the drift at each piece of the campaign freed; the same fit if it has no drift."""
-    if not any(c.effect == "thermal_drift" for c in fit.problem.candidates):
+    if not fit.problem.twin(fit.u).ei_drift:
         return fit
     best = fit
     for _ in range(ROUNDS):

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.reduce import Reduced, Rows
-from modallab.gap.model.candidates import Candidate
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.bench import Twin
-from modallab.twin.effects import apply
+from modallab.twin.candidate import Candidate
+from modallab.twin.effects import apply, search_of
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -75,7 +75,7 @@ class Problem:
     def twin(self, u: Array) -> Twin:
         """The twin at u."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
-        held = [c.place[0][1] for c in self.candidates if c.effect == "gain_error"]
+        held = [c.place[0][1] for c in self.candidates if search_of(c.effect).replaces_gain]
         twin = self.free.build(self.free.without_gains(u[: self.free.size], held))
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)

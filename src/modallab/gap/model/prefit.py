@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from modallab.gap.model.candidates import Candidate
 from modallab.gap.model.nuisances import Nuisances
+from modallab.twin.candidate import Candidate
 from modallab.twin.effects import apply
 from modallab.twin.structure import solve
 

@@ -1,5 +1,7 @@
 """Effects that no force predicts: read off the records themselves."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,46 +24,27 @@ RINGS = 3.0
 """Lines about a pole on which no channel tells it."""
 
 
+@dataclass(frozen=True, slots=True)
+class Inspection:
+    """How the records show an effect.
+
+    Attributes:
+        shown: whether they do.
+        read: the effect with its numbers, once a place; asked only where they do.
+    """
+
+    shown: Callable[[Prepared], bool]
+    read: Callable[[Prepared, Twin], list[Found]]
+
+
+def shown(prepared: Prepared) -> list[str]:
+    """Names of the effects seen on the records."""
+    return [name for name, inspection in INSPECTIONS.items() if inspection.shown(prepared)]
+
+
 def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
     """The effects seen on the records, with their numbers."""
-    found = [_noisy(prepared, row) for row in prepared.noisy]
-    if prepared.hum is not None:
-        volts = float(np.mean(prepared.hum.volts))
-        spread = 2 * float(np.mean(prepared.noise_v)) / np.sqrt(len(prepared.blocks) * 500)
-        found.append(
-            _found(
-                "mains_hum",
-                {"volts": volts, "hz": prepared.hum.hz},
-                {"volts": (volts - spread, volts + spread), "hz": (prepared.hum.hz, prepared.hum.hz)},
-                {"channel": "all"},
-            )
-        )
-    for clipped in prepared.clipped:
-        share = clipped.volts / max(_peak(prepared, twin, clipped.row), clipped.volts)
-        found.append(
-            _found(
-                "clipping",
-                {"fraction_of_peak": share},
-                {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))},
-                {"channel": clipped.row, "level_v": clipped.volts},
-            )
-        )
-    if prepared.ringing is not None:
-        fraction = prepared.ringing.fraction
-        found.append(
-            _found(
-                "residual_ringing",
-                {"fraction": fraction},
-                {"fraction": (0.85 * fraction, 1.15 * fraction)},
-                {"where": "impact"},
-            )
-        )
-    if prepared.floor is not None:
-        rms = _base_motion(prepared, twin)
-        found.append(
-            _found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, {"where": "base"})
-        )
-    return found
+    return [found for name in shown(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
 
 
 def _found(
@@ -77,7 +60,11 @@ def _found(
     )
 
 
-def _noisy(prepared: Prepared, row: int) -> Found:
+def _noisy(prepared: Prepared, twin: Twin) -> list[Found]:
+    return [_noisy_row(prepared, row) for row in prepared.noisy]
+
+
+def _noisy_row(prepared: Prepared, row: int) -> Found:
     others = np.delete(prepared.measured_v, row)
     # The quantile the measurement takes reads all rows a little low: the quiet rows say by how much.
     bias = float(np.median(others / prepared.believed_v[0]))
@@ -87,6 +74,37 @@ def _noisy(prepared: Prepared, row: int) -> Found:
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
     return _found("noisy_channel", {"factor": factor}, {"factor": (factor * 0.94, factor * 1.06)}, {"channel": row})
+
+
+def _hum(prepared: Prepared, twin: Twin) -> list[Found]:
+    hum = prepared.hum
+    assert hum is not None
+    volts = float(np.mean(hum.volts))
+    spread = 2 * float(np.mean(prepared.noise_v)) / np.sqrt(len(prepared.blocks) * 500)
+    interval = {"volts": (volts - spread, volts + spread), "hz": (hum.hz, hum.hz)}
+    return [_found("mains_hum", {"volts": volts, "hz": hum.hz}, interval, {"channel": "all"})]
+
+
+def _clipping(prepared: Prepared, twin: Twin) -> list[Found]:
+    found: list[Found] = []
+    for clipped in prepared.clipped:
+        share = clipped.volts / max(_peak(prepared, twin, clipped.row), clipped.volts)
+        interval = {"fraction_of_peak": (share * 0.95, min(1.0, share * 1.05))}
+        place = {"channel": clipped.row, "level_v": clipped.volts}
+        found.append(_found("clipping", {"fraction_of_peak": share}, interval, place))
+    return found
+
+
+def _ringing(prepared: Prepared, twin: Twin) -> list[Found]:
+    assert prepared.ringing is not None
+    fraction = prepared.ringing.fraction
+    interval = {"fraction": (0.85 * fraction, 1.15 * fraction)}
+    return [_found("residual_ringing", {"fraction": fraction}, interval, {"where": "impact"})]
+
+
+def _floor(prepared: Prepared, twin: Twin) -> list[Found]:
+    rms = _base_motion(prepared, twin)
+    return [_found("floor_vibration", {"rms_acc": rms}, {"rms_acc": (0.85 * rms, 1.15 * rms)}, {"where": "base"})]
 
 
 def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
@@ -120,3 +138,13 @@ def _base_motion(prepared: Prepared, twin: Twin) -> float:
         return floor.rms_acc
     whole = np.interp(lines[1:], lines[known], base.data[known])
     return float(np.sqrt(2 / n * np.sum(whole)))
+
+
+INSPECTIONS = {
+    "noisy_channel": Inspection(lambda prepared: bool(prepared.noisy), _noisy),
+    "mains_hum": Inspection(lambda prepared: prepared.hum is not None, _hum),
+    "clipping": Inspection(lambda prepared: bool(prepared.clipped), _clipping),
+    "residual_ringing": Inspection(lambda prepared: prepared.ringing is not None, _ringing),
+    "floor_vibration": Inspection(lambda prepared: prepared.floor is not None, _floor),
+}
+"""Each effect that no force predicts, in the order a diagnosis names them."""

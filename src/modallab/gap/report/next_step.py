@@ -3,19 +3,7 @@
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Verdict
 from modallab.gap.model.fit import Fit
-
-SEPARATES: dict[frozenset[str], str] = {
-    frozenset({"added_mass", "sensor_mass"}): "Take all accelerometers but one off and repeat the hits: if the "
-    "frequencies rise alike, it is the sensors.",
-    frozenset({"added_mass", "clamp_rotation"}): "Screw a known mass to the free end and repeat the hits.",
-    frozenset({"clamp_rotation", "stiffness_loss"}): "Strike close to the clamp: the slope there tells a soft root.",
-    frozenset({"gain_error", "position_error"}): "Exchange the suspect accelerometer with its neighbour and repeat.",
-    frozenset({"shaker_mass", "stinger_moment"}): "Repeat the sines with the shaker at another point.",
-    frozenset({"shaker_mass", "added_mass"}): "Take the shaker off and repeat the hits.",
-    frozenset({"force_gain", "clock_error"}): "Calibrate the force transducer with a known mass on a string.",
-    frozenset({"channel_skew", "trigger_delay"}): "Exchange the first and the last row of the converter and repeat.",
-    frozenset({"thermal_drift", "clamp_rotation"}): "Repeat the first hits at the end.",
-}
+from modallab.twin.effects import model_of
 
 
 def next_experiment(verdict: Verdict, ranked: list[tuple[Fit, float]], campaign: Campaign) -> str:
@@ -26,9 +14,10 @@ def next_experiment(verdict: Verdict, ranked: list[tuple[Fit, float]], campaign:
     if len(likely) > 1:
         first, second = ({c.effect for c in f.problem.candidates} for f in likely[:2])
         differ = frozenset(first ^ second)
-        for pair, advice in SEPARATES.items():
-            if pair <= differ:
-                return advice
+        rivals = [r for name in sorted(differ) for r in model_of(name).rivals]
+        separating = [r for r in rivals if r.experiment and r.effect in differ]
+        if separating:
+            return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
     if verdict == "unknown":
         return _for_unknown(campaign)

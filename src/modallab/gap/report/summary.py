@@ -2,6 +2,7 @@
 
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
+from modallab.twin.effects import model_of
 
 UNITS = 4
 """Digits of a parameter in a sentence."""
@@ -33,5 +34,5 @@ def _effect(found: Found) -> str:
         place = f" at {found.place['x_m']:.3f} m"
     elif "channel" in found.place and found.place["channel"] != "all":
         place = f" on channel {found.place['channel']}"
-    name = found.effect.replace("_", " ")
+    name = model_of(found.effect).spoken
     return f"{name}{place} ({numbers + '; ' if numbers else ''}probability {found.probability:.2f})"

@@ -143,7 +143,7 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
             u = float(fit.u[at])
             value = slot.value(u)
             low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
-            model = 1.96 * share * abs(value - (1.0 if slot.name == "gain" else 0.0)) if slot.name != "x" else 0.0
+            model = 1.96 * share * abs(value - slot.none) if slot.name != "x" else 0.0
             own[slot.name] = (
                 max(value - float(np.hypot(value - min(low, high), model)), slot.low),
                 min(value + float(np.hypot(max(low, high) - value, model)), slot.high),

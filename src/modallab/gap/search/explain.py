@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.model.candidates import chained
+from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all
 from modallab.gap.search.round import Level, round_of
+from modallab.twin.effects import search_of
 
 WORTH = 0.9
 """A further effect must leave less than this share of what was left, or the search ends."""
@@ -56,9 +57,12 @@ def first_rounds(bench: Bench, base: Fit) -> list[Level]:
 def with_clock(bench: Bench) -> Fit | None:
     """The twin with the clock that the generator's lines tell of; None if they stand where they should."""
     sines = bench.data.sines
-    if sines is None or abs(sines.ratio - 1) < EVIDENT or not bench.allowed("clock_error"):
+    if sines is None or abs(sines.ratio - 1) < EVIDENT:
         return None
-    (candidate,) = (c for c in chained(bench.data.rig) if c.effect == "clock_error")
+    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).is_clock and bench.allowed(c.effect))
+    candidate = next(clocks, None)
+    if candidate is None:
+        return None
     own = np.array([candidate.slots[0].coordinate(1 / sines.ratio - 1)])
     return from_poles(bench, (candidate,), own)
 

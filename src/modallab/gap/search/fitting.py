@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.candidates import Candidate
 from modallab.gap.model.drift_course import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.screen import OUTLIER
+from modallab.twin.candidate import Candidate
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

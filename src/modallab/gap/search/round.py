@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.candidates import Candidate, chained, of_channel, structural, swaps
+from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.model.prefit import start
 from modallab.gap.search.fitting import STRAIGHT, Bench, finish, from_poles, misfit, on_all, short
 from modallab.gap.search.screen import Begin, Screen
+from modallab.twin.candidate import Candidate
+from modallab.twin.effects import model_of
 
 Array = NDArray[np.float64]
 
@@ -52,31 +53,17 @@ def pool(bench: Bench, fit: Fit) -> list[Candidate]:
         shares.append(channel_share(replace(fit, u=u)))
     order = list(dict.fromkeys(int(i) for s in shares for i in np.argsort(s)[::-1][:2]))
     suspects = [bench.data.channels[i] for i in order]
-    pairs = swaps(tuple(sorted({bench.data.channels[i] for s in shares for i in np.argsort(s)[::-1][:3]})))
-    found = structural(rig) + chained(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
+    pairs = of_pairs(rig, tuple(sorted({bench.data.channels[i] for s in shares for i in np.argsort(s)[::-1][:3]})))
+    found = of_bench(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
     present = {(c.effect, c.place) for c in fit.problem.candidates}
     return [
         c
         for c in found
         if bench.allowed(c.effect)
         and (c.effect, c.place) not in present
-        and not (c.effect in _ONCE and any(p.effect == c.effect for p in fit.problem.candidates))
-        and _testable(c, bench.data)
+        and not (model_of(c.effect).once and any(p.effect == c.effect for p in fit.problem.candidates))
+        and testable(c, bench.data)
     ]
-
-
-_ONCE = frozenset(
-    {"clamp_rotation", "clamp_translation", "sensor_mass", "thermal_drift", "shaker_mass", "stinger_moment"}
-    | {"added_mass", "stiffness_loss", "ground_spring", "local_damper", "swap"}
-)
-
-
-def _testable(candidate: Candidate, data: Reduced) -> bool:
-    if candidate.effect == "hit_position":
-        return bool(data.impacts)
-    if candidate.effect in {"shaker_mass", "stinger_moment", "clock_error"}:
-        return data.sines is not None
-    return True
 
 
 def channel_share(fit: Fit) -> Array:

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.model.candidates import Candidate, Slot
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.prefit import start, starts
+from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.effects import model_of, search_of
 from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
@@ -41,23 +42,25 @@ class _Scale:
     """How a number runs from no effect to the smallest of its first values, and on.
 
     Attributes:
-        kind: small, plain, gain (none at 1), or stiff (none at infinity).
+        kind: small, plain, factor (none at another number than 0), or stiff (none at infinity).
         unit: the number at one.
         most: the largest it is worth to begin at, for stiff the smallest.
+        none: the number at which there is no effect.
     """
 
     kind: str
     unit: float
     most: float
+    none: float = 0.0
 
     @classmethod
     def of(cls, size: Slot) -> "_Scale":
         if size.transform == "plain":
             least = min((v for v in size.starts if v > 0), key=abs)
             return cls("plain", least, max(abs(v) for v in size.starts))
-        if size.name == "gain":
-            return cls("gain", 0.003, 0.6)
-        if size.inverse:
+        if size.none:
+            return cls("factor", 0.003, 0.6, size.none)
+        if size.power < 0:
             return cls("stiff", max(size.starts), min(size.starts))
         return cls("small", min(size.starts), max(size.starts))
 
@@ -65,8 +68,8 @@ class _Scale:
         """The number so many times as far from no effect as one."""
         if self.kind == "plain":
             return float(np.clip(times * self.unit, -self.most, self.most))
-        if self.kind == "gain":
-            return 1 + float(np.clip(times * self.unit, -self.most, self.most))
+        if self.kind == "factor":
+            return self.none + float(np.clip(times * self.unit, -self.most, self.most))
         if self.kind == "stiff":
             return float(np.clip(self.unit / max(times, 1e-4), self.most, None))
         return float(np.clip(times * self.unit, 0.03 * self.unit, self.most))
@@ -102,7 +105,7 @@ class Screen:
         if self.large:
             return self._far(problem, candidate)
         tried = [Begin(problem, u, self.left(problem, u)) for u in self._near(problem, candidate)]
-        if len(candidate.slots) == 2 and candidate.effect != "local_damper":
+        if len(candidate.slots) == 2 and search_of(candidate.effect).absorbed_by != "damping ratios":
             # Along the beam one valley may be as deep as the next: each is worth a look.
             tried = _valleys(tried)
         return tuple(sorted(tried, key=lambda b: b.cost)[: VALLEYS if len(candidate.slots) == 2 else 1])
@@ -119,7 +122,7 @@ class Screen:
     def _near(self, problem: Problem, candidate: Candidate) -> list[Array]:
         """Small changes: the size follows from the signature of a small one, at each place where there are places."""
         slots = candidate.slots
-        if candidate.effect == "local_damper":
+        if search_of(candidate.effect).absorbed_by == "damping ratios":
             # The damping ratios have taken its work over: to first order nothing of it is left to see.
             return [_relieved(problem, np.concatenate([self.u, more])) for more in _grid(slots)]
         if len(slots) == 2 and slots[1].name == "x":
@@ -144,7 +147,7 @@ class Screen:
         if len(self.poles):
             # A large effect drags the fit so far off: the poles of the ring-down know the beam without it.
             nears.append(start(self.problem.candidates, former, free, self.poles).u)
-            if candidate.effect in _MOVES_POLES:
+            if model_of(candidate.effect).moves_poles:
                 best = 3 if len(candidate.slots) > 1 else 1
                 begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
         grid = _grid(candidate.slots)
@@ -155,9 +158,10 @@ class Screen:
         return tuple(sorted(listed, key=lambda b: b.cost))
 
     def _variants(self, problem: Problem, candidate: Candidate, u: Array) -> list[Array]:
-        if candidate.effect == "local_damper":
+        absorbed_by = search_of(candidate.effect).absorbed_by
+        if absorbed_by == "damping ratios":
             return [_relieved(problem, u)]
-        if candidate.effect == "thermal_drift" and len(self.poles):
+        if absorbed_by == "Young's modulus" and len(self.poles):
             return [u, start(problem.candidates, u[self.priors :], problem.free, self.poles).u]
         return [u]
 
@@ -194,9 +198,3 @@ def _relieved(problem: Problem, u: Array) -> Array:
     relieved = u.copy()
     relieved[3 : 3 + free.modes] = np.log(zeta / damping.guess) / np.log(damping.factor)
     return relieved
-
-
-_MOVES_POLES = frozenset(
-    {"clamp_rotation", "clamp_translation", "sensor_mass", "added_mass", "stiffness_loss", "ground_spring"}
-    | {"local_damper", "thermal_drift", "clock_error"}
-)

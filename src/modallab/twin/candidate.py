@@ -1,0 +1,103 @@
+"""An effect with its numbers free, as coordinates for a fit."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import Effect, Place
+from modallab.twin.elements import ELEMENTS
+
+Array = NDArray[np.float64]
+Transform = Literal["log", "plain", "share"]
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One free number of an effect.
+
+    Attributes:
+        name: the parameter; "x" for the place along the beam.
+        transform: log (positive), plain (either sign, in `scale`), share (0 to 1).
+        starts: values worth a first look, SI.
+        scale: unit of a plain number.
+        low: smallest value it may take.
+        high: largest.
+        none: the number at which there is no effect.
+        power: with which a small effect's signature grows with the number's distance from `none`; negative where a
+            large number is a small effect, as of the stiffness of a clamp; 0 for a number that is no size.
+    """
+
+    name: str
+    transform: Transform
+    starts: tuple[float, ...]
+    scale: float = 1.0
+    low: float = -np.inf
+    high: float = np.inf
+    none: float = 0.0
+    power: float = 1.0
+
+    def value(self, u: float) -> float:
+        """The number at coordinate u, held within its range."""
+        if self.transform == "log":
+            free = float(np.exp(np.clip(u, -60, 60)))
+        elif self.transform == "share":
+            free = float(1 / (1 + np.exp(-np.clip(u, -30, 30))))
+        else:
+            free = u * self.scale
+        return min(max(free, self.low), self.high)
+
+    def coordinate(self, value: float) -> float:
+        """The coordinate of a number."""
+        if self.transform == "log":
+            return float(np.log(value))
+        if self.transform == "share":
+            return float(np.log(value / (1 - value)))
+        return value / self.scale
+
+    def slope(self, u: float) -> float:
+        """Derivative of the number by its coordinate."""
+        value = self.value(u)
+        return {"log": value, "share": value * (1 - value), "plain": self.scale}[self.transform]
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An effect at a place, its numbers free.
+
+    Attributes:
+        effect: its name.
+        slots: its free numbers.
+        place: the fixed part of its place.
+        fixed: parameters that are not free.
+    """
+
+    effect: str
+    slots: tuple[Slot, ...]
+    place: tuple[tuple[str, Place], ...] = ()
+    fixed: tuple[tuple[str, float], ...] = ()
+
+    def at(self, u: Array) -> Effect:
+        """The effect at coordinates u."""
+        values = {s.name: s.value(float(v)) for s, v in zip(self.slots, u, strict=True)}
+        place = dict(self.place)
+        if "x" in values:
+            place["x"] = min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)
+        return Effect(effect=self.effect, parameters={**dict(self.fixed), **values}, place=place)
+
+
+def spread(low: float, high: float, count: int) -> tuple[float, ...]:
+    """So many values, even on logarithms."""
+    return tuple(float(v) for v in np.geomspace(low, high, count))
+
+
+def both_signs(low: float, high: float, count: int) -> tuple[float, ...]:
+    """So many values of either sign, their magnitudes even on logarithms."""
+    values = spread(low, high, count)
+    return (*(-v for v in reversed(values)), *values)
+
+
+def along_beam() -> Slot:
+    """The place along the beam, as a share of its length."""
+    return Slot("x", "plain", tuple(float(v) for v in np.linspace(0.1, 0.98, 12)), low=0.0, high=1.0, power=0.0)

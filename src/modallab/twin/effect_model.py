@@ -1,0 +1,124 @@
+"""What the twin's part of an effect declares: entry in the catalogue, change of the twin, how a fit finds it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Literal
+
+from modallab.core.effects import Effect, EffectKind, Place
+from modallab.core.rig import Beam, Rig
+from modallab.core.units import Test
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Candidate, Slot
+
+Change = Callable[[Twin, Effect, Rig], Twin]
+Absorber = Literal["nothing", "damping ratios", "Young's modulus"]
+
+
+class NoChange(Enum):
+    """Why the twin does not change with an effect."""
+
+    NO_FORCE_PREDICTS_IT = "it adds to a record what no force predicts, or acts on the finished record"
+    NO_MODEL_YET = "the twin has no model of it yet"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """How a fit looks for an effect: at each place its kind may have, with these numbers free.
+
+    Attributes:
+        rank: its turn among the candidates, smallest first.
+        slots: its free numbers on a beam; one called "x" is its place along the beam.
+        fixed: parameters that are not free.
+        needs: a test without which nothing tells it from what is free anyhow; None if either test will do.
+        absorbed_by: which numbers of the beam take its work over in a fit without it.
+        replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
+        is_clock: whether its one number is the error of the clock that the generator's own lines show.
+    """
+
+    rank: int
+    slots: Callable[[Beam], tuple[Slot, ...]]
+    fixed: tuple[tuple[str, float], ...] = ()
+    needs: Test | None = None
+    absorbed_by: Absorber = "nothing"
+    replaces_gain: bool = False
+    is_clock: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """Another effect that may look the same.
+
+    Attributes:
+        effect: its name; "" for any.
+        experiment: what tells the two apart once a campaign has left both standing; "" for nothing in particular.
+        rank: where several experiments apply, the smallest goes first.
+        plan: what to add to a plan that cannot distinguish them; "" for nothing.
+    """
+
+    effect: str
+    experiment: str = ""
+    rank: int = 100
+    plan: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectModel:
+    """All that the twin, the fits and the diagnosis know of one effect. Nothing that counts has a default.
+
+    Attributes:
+        kind: its entry in the catalogue.
+        rank: its place in the catalogue within its stage, smallest first.
+        spoken: what a diagnosis calls it in a sentence.
+        change: the twin with it; or why there is no such change.
+        moves_poles: whether the poles of the ring-down move with it.
+        once: whether a bench has it once at most.
+        search: how a fit looks for it; None where the twin does not change with it.
+        experiment: a sentence that names the experiment which shows it apart from its rivals.
+        rivals: effects that may look the same, and what tells them apart.
+    """
+
+    kind: EffectKind
+    rank: int
+    spoken: str
+    change: Change | NoChange
+    moves_poles: bool
+    once: bool
+    search: Search | None
+    experiment: str
+    rivals: tuple[Rival, ...] = ()
+
+    def candidates(self, rig: Rig, rows: tuple[int, ...] = ()) -> list[Candidate]:
+        """The effect with its numbers free, at its place on a rig; none where the rig has no such place.
+
+        Args:
+            rig: with a beam.
+            rows: the channel, or the pair of channels, of an effect whose place is one.
+        """
+        if self.search is None or (self.kind.place == "shaker" and rig.shaker_point is None):
+            return []
+        assert rig.beam is not None
+        return [Candidate(self.kind.name, self.search.slots(rig.beam), self._place(rig, rows), self.search.fixed)]
+
+    def _place(self, rig: Rig, rows: tuple[int, ...]) -> tuple[tuple[str, Place], ...]:
+        fixed = self.kind.fixed_place
+        if fixed is not None:
+            return tuple(fixed.items())
+        if self.kind.place == "shaker":
+            assert rig.beam is not None
+            assert rig.shaker_point is not None
+            return (("x", rig.x_of(rig.shaker_point) / rig.beam.length_m),)
+        if self.kind.place == "x":
+            return ()
+        return (("channel", rows if self.kind.place == "pair" else rows[0]),)
+
+
+def x_of(effect: Effect, rig: Rig) -> float:
+    """Where an effect on the beam is, in m from the clamp."""
+    assert rig.beam is not None
+    return float(effect.place["x"]) * rig.beam.length_m  # pyright: ignore[reportArgumentType]
+
+
+def channel_of(effect: Effect) -> int:
+    """The row of an effect on one channel."""
+    return int(effect.place["channel"])  # pyright: ignore[reportArgumentType]

@@ -1,0 +1,74 @@
+"""The effects of the catalogue, one module each: adding a module with a `MODEL` adds an effect."""
+
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+
+from modallab.core.declared import declared
+from modallab.core.effects import STAGES, Effect, EffectKind
+from modallab.core.errors import FormatError
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.effect_model import EffectModel, NoChange, Search
+
+
+@cache
+def models() -> Mapping[str, EffectModel]:
+    """Every effect's model, in the order of the catalogue.
+
+    Raises:
+        FormatError: a module of this package declares no `MODEL`, or one of another name than its own.
+    """
+    found = declared(__name__, __path__, "MODEL", EffectModel)
+    for module, model in found.items():
+        if model.kind.name != module:
+            raise FormatError(
+                f"{__name__}.{module} declares the effect {model.kind.name!r}",
+                remedy="give the module the name of its effect",
+            )
+    ordered = sorted(found.values(), key=lambda m: (STAGES.index(m.kind.stage), m.rank, m.kind.name))
+    return MappingProxyType({m.kind.name: m for m in ordered})
+
+
+def kinds() -> list[EffectKind]:
+    """The entries of the catalogue; its entry point."""
+    return [m.kind for m in models().values()]
+
+
+def model_of(name: str) -> EffectModel:
+    """The model of an effect.
+
+    Raises:
+        FormatError: the catalogue has no such effect.
+    """
+    model = models().get(name)
+    if model is None:
+        raise FormatError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(models()))}")
+    return model
+
+
+def search_of(name: str) -> Search:
+    """How a fit looks for an effect.
+
+    Raises:
+        FormatError: the catalogue has no such effect, or no fit looks for it.
+    """
+    search = model_of(name).search
+    if search is None:
+        raise FormatError(f"no fit looks for {name!r}", remedy="use an effect of which the twin has a model")
+    return search
+
+
+def apply(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    """The twin with an effect in it; what a force cannot predict (noise, hum, ringing, floor) leaves it unchanged.
+
+    Raises:
+        FormatError: the twin has no model of this effect.
+    """
+    change = models()[effect.effect].change if effect.effect in models() else NoChange.NO_MODEL_YET
+    if change is NoChange.NO_FORCE_PREDICTS_IT:
+        return twin
+    if isinstance(change, NoChange):
+        able = sorted(name for name, model in models().items() if not isinstance(model.change, NoChange))
+        raise FormatError(f"the twin has no model of {effect.effect!r}", remedy=f"use one of {', '.join(able)}")
+    return change(twin, effect, rig)

@@ -1,0 +1,46 @@
+"""A mass on the beam."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, along_beam, spread
+from modallab.twin.effect_model import EffectModel, Rival, Search, x_of
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s = twin.structure
+    return replace(twin, structure=replace(s, masses=(*s.masses, (x_of(effect, rig), effect.parameters["mass"]))))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.4 * beam.mass_kg, 5)), along_beam())
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "added_mass",
+        "structure",
+        (Parameter("mass", "kg", 1e-5, 1.0, "m"),),
+        "x",
+        "a point mass at x",
+    ),
+    rank=60,
+    spoken="added mass",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(rank=40, slots=_slots),
+    experiment="Screw a known mass to the free end and repeat the hits: its own shift gives the scale.",
+    rivals=(
+        Rival(
+            "sensor_mass",
+            "Take all accelerometers but one off and repeat the hits: if the "
+            "frequencies rise alike, it is the sensors.",
+            rank=10,
+            plan="Repeat the hits with one accelerometer only: that tells the sensors' mass from another.",
+        ),
+        Rival("clamp_rotation", "Screw a known mass to the free end and repeat the hits.", rank=20),
+    ),
+)

@@ -1,0 +1,43 @@
+"""A root that turns."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+
+SOFT = 0.01
+"""Stiffness of the root in EI / L, below which nothing stands any more."""
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s = twin.structure
+    # What is soft beside the root that the rig file tells of: one spring behind the other.
+    added = s.bending_stiffness / s.length_m / effect.parameters["k_rot"]
+    return replace(twin, structure=replace(s, root_rotation=s.root_rotation + added))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    ei, length = beam.bending_stiffness_n_m2, beam.length_m
+    starts = spread(4 * ei / length, 4e3 * ei / length, 7)
+    return (Slot("k_rot", "log", starts, low=SOFT * ei / length, power=-1.0),)
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "clamp_rotation",
+        "structure",
+        (Parameter("k_rot", "N m/rad", 2.0, 2e5, "EI/L"),),
+        "root",
+        "the root turns against a spring k_rot",
+    ),
+    rank=10,
+    spoken="clamp rotation",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(rank=10, slots=_slots),
+    experiment="Strike close to the clamp: the slope there tells a soft root from a soft beam, and a root that shifts.",
+)

@@ -1,0 +1,36 @@
+"""A converter with another rate than stated."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, both_signs
+from modallab.twin.effect_model import EffectModel, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, clock=effect.parameters["relative"])
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "clock_error",
+        "acquisition",
+        (Parameter("relative", "", 1e-6, 0.1, signed=True),),
+        "all",
+        "the converter's true rate is (1 + relative) times the stated one",
+    ),
+    rank=30,
+    spoken="clock error",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(
+        rank=150,
+        slots=lambda _: (Slot("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
+        needs="sine",
+        is_clock=True,
+    ),
+    experiment="Record a tone of known frequency: it stands off its line by the error of the clock.",
+)

@@ -1,0 +1,40 @@
+"""A force transducer with another sensitivity than stated."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot
+from modallab.twin.effect_model import EffectModel, Rival, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, chain=replace(twin.chain, force_gain=effect.parameters["gain"]))
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "force_gain",
+        "sensor",
+        (Parameter("gain", "", 1e-3, 2.0, signed=True, none=1.0),),
+        "force",
+        "the force channel reads gain times what it should; the range is that of |gain - 1|",
+    ),
+    rank=90,
+    spoken="force gain",
+    change=_change,
+    moves_poles=False,
+    once=True,
+    search=Search(
+        rank=120,
+        slots=lambda _: (
+            Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
+        ),
+    ),
+    experiment="Calibrate the force transducer with a known mass on a string.",
+    rivals=(
+        Rival("clock_error", "Calibrate the force transducer with a known mass on a string.", rank=70),
+        Rival("", plan="Strike a free known mass: that calibrates the hammer apart from the beam's density."),
+    ),
+)

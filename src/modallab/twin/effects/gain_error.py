@@ -1,0 +1,40 @@
+"""An accelerometer with another sensitivity than stated."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot
+from modallab.twin.effect_model import EffectModel, Rival, Search, channel_of
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    gain = dict(twin.chain.gain)
+    gain[channel_of(effect)] = gain.get(channel_of(effect), 1.0) * effect.parameters["gain"]
+    return replace(twin, chain=replace(twin.chain, gain=gain))
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "gain_error",
+        "sensor",
+        (Parameter("gain", "", 1e-3, 2.0, signed=True, none=1.0),),
+        "channel",
+        "one channel reads gain times what it should; the range is that of |gain - 1|",
+    ),
+    rank=10,
+    spoken="gain error",
+    change=_change,
+    moves_poles=False,
+    once=False,
+    search=Search(
+        rank=210,
+        slots=lambda _: (
+            Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
+        ),
+        replaces_gain=True,
+    ),
+    experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",
+    rivals=(Rival("position_error", "Exchange the suspect accelerometer with its neighbour and repeat.", rank=40),),
+)

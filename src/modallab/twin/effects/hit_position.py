@@ -1,0 +1,37 @@
+"""Hits beside the point."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, both_signs
+from modallab.twin.effect_model import EffectModel, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, hit_shift_m=effect.parameters["dx"])
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    length = beam.length_m
+    return (Slot("dx", "plain", both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "hit_position",
+        "excitation",
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
+        "hit",
+        "every hit lands dx farther from the clamp than said",
+        tests=("impact",),
+    ),
+    rank=10,
+    spoken="hit position",
+    change=_change,
+    moves_poles=False,
+    once=True,
+    search=Search(rank=160, slots=_slots, needs="impact"),
+    experiment="Mark the points on the beam and repeat the hits there: the sines do not know of it.",
+)

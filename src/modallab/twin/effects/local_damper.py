@@ -1,0 +1,39 @@
+"""A damper from the beam to ground."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, along_beam, spread
+from modallab.twin.effect_model import EffectModel, Search, x_of
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s = twin.structure
+    return replace(twin, structure=replace(s, dampers=(*s.dampers, (x_of(effect, rig), effect.parameters["c"]))))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    critical = float(np.sqrt(beam.bending_stiffness_n_m2 * beam.mass_kg / beam.length_m**3))
+    return (Slot("c", "log", spread(1e-3 * critical, critical, 5)), along_beam())
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "local_damper",
+        "structure",
+        (Parameter("c", "N s/m", 1e-5, 10.0, "sqrt(EI m/L^3)"),),
+        "x",
+        "a viscous damper to ground at x",
+    ),
+    rank=110,
+    spoken="local damper",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(rank=70, slots=_slots, absorbed_by="damping ratios"),
+    experiment="Compare the phases along the beam at a resonance: one damper bends them, even damping does not.",
+)

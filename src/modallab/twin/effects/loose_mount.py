@@ -1,0 +1,40 @@
+"""An accelerometer that rocks on its mount."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Mount, Twin
+from modallab.twin.candidate import Slot
+from modallab.twin.effect_model import EffectModel, Search, channel_of
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    mount = Mount(channel_of(effect), effect.parameters["hz"], effect.parameters["zeta"])
+    return replace(twin, chain=replace(twin.chain, mounts=(*twin.chain.mounts, mount)))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    hz = (60.0, 90.0, 140.0, 210.0, 320.0, 500.0, 1e3, 2e3, 4e3, 8e3)
+    return (
+        Slot("hz", "log", hz, low=40.0, high=2e4, power=-2.0),
+        Slot("zeta", "log", (0.04,), low=1e-3, high=0.4, power=0.0),
+    )
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "loose_mount",
+        "sensor",
+        (Parameter("hz", "Hz", 50.0, 5e3), Parameter("zeta", "", 1e-3, 0.3)),
+        "channel",
+        "one accelerometer stands on a mount with a resonance at hz and the damping ratio zeta",
+    ),
+    rank=70,
+    spoken="loose mount",
+    change=_change,
+    moves_poles=False,
+    once=False,
+    search=Search(rank=240, slots=_slots),
+    experiment="Fasten the accelerometer anew and repeat the hits: a resonance of the mount moves or goes.",
+)

@@ -1,0 +1,37 @@
+"""An accelerometer at another place than stated."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, both_signs
+from modallab.twin.effect_model import EffectModel, Search, channel_of
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    shift = {**twin.chain.shift, channel_of(effect): effect.parameters["dx"]}
+    return replace(twin, chain=replace(twin.chain, shift=shift))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    length = beam.length_m
+    return (Slot("dx", "plain", both_signs(2e-3 * length, 0.08 * length, 4), 0.01),)
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "position_error",
+        "sensor",
+        (Parameter("dx", "m", 1e-5, 0.2, "L", signed=True),),
+        "channel",
+        "one accelerometer sits dx farther from the clamp than the rig file says",
+    ),
+    rank=50,
+    spoken="position error",
+    change=_change,
+    moves_poles=False,
+    once=False,
+    search=Search(rank=230, slots=_slots),
+    experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",
+)

@@ -1,0 +1,40 @@
+"""A mass between beam and force transducer."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Rival, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, shaker_mass_kg=effect.parameters["mass"])
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.5 * beam.mass_kg, 14)),)
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "shaker_mass",
+        "excitation",
+        (Parameter("mass", "kg", 1e-5, 2.0, "m"),),
+        "shaker",
+        "a mass at the shaker point on the beam's side of the force transducer",
+        tests=("sine",),
+    ),
+    rank=30,
+    spoken="shaker mass",
+    change=_change,
+    moves_poles=False,
+    once=True,
+    search=Search(rank=90, slots=_slots, needs="sine"),
+    experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
+    rivals=(
+        Rival("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),
+        Rival("added_mass", "Take the shaker off and repeat the hits.", rank=60),
+    ),
+)

@@ -1,0 +1,37 @@
+"""A stinger that resists bending."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, stinger_k_rot=effect.parameters["k_rot"])
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    ei, length = beam.bending_stiffness_n_m2, beam.length_m
+    return (Slot("k_rot", "log", spread(0.02 * ei / length, 100 * ei / length, 12)),)
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "stinger_moment",
+        "excitation",
+        (Parameter("k_rot", "N m/rad", 1e-3, 1e3, "EI/L"),),
+        "shaker",
+        "the stinger holds the rotation of the shaker point with a spring k_rot",
+        tests=("sine",),
+    ),
+    rank=20,
+    spoken="stinger moment",
+    change=_change,
+    moves_poles=False,
+    once=True,
+    search=Search(rank=100, slots=_slots, needs="sine"),
+    experiment="Repeat the sines with the shaker at another point, or with a thinner stinger.",
+)

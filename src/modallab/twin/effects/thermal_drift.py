@@ -1,0 +1,36 @@
+"""A beam that changes its stiffness over the campaign."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, both_signs
+from modallab.twin.effect_model import EffectModel, Rival, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, ei_drift=twin.ei_drift + effect.parameters["EI_drift"])
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "thermal_drift",
+        "structure",
+        (Parameter("EI_drift", "", 1e-5, 0.3, signed=True),),
+        "none",
+        "EI has changed by the share EI_drift at the last record, about evenly over the order of time",
+    ),
+    rank=130,
+    spoken="thermal drift",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(
+        rank=80,
+        slots=lambda _: (Slot("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
+        absorbed_by="Young's modulus",
+    ),
+    experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
+    rivals=(Rival("clamp_rotation", "Repeat the first hits at the end.", rank=90),),
+)

@@ -1,0 +1,33 @@
+"""A force that is stamped late."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, chain=replace(twin.chain, delay_s=-effect.parameters["seconds"]))
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "trigger_delay",
+        "acquisition",
+        (Parameter("seconds", "s", 1e-8, 5e-3),),
+        "all",
+        "the force is stamped seconds late: beside its sample stands an acceleration of seconds later",
+    ),
+    rank=20,
+    spoken="trigger delay",
+    change=_change,
+    moves_poles=False,
+    once=True,
+    search=Search(
+        rank=140, slots=lambda _: (Slot("seconds", "plain", spread(1e-6, 4e-3, 9), 1e-4, low=0.0, high=8e-3),)
+    ),
+    experiment="Feed one signal to the force row and to another: a delay between the two shows without the beam.",
+)
