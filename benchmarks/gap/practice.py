@@ -24,7 +24,7 @@ import yaml
 
 from modallab.blind.score import Trial, parameter_errors, reliability, score
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.effects import CATALOGUE
+from modallab.core.effects import catalogue
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnose import diagnose
 
@@ -55,7 +55,7 @@ def run(practice: Path, names: list[str], out: Path, withhold: bool = False) -> 
         if name in done:
             continue
         withheld = {e["effect"] for e in truth_of(practice, name)} if withhold else set[str]()
-        if withhold and not withheld & set(CATALOGUE):
+        if withhold and not withheld & set(catalogue()):
             continue
         campaign = read_campaign(practice / name)
         begun = time.process_time()

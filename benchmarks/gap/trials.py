@@ -25,13 +25,13 @@ import yaml
 from rigs import drawn_rig
 
 from modallab.core.block import Campaign
-from modallab.core.effects import CATALOGUE, Effect
+from modallab.core.effects import Effect, catalogue
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import dump_rig
 from modallab.gap.diagnose import diagnose
 from modallab.gap.report.initial_gap import gap_before
 from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
-from modallab_simulators.cantilever.effects.kinds import KINDS
+from modallab_simulators.cantilever.effects import kinds
 from modallab_simulators.cantilever.trial import make_trial
 
 SHARES = {"calibrate": 1, "report": 2}
@@ -62,10 +62,10 @@ class Draw:
     @property
     def seed(self) -> int:
         """Of everything in the trial; no two trials have the same."""
-        kinds = [NONE, *KINDS]
+        names = [NONE, *kinds()]
         if self.effect == PAIR:
-            return (10 + SHARES[self.share]) * len(kinds) * _MOST + self.number
-        return (SHARES[self.share] * len(kinds) + kinds.index(self.effect)) * _MOST + self.number
+            return (10 + SHARES[self.share]) * len(names) * _MOST + self.number
+        return (SHARES[self.share] * len(names) + names.index(self.effect)) * _MOST + self.number
 
 
 def draws(share: str, effects: list[str], each: int, none: int, pairs: int = 0) -> list[Draw]:
@@ -100,7 +100,7 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
 def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:
     """Two effects of the catalogue, each of a size of its own."""
     rng = np.random.default_rng([seed, 78])
-    first, second = rng.choice(sorted(CATALOGUE), 2, replace=False)
+    first, second = rng.choice(sorted(catalogue()), 2, replace=False)
     low, high = PAIR_GAP
     sizes = np.exp(rng.uniform(np.log(low), np.log(high), 2))
     drawn = [
@@ -134,7 +134,7 @@ def main() -> None:
     parser.add_argument("trials", type=Path)
     parser.add_argument("--share", choices=tuple(SHARES), default="report")
     parser.add_argument(
-        "--effect", choices=tuple(KINDS), action="append", help="may occur many times; default: all named"
+        "--effect", choices=tuple(kinds()), action="append", help="may occur many times; default: all named"
     )
     parser.add_argument("--each", type=int, default=2, help="trials of each effect")
     parser.add_argument("--none", type=int, default=10, help="trials without effect")
@@ -144,7 +144,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     first, of = arguments.part
-    effects = arguments.effect or list(CATALOGUE)
+    effects = arguments.effect or list(catalogue())
     listed = draws(arguments.share, effects, arguments.each, arguments.none, arguments.pairs)[first::of]
     begun = time.monotonic()
     for draw in left(listed, arguments.out):

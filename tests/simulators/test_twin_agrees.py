@@ -12,12 +12,13 @@ import pytest
 from quiet_bench import quiet_rig
 
 from modallab.core.block import Block
-from modallab.core.effects import CATALOGUE, Effect
+from modallab.core.effects import Effect, catalogue
 from modallab.core.units import Test
 from modallab.gap.conditioning.reduce import scaled
 from modallab.gap.model.predicted_records import predict_record
 from modallab.twin.bench import Twin
-from modallab.twin.effects import UNPREDICTED, apply
+from modallab.twin.effect_model import NoChange
+from modallab.twin.effects import apply, models
 from modallab.twin.structure import MODES, Structure
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
@@ -106,8 +107,9 @@ def size(y: np.ndarray) -> float:
 
 
 def test_every_effect_the_twin_predicts_is_held_here():
-    linear = {name for name, kind in CATALOGUE.items() if kind.linear} - UNPREDICTED
-    assert {e.effect for e in EFFECTS} == linear
+    predicted = {name for name, model in models().items() if not isinstance(model.change, NoChange)}
+    assert {e.effect for e in EFFECTS} == predicted
+    assert all(catalogue()[name].linear for name in predicted)
 
 
 @pytest.mark.parametrize(("test", "tolerance"), [("impact", 2e-3), ("sine", 1e-5)])

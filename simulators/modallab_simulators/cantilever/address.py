@@ -7,7 +7,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from modallab.core.effects import Effect
 from modallab.core.errors import ConfigurationError
-from modallab_simulators.cantilever.effects.read import read_effect
+from modallab_simulators.cantilever.read_effect import read_effect
 from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S
 
 MAX_ZETA = 0.2

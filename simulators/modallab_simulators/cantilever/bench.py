@@ -46,7 +46,7 @@ class CantileverBench:
     def __init__(self, url: str, rig: Rig, settings: Settings, session: LocalSession = EVERYDAY) -> None:
         self._rig, self._settings = rig, settings
         self._truth = draw_truth(settings, rig, session)
-        self._rows = len(outputs_of(rig, self._truth.effects))
+        self._rows = len(outputs_of(rig, self._truth.effects.altered.chain))
         self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
         self._info = BenchInfo(
             url,
@@ -110,7 +110,7 @@ class CantileverBench:
             self._shaker_x,
             self._settings.n_per_v,
             site.floor_of_start(self._starts),
-            self._truth.effects.number("amplifier_harmonics", "share", 0.0),
+            self._truth.effects.altered.excitation.harmonics,
         )
         self._stream = SampleStream(
             lambda block: site.age(began_s + block * BLOCK / site.rate_hz),
@@ -155,7 +155,7 @@ class CantileverBench:
         self._swings += 1
         swing = self._drawn_swing()
         bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
-        x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.number("hit_position", "dx", 0.0))
+        x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.altered.excitation.hit_shift_m)
         hits = self._with_knock(swing.hit(self._now_s, x_m, bearable_n))
         self._hit_s = hits[0].start_s
         self._excitation.strike(hits, self._now_s)
@@ -199,7 +199,7 @@ class CantileverBench:
 
     def _with_knock(self, hit: Hit) -> list[Hit]:
         """The hit, and before it what it finds still ringing: a knock the transducer does not feel."""
-        fraction = self._truth.effects.number("residual_ringing", "fraction", 0.0)
+        fraction = self._truth.effects.altered.excitation.ringing
         if not fraction:
             return [hit]
         rng = generator(self._settings.seed, Stream.KNOCKS, self._swings)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test, si_factor
+from modallab_simulators.cantilever.altered import ChainChanges
 from modallab_simulators.cantilever.channels import sensor_rows
-from modallab_simulators.cantilever.effects.injected import Injected
 
 Floats = NDArray[np.float64]
 
@@ -75,27 +75,27 @@ class Chain:
     jitter_s: float
 
     @classmethod
-    def of(cls, rig: Rig, test: Test, effects: Injected) -> Self:
+    def of(cls, rig: Rig, test: Test, changes: ChainChanges) -> Self:
         """The chain of a rig in a test, nothing clipped yet.
 
         Raises:
             RigError: a channel has no sensitivity for this test.
         """
         converter = rig.converter or Converter()
-        sensors = [rig.channels[sensor] for sensor in sensor_rows(rig, effects)]
+        sensors = [rig.channels[sensor] for sensor in sensor_rows(rig, changes)]
         full, rows = 2 ** (converter.bits - 1), range(len(rig.channels))
         return cls(
-            np.array([_volts_per_si(rig, c, test) * _gain(c, effects) for c in sensors]),
+            np.array([_volts_per_si(rig, c, test) * _gain(c, changes) for c in sensors]),
             np.array([(c.range_v or converter.range_v) / full for c in rig.channels]),
-            np.array([converter.noise_rms_v * _row(effects, row, "noisy_channel", "factor", 1.0) for row in rows]),
+            np.array([converter.noise_rms_v * changes.noise.get(row, 1.0) for row in rows]),
             -full,
             full - 1,
             np.dtype(np.int16 if converter.bits <= 16 else np.int32),
             np.full(len(rig.channels), inf),
             Hum(),
-            np.array([_row(effects, row, "soft_saturation", "volts", inf) for row in rows]),
-            np.array([_row(effects, row, "dropouts", "share", 0.0) for row in rows]),
-            effects.number("timing_jitter", "seconds_rms", 0.0),
+            np.array([changes.knee_v.get(row, inf) for row in rows]),
+            np.array([changes.lost_share.get(row, 0.0) for row in rows]),
+            changes.jitter_s,
         )
 
     def clipped(self, row: int, level_v: float) -> Self:
@@ -143,13 +143,5 @@ def _volts_per_si(rig: Rig, channel: Channel, test: Test) -> float:
     return volts if channel.direction[0] == rig.drive_direction[0] else -volts
 
 
-def _gain(channel: Channel, effects: Injected) -> float:
-    if channel.quantity == "force":
-        return effects.number("force_gain", "gain", 1.0)
-    gain, sign = effects.on("gain_error", channel.index), effects.on("polarity", channel.index)
-    return (gain.parameters["gain"] if gain else 1.0) * (sign.parameters["sign"] if sign else 1.0)
-
-
-def _row(effects: Injected, row: int, effect: str, name: str, default: float) -> float:
-    found = effects.on(effect, row)
-    return found.parameters[name] if found else default
+def _gain(channel: Channel, changes: ChainChanges) -> float:
+    return changes.force_gain if channel.quantity == "force" else changes.gain.get(channel.index, 1.0)

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from modallab_simulators.cantilever.effects.outside import AMPLIFIER_V
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.shaker import Emission
+
+AMPLIFIER_V = 5.0
+"""Voltage to which the overtones of a power amplifier are related."""
 
 
 class Excitation:

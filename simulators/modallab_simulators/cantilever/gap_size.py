@@ -12,6 +12,8 @@ import numpy as np
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Converter, Rig
+from modallab_simulators.cantilever.effects import part_of
+from modallab_simulators.cantilever.injected import inject
 from modallab_simulators.cantilever.trial import make_trial, sound_trial
 
 _CLOSE = 0.05
@@ -39,16 +41,16 @@ class Ruler:
     def gap(self, effects: Sequence[Effect]) -> float:
         """In noise units."""
         recorded, _ = make_trial(self._rig, self._seed, effects)
-        gain = np.prod([e.parameters["gain"] for e in effects if e.effect == "force_gain"], initial=1.0)
-        squares = _mean_square(recorded, self._sound_for(effects), float(gain)) / self._floor_v**2
+        chain = inject(effects, self._rig).altered.chain
+        squares = _mean_square(recorded, self._sound_for(effects), chain.force_gain) / self._floor_v**2
         share = (self._noise_v / self._floor_v) ** 2 / len(self._rig.responses)
-        for effect in effects:
-            if effect.effect == "noisy_channel":
-                squares += (effect.parameters["factor"] ** 2 - 1) * share
+        for factor in chain.noise.values():
+            squares += (factor**2 - 1) * share
         return sqrt(squares)
 
     def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
-        if any(e.effect in ("clock_error", "amplifier_harmonics") for e in effects):
+        clock = inject(effects, self._rig).altered.chain.clock
+        if clock or any(part_of(e.effect).seen_by_force for e in effects):
             return sound_trial(self._rig, self._seed, effects)
         if self._sound is None:
             self._sound = sound_trial(self._rig, self._seed, ())

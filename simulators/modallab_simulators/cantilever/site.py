@@ -7,22 +7,18 @@ import numpy as np
 
 from modallab.core.rig import Rig
 from modallab.core.units import Test
+from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.chain import Chain, Hum
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.effects.injected import Injected
-from modallab_simulators.cantilever.effects.nonlinear import drag_of, elements_of
-from modallab_simulators.cantilever.effects.structure import on_root
 from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
+from modallab_simulators.cantilever.injected import Injected
 from modallab_simulators.cantilever.loads import Drive, Floats, Moving
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
 from modallab_simulators.cantilever.truth import Truth, oversampling
-
-DRIFT_S = 1800.0
-"""Bench time over which a drift runs, unless it says otherwise."""
 
 DRIFT_STEP = 1 / 200
 _HEADROOM = 0.8
@@ -34,11 +30,11 @@ class Site:
     def __init__(self, truth: Truth, rig: Rig, test: Test, rate_hz: float) -> None:
         self._truth, self._rig = truth, rig
         self._test: Test = test
-        self.rate_hz = rate_hz * (1 + truth.effects.number("clock_error", "relative", 0.0))
+        self.rate_hz = rate_hz * (1 + truth.effects.altered.chain.clock)
         self.oversample = oversampling(rate_hz)
         self._progress = 0.0
         self.structure = self._built(truth, self._progress)
-        self.chain = self._clipped(Chain.of(rig, test, truth.effects))
+        self.chain = self._clipped(Chain.of(rig, test, truth.effects.altered.chain))
 
     @property
     def step_s(self) -> float:
@@ -49,19 +45,18 @@ class Site:
         """The structure after some bench time: anew at a start, and else where a drift has gone on a good deal."""
         if not self._truth.drift:
             return self.structure
-        over_s = self._truth.effects.number("thermal_drift", "over_s", DRIFT_S)
-        progress = min(1.0, bench_s / over_s)
+        progress = min(1.0, bench_s / self._truth.effects.altered.structure.drift_s)
         if progress != self._progress and (exactly or abs(progress - self._progress) >= DRIFT_STEP):
             self._progress, self.structure = progress, self._built(self._truth, progress)
         return self.structure
 
     def chain_of_start(self, start: int) -> Chain:
         """The chain with the mains at the phase of this start."""
-        mains = self._truth.effects.one("mains_hum")
+        mains = self._truth.effects.altered.chain.hum
         if mains is None:
             return self.chain
         phase = float(generator(self._truth.seed, Stream.HUM, start).uniform(0, 2 * np.pi))
-        return replace(self.chain, hum=Hum(mains.parameters["volts"], mains.parameters["hz"], phase))
+        return replace(self.chain, hum=Hum(*mains, phase))
 
     def floor_of_start(self, start: int) -> Floor | None:
         """The floor's motion in this start."""
@@ -69,7 +64,7 @@ class Site:
 
     @cached_property
     def _floor(self) -> Floor | None:
-        rms = self._truth.effects.number("floor_vibration", "rms_acc", 0.0)
+        rms = self._truth.effects.altered.excitation.floor_rms
         return Floor(rms, self.step_s, generator(self._truth.seed, Stream.FLOOR)) if rms else None
 
     def bearable_n(self, width_s: float, x_m: float) -> float:
@@ -93,21 +88,18 @@ class Site:
 
     @cached_property
     def _sound_chain(self) -> Chain:
-        return Chain.of(self._rig, self._test, Injected())
+        return Chain.of(self._rig, self._test, Injected().altered.chain)
 
     def _built(self, truth: Truth, progress: float) -> Moving:
         basis = truth.basis(self.rate_hz, self._test, progress, self.oversample)
-        linear = Structure(basis, outputs_of(self._rig, truth.effects), self.rate_hz, self.oversample)
-        elements = elements_of(on_root(truth.beam_at(progress), truth.effects), truth.effects)
-        drag = drag_of(truth.effects, truth.true.beam.length_m)
-        return FedStructure(linear, elements, drag, self.step_s) if elements or drag else linear
+        linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
+        changes = truth.effects.altered.structure
+        elements = elements_of(truth.beam_at(progress), changes)
+        return FedStructure(linear, elements, changes.drag, self.step_s) if elements or changes.drag else linear
 
     def _clipped(self, chain: Chain) -> Chain:
-        for effect in self._truth.effects.of("clipping"):
-            row = effect.place["channel"]
-            assert isinstance(row, int)
-            peak = effect.parameters.get("peak_v") or self._hardest_v(chain, row)
-            chain = chain.clipped(row, effect.parameters["fraction_of_peak"] * peak)
+        for clip in self._truth.effects.altered.chain.clips:
+            chain = chain.clipped(clip.row, clip.fraction * (clip.peak_v or self._hardest_v(chain, clip.row)))
         return chain
 
     def _hardest_v(self, chain: Chain, row: int) -> float:

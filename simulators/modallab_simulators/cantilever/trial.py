@@ -22,7 +22,8 @@ from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
-from modallab_simulators.cantilever.effects.injected import inject, reported
+from modallab_simulators.cantilever.effects import part_of
+from modallab_simulators.cantilever.injected import inject, reported
 from modallab_simulators.cantilever.session import LocalSession
 from modallab_simulators.cantilever.truth import Truth
 
@@ -77,10 +78,9 @@ def sound_trial(rig: Rig, seed: int, effects: Sequence[Effect]) -> Campaign:
 
     A force channel with a wrong gain is the one thing it does not follow.
     """
-    clocks = [e.parameters["relative"] for e in effects if e.effect == "clock_error"]
-    forces = [e for e in effects if e.effect == "amplifier_harmonics"]
+    forces = [e for e in effects if part_of(e.effect).seen_by_force]
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, forces, 1 + sum(clocks))
+    operator = Operator(rig, seed, forces, 1 + inject(effects, rig).altered.chain.clock)
     return Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}, nothing wrong")
 
 
@@ -91,9 +91,10 @@ def rigidly_clamped(rig: Rig) -> Rig:
 
 
 def _timed(effect: Effect) -> Effect:
-    if effect.effect != "thermal_drift":
+    lasts = part_of(effect.effect).lasts
+    if lasts is None:
         return effect
-    return effect.model_copy(update={"parameters": {**effect.parameters, "over_s": LAST_ORDER * RECORD_S}})
+    return effect.model_copy(update={"parameters": {**effect.parameters, lasts: LAST_ORDER * RECORD_S}})
 
 
 class Operator:
@@ -111,8 +112,8 @@ class Operator:
         self, rig: Rig, seed: int, effects: Sequence[Effect] = (), stretch: float = 1.0, order: int = 0
     ) -> None:
         self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
-        self._clipping = tuple(inject(effects, rig).of("clipping"))
-        played = tuple(_timed(e) for e in effects if e.effect != "clipping")
+        self._effects = inject(effects, rig).effects
+        played = tuple(_timed(e) for e in effects if part_of(e.effect).on_campaign is None)
         self._settings = Settings(
             seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
         )
@@ -122,8 +123,9 @@ class Operator:
     def blocks(self) -> list[Block]:
         """All records, in the order of time."""
         blocks = [*self.hits(), *self.sines()]
-        for effect in self._clipping:
-            blocks = _clipped(blocks, effect)
+        for effect in self._effects:
+            on_campaign = part_of(effect.effect).on_campaign
+            blocks = blocks if on_campaign is None else on_campaign(blocks, effect)
         return blocks
 
     def hits(self) -> Iterator[Block]:
@@ -143,7 +145,7 @@ class Operator:
             raise ConfigurationError("the rig has no shaker", remedy="give the rig a shaker_point")
         bench, delivery = self._bench("sine", self._settings, len(HITS))
         # The beam has had its eight seconds whatever the converter's clock makes of them.
-        rate_hz = delivery.rate_hz * (1 + self.truth.effects.number("clock_error", "relative", 0.0))
+        rate_hz = delivery.rate_hz * (1 + self.truth.effects.altered.chain.clock)
         settle = ceil(SETTLE_S * rate_hz - 1e-9)
         later_s = settle / rate_hz - SETTLE_S
         for level, force_n in LEVELS_N.items():
@@ -200,20 +202,6 @@ class Operator:
         zeta = draw_damping(self.truth.seed, count, self.truth.zeta)
         inertance = np.sum(-(omega**2) * phi**2 / (own**2 - omega**2 + 2j * zeta * own * omega))
         return 1 + abs(complex(inertance)) * beam.total_mass_kg * _MASS_SHARE
-
-
-def _clipped(blocks: Sequence[Block], effect: Effect) -> list[Block]:
-    """A row cut at a share of the most it reaches in the whole campaign."""
-    row = effect.place["channel"]
-    assert isinstance(row, int)
-    most = max(float(np.abs(b.samples[row].astype(np.float64)).max()) for b in blocks)
-    level = round(effect.parameters["fraction_of_peak"] * most)
-    cut: list[Block] = []
-    for block in blocks:
-        samples = block.samples.copy()
-        np.clip(samples[row], -level, level, out=samples[row])
-        cut.append(replace(block, samples=samples))
-    return cut
 
 
 def _truth(truth: Truth, effects: Sequence[Effect]) -> dict[str, object]:

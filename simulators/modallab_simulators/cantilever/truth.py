@@ -11,14 +11,14 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
+from modallab_simulators.cantilever.assembled import SIDE_ZETA, beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.damped import DampedBasis
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
-from modallab_simulators.cantilever.effects.injected import Injected, inject
-from modallab_simulators.cantilever.effects.structure import SIDE_ZETA, beside, dampers_of, modes_of
 from modallab_simulators.cantilever.few import FewModes
+from modallab_simulators.cantilever.injected import Injected, inject
 from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.session import EVERYDAY, LocalSession
 
@@ -54,7 +54,7 @@ class Truth:
     def modes(self, test: Test, progress: float = 0.0) -> Modes:
         """The undamped structure in a test, at a share of the campaign's time."""
         inertia = self.true.beam.mass_kg_m * self.true.thickness_m**2 / 12
-        return modes_of(self.beam_at(progress), self.effects, self.rig, test, inertia)
+        return modes_of(self.beam_at(progress), self.effects.altered.structure, test, inertia)
 
     def basis(self, rate_hz: float, test: Test, progress: float, oversample: int) -> Basis:
         """The modes that are integrated in time at a delivered rate: those to 0.4 of the internal rate."""
@@ -68,13 +68,14 @@ class Truth:
                 f"the beam has {count} modes below {_REACH * internal_hz:g} Hz, more than {limit}",
                 remedy="choose a shorter or thicker beam in the rig file, or a lower rate",
             )
-        dampers = dampers_of(self.effects, modes.length_m)
-        if dampers:
-            basis: Basis = DampedBasis(modes, self._damping(modes, self.few or KEPT), dampers, reach)
+        changes = self.effects.altered.structure
+        if changes.dampers:
+            basis: Basis = DampedBasis(modes, self._damping(modes, self.few or KEPT), changes.dampers, reach)
         else:
             basis = ModalBasis(modes, modes.omega(count), self._damping(modes, count))
         basis = FewModes(basis, self.few) if self.few else basis
-        return beside(basis, self.true, self.effects, self.rig, reach)
+        assert self.rig.beam is not None
+        return beside(basis, self.true, changes, self.rig.beam.width_m, reach)
 
     def _damping(self, modes: Modes, count: int) -> NDArray[np.float64]:
         """Damping ratios of the modes: the beam's own keep theirs where an absorber's stands among them, (count,)."""
@@ -87,7 +88,7 @@ class Truth:
     @property
     def drift(self) -> float:
         """The relative change of EI over the campaign."""
-        return self.effects.number("thermal_drift", "EI_drift", 0.0)
+        return self.effects.altered.structure.drift
 
     def beam_at(self, progress: float) -> CantileverBeam:
         """The bare beam at a share of the campaign's time."""

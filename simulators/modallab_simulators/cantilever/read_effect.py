@@ -1,31 +1,22 @@
 """Reads one effect as it stands in the bench's address: `added_mass,mass=0.05,x=0.4`."""
 
-from collections.abc import Mapping
 from math import isfinite
 
 from modallab.core.effects import Effect, EffectKind, Place
-from modallab_simulators.cantilever.effects.kinds import KINDS, OPTIONS, allowed
-
-_FIXED: Mapping[str, Mapping[str, Place]] = {
-    "root": {"x": 0.0},
-    "force": {"channel": 0},
-    "base": {"where": "base"},
-    "hit": {"where": "hit"},
-    "impact": {"where": "impact"},
-    "none": {},
-    "shaker": {},
-}
+from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.effects import allowed, kinds, part_of
 
 
 def read_effect(text: str) -> tuple[Effect | None, list[str]]:
     """The effect a text describes, and everything that is wrong with the text; None if anything is."""
     name, *words = [word.strip() for word in text.split(",")]
-    if name not in KINDS:
-        return None, [f"no effect is called {name!r}; allowed: {', '.join(sorted(KINDS))}"]
-    kind, problems = KINDS[name], list[str]()
+    known = kinds()
+    if name not in known:
+        return None, [f"no effect is called {name!r}; allowed: {', '.join(sorted(known))}"]
+    part, kind, problems = part_of(name), known[name], list[str]()
     given = _pairs(name, words, problems)
     place = _place(kind, given, problems)
-    parameters = _parameters(kind, given, problems)
+    parameters = _parameters(part, given, problems)
     if problems:
         return None, problems
     return Effect(effect=name, parameters=parameters, place=place), []
@@ -45,20 +36,20 @@ def _pairs(name: str, words: list[str], problems: list[str]) -> dict[str, str]:
     return given
 
 
-def _parameters(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict[str, float]:
+def _parameters(part: EffectPart, given: dict[str, str], problems: list[str]) -> dict[str, float]:
+    kind, optional = part.kind, part.options
     names = [p.name for p in kind.parameters]
-    optional = OPTIONS.get(kind.name, ())
     parameters: dict[str, float] = {}
     for name in (*names, *optional):
         text = given.pop(name, None)
         if text is None:
             if name in names:
-                problems.append(f"{kind.name}: {name} is missing; allowed: {_range(kind, name)}")
+                problems.append(f"{kind.name}: {name} is missing; allowed: {_range(part, name)}")
             continue
         value = _number(text)
-        low, high = allowed(kind, name)
+        low, high = allowed(part, name)
         if value is None or not low <= value <= high or value == 0.0:
-            problems.append(f"{kind.name}: {name} is {text!r}; allowed: {_range(kind, name)}")
+            problems.append(f"{kind.name}: {name} is {text!r}; allowed: {_range(part, name)}")
         else:
             parameters[name] = value
     problems += [
@@ -68,10 +59,9 @@ def _parameters(kind: EffectKind, given: dict[str, str], problems: list[str]) ->
 
 
 def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict[str, Place]:
-    if kind.place in _FIXED:
-        return dict(_FIXED[kind.place])
-    if kind.place == "all":
-        return {"x" if kind.stage == "structure" else "channel": "all"}
+    fixed = {} if kind.place == "shaker" else kind.fixed_place
+    if fixed is not None:
+        return fixed
     if kind.place == "x":
         text = given.pop("x", "")
         x = _number(text)
@@ -103,9 +93,9 @@ def _number(text: str) -> float | None:
     return value if isfinite(value) else None
 
 
-def _range(kind: EffectKind, name: str) -> str:
-    low, high = allowed(kind, name)
-    unit = next((p.unit for p in kind.parameters if p.name == name), "")
+def _range(part: EffectPart, name: str) -> str:
+    low, high = allowed(part, name)
+    unit = next((p.unit for p in part.kind.parameters if p.name == name), "")
     if low == high:
         return f"{low:g}"
     side = {(True, True): "any number but 0"}.get((isfinite(low), isfinite(high)))

@@ -1,0 +1,131 @@
+"""What effects make of the simulated bench, in the bench's own terms; as they stand, the fields mean no effect."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import inf
+
+from modallab_simulators.cantilever.attached import Absorber, Attachment
+from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.cracked import Loss
+from modallab_simulators.cantilever.damped import Damper
+from modallab_simulators.cantilever.draw import TrueBeam
+from modallab_simulators.cantilever.feedback.elements import CrackElement, Drag, PointElement
+from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.sensor import Sensor
+
+Element = PointElement | CrackElement
+Rows = Mapping[int, float]
+
+DRIFT_S = 1800.0
+"""Bench time over which a drift runs, unless it says otherwise."""
+
+
+def _no_rows() -> Rows:
+    return {}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StructureChanges:
+    """What is other than believed about the structure.
+
+    Attributes:
+        root_nm_rad: springs at the root, one behind the other, joints at their stiffest.
+        root_n_m: spring against which the root shifts.
+        losses: of bending stiffness.
+        preload_n: axial force.
+        attachments: masses and springs on the beam in every test.
+        at_shaker: those on it in the sine test only.
+        absorbers: masses on springs.
+        dampers: to ground.
+        elements: nonlinear ones, each made for the beam on its root.
+        drag: of the air.
+        side_modes: modes beside those of bending, of the true beam and its width; and the share in which they are seen.
+        drift: relative change of EI over a campaign.
+        drift_s: bench time over which it runs.
+    """
+
+    root_nm_rad: tuple[float, ...] = ()
+    root_n_m: float = inf
+    losses: tuple[Loss, ...] = ()
+    preload_n: float = 0.0
+    attachments: tuple[Attachment, ...] = ()
+    at_shaker: tuple[Attachment, ...] = ()
+    absorbers: tuple[Absorber, ...] = ()
+    dampers: tuple[Damper, ...] = ()
+    elements: tuple[Callable[[CantileverBeam], Element], ...] = ()
+    drag: Drag | None = None
+    side_modes: tuple[tuple[Callable[[TrueBeam, float], Modes], float], ...] = ()
+    drift: float = 0.0
+    drift_s: float = DRIFT_S
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """A row cut at a fraction of what it reaches; `peak_v` where that is known."""
+
+    row: int
+    fraction: float
+    peak_v: float | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ChainChanges:
+    """What is other than believed between the motion and the counts. Rows are numbered as in the rig, 0 the force.
+
+    Attributes:
+        exchanged: pairs of rows whose sensors are exchanged.
+        moved_m: row -> how much farther from the clamp its sensor sits.
+        filters: what a row's accelerometer passes, in this order; None for all rows.
+        gain: row -> factor on a response.
+        force_gain: factor on the force.
+        skew_s: row k is sampled k times that much later than row 0.
+        delay_s: how much later than the force all responses are sampled.
+        noise: row -> factor on its noise.
+        clips: rows cut at a level.
+        knee_v: row -> towards which it saturates softly.
+        lost_share: row -> of its samples.
+        jitter_s: standard deviation of every instant.
+        hum: volts and frequency in Hz of the mains; None without.
+        clock: relative error of the converter's rate.
+    """
+
+    exchanged: tuple[tuple[int, int], ...] = ()
+    moved_m: Rows = field(default_factory=_no_rows)
+    filters: tuple[tuple[int | None, Sensor], ...] = ()
+    gain: Rows = field(default_factory=_no_rows)
+    force_gain: float = 1.0
+    skew_s: float = 0.0
+    delay_s: float = 0.0
+    noise: Rows = field(default_factory=_no_rows)
+    clips: tuple[Clip, ...] = ()
+    knee_v: Rows = field(default_factory=_no_rows)
+    lost_share: Rows = field(default_factory=_no_rows)
+    jitter_s: float = 0.0
+    hum: tuple[float, float] | None = None
+    clock: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ExcitationChanges:
+    """What is other than believed about the forces.
+
+    Attributes:
+        hit_shift_m: how much farther from the clamp every hit lands.
+        ringing: size of the knock before each hit that the transducer does not feel, in hits.
+        harmonics: share of overtones the power amplifier adds.
+        floor_rms: acceleration of the base in m/s^2.
+    """
+
+    hit_shift_m: float = 0.0
+    ringing: float = 0.0
+    harmonics: float = 0.0
+    floor_rms: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Altered:
+    """The bench as effects leave it."""
+
+    structure: StructureChanges = field(default_factory=StructureChanges)
+    chain: ChainChanges = field(default_factory=ChainChanges)
+    excitation: ExcitationChanges = field(default_factory=ExcitationChanges)

@@ -1,0 +1,64 @@
+"""The true structure with what is linear of its effects: roots, losses of stiffness, attachments, modes beside."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.units import Test
+from modallab_simulators.cantilever.altered import Element, StructureChanges
+from modallab_simulators.cantilever.attached import AttachedModes
+from modallab_simulators.cantilever.basis import Basis, ModalBasis
+from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.cracked import CrackedBeam
+from modallab_simulators.cantilever.draw import TrueBeam
+from modallab_simulators.cantilever.joined import JoinedBasis
+from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.preloaded import PreloadedModes
+from modallab_simulators.cantilever.rotary import RotaryModes
+
+SIDE_ZETA = 0.004
+"""Damping ratio of modes that are none of bending in the drive's direction."""
+
+
+def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary_inertia_kg_m: float = 0.0) -> Modes:
+    """The undamped modes of the structure in one test; the bare beam if nothing of it is changed.
+
+    Args:
+        beam: the intact beam.
+        changes: what is wrong with it.
+        test: which one; the shaker hangs on the beam in the sine test only.
+        rotary_inertia_kg_m: of the slices of the beam, per length.
+    """
+    beam = on_root(beam, changes)
+    bare: Modes = CrackedBeam(beam, changes.losses) if changes.losses else beam
+    bare = PreloadedModes(bare, changes.preload_n) if changes.preload_n else bare
+    bare = RotaryModes(bare, rotary_inertia_kg_m) if rotary_inertia_kg_m else bare
+    attachments = [*changes.attachments, *(changes.at_shaker if test == "sine" else ())]
+    root, hung = changes.root_n_m, changes.absorbers
+    return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != np.inf else bare
+
+
+def beside(basis: Basis, true: TrueBeam, changes: StructureChanges, width_m: float, reach: float) -> Basis:
+    """The basis with families of modes that are none of bending in the drive's direction, if sensors see any."""
+    for modes, share in changes.side_modes:
+        basis = JoinedBasis(basis, _family(modes(true, width_m), reach), share)
+    return basis
+
+
+def _family(modes: Modes, reach: float) -> ModalBasis:
+    count = modes.count_below(reach)
+    return ModalBasis(modes, modes.omega(count), np.full(count, SIDE_ZETA))
+
+
+def on_root(beam: CantileverBeam, changes: StructureChanges) -> CantileverBeam:
+    """The beam on all that turns at its root: its own spring, and those of effects, joints at their stiffest."""
+    if not changes.root_nm_rad:
+        return beam
+    own = 0.0 if beam.kappa == np.inf else 1 / beam.kappa
+    added = sum(beam.bending_stiffness_n_m2 / beam.length_m / k for k in changes.root_nm_rad)
+    return replace(beam, kappa=1 / (own + added))
+
+
+def elements_of(beam: CantileverBeam, changes: StructureChanges) -> list[Element]:
+    """The nonlinear elements on a beam, whose root already has a joint at its stiffest."""
+    return [element(on_root(beam, changes)) for element in changes.elements]

@@ -1,0 +1,24 @@
+"""A mass on the beam."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.attached import Attachment
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    mass = Attachment(x_of(effect, rig), mass=effect.parameters["mass"])
+    s = altered.structure
+    return replace(altered, structure=replace(s, attachments=(*s.attachments, mass)))
+
+
+PART = EffectPart(
+    name="added_mass",
+    rank=70,
+    change=_change,
+    several=True,
+    drawn=Drawn(places=(0.3, 1.0)),
+)

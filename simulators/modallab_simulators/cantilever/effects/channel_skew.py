@@ -1,0 +1,22 @@
+"""Rows that are sampled one after the other."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    c = altered.chain
+    return replace(altered, chain=replace(c, skew_s=effect.parameters["seconds_per_channel"]))
+
+
+PART = EffectPart(
+    name="channel_skew",
+    rank=300,
+    change=_change,
+    several=False,
+    limits={"seconds_per_channel": (0.0, 0.001)},
+)

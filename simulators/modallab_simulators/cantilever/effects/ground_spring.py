@@ -1,0 +1,24 @@
+"""A spring from the beam to ground."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.attached import Attachment
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    spring = Attachment(x_of(effect, rig), stiffness=effect.parameters["k"])
+    s = altered.structure
+    return replace(altered, structure=replace(s, attachments=(*s.attachments, spring)))
+
+
+PART = EffectPart(
+    name="ground_spring",
+    rank=80,
+    change=_change,
+    several=True,
+    drawn=Drawn(places=(0.3, 1.0)),
+)

@@ -1,0 +1,20 @@
+"""Hits beside the point."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    return replace(altered, excitation=replace(altered.excitation, hit_shift_m=effect.parameters["dx"]))
+
+
+PART = EffectPart(
+    name="hit_position",
+    rank=400,
+    change=_change,
+    several=False,
+)

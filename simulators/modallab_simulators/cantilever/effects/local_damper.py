@@ -1,0 +1,25 @@
+"""A damper from the beam to ground."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.damped import Damper
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    s = altered.structure
+    return replace(
+        altered, structure=replace(s, dampers=(*s.dampers, Damper(x_of(effect, rig), effect.parameters["c"])))
+    )
+
+
+PART = EffectPart(
+    name="local_damper",
+    rank=110,
+    change=_change,
+    several=True,
+    drawn=Drawn(places=(0.3, 1.0)),
+)

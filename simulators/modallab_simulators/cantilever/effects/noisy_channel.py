@@ -1,0 +1,21 @@
+"""A row with more noise than the converter has."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart, row_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    c = altered.chain
+    return replace(altered, chain=replace(c, noise={**c.noise, row_of(effect): effect.parameters["factor"]}))
+
+
+PART = EffectPart(
+    name="noisy_channel",
+    rank=230,
+    change=_change,
+    several=False,
+)

@@ -1,0 +1,34 @@
+"""An accelerometer at another place than stated."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart, row_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    c = altered.chain
+    return replace(altered, chain=replace(c, moved_m={**c.moved_m, row_of(effect): effect.parameters["dx"]}))
+
+
+def _check(effect: Effect, rig: Rig) -> list[str]:
+    row, dx = row_of(effect), effect.parameters["dx"]
+    point = rig.channels[row].point
+    assert rig.beam is not None
+    if point is None:
+        return []
+    x, length = rig.x_of(point), rig.beam.length_m
+    if 0 <= x + dx <= length * (1 + 1e-9):
+        return []
+    return [f"position_error: dx is {dx:g} m; allowed: {-x:g} to {length - x:g} m for row {row}"]
+
+
+PART = EffectPart(
+    name="position_error",
+    rank=240,
+    change=_change,
+    several=False,
+    check=_check,
+)

@@ -1,0 +1,30 @@
+"""A row that saturates softly."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, row_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    c = altered.chain
+    return replace(altered, chain=replace(c, knee_v={**c.knee_v, row_of(effect): effect.parameters["volts"]}))
+
+
+PART = EffectPart(
+    name="soft_saturation",
+    rank=550,
+    change=_change,
+    several=False,
+    outside=EffectKind(
+        "soft_saturation",
+        "sensor",
+        (Parameter("volts", "V", 0.05, 1e4),),
+        "channel",
+        "one channel reads v / sqrt(1 + (v / volts)^2)",
+        linear=False,
+    ),
+    drawn=Drawn(slope=-2.0),
+)

@@ -1,0 +1,26 @@
+"""A beam that bends more at one place."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.cracked import Loss
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart, x_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    s = altered.structure
+    return replace(
+        altered, structure=replace(s, losses=(*s.losses, Loss(x_of(effect, rig), effect.parameters["EI_loss"])))
+    )
+
+
+PART = EffectPart(
+    name="stiffness_loss",
+    rank=100,
+    change=_change,
+    several=True,
+    limits={"EI_loss": (0.0, 0.99)},
+    drawn=Drawn(places=(0.08, 0.7)),
+)

@@ -1,0 +1,23 @@
+"""A stinger that resists bending, in the sine test."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.attached import Attachment
+from modallab_simulators.cantilever.effect_part import EffectPart, x_of
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    spring = Attachment(x_of(effect, rig), 1, stiffness=effect.parameters["k_rot"])
+    s = altered.structure
+    return replace(altered, structure=replace(s, at_shaker=(*s.at_shaker, spring)))
+
+
+PART = EffectPart(
+    name="stinger_moment",
+    rank=420,
+    change=_change,
+    several=False,
+)

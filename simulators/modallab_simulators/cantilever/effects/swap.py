@@ -1,0 +1,23 @@
+"""Two accelerometers on exchanged rows."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    pair = effect.place["channel"]
+    assert isinstance(pair, tuple)
+    c = altered.chain
+    return replace(altered, chain=replace(c, exchanged=(*c.exchanged, (pair[0], pair[1]))))
+
+
+PART = EffectPart(
+    name="swap",
+    rank=220,
+    change=_change,
+    several=False,
+)

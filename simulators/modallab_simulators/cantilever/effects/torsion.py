@@ -1,0 +1,36 @@
+"""The beam twists: modes beside those of bending."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.draw import TrueBeam
+from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
+from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.torsion import TorsionBar
+
+
+def _modes(true: TrueBeam, width_m: float) -> Modes:
+    return TorsionBar.of(true.beam.length_m, width_m, true.thickness_m, true.youngs_modulus_pa, true.density_kg_m3)
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    s = altered.structure
+    return replace(altered, structure=replace(s, side_modes=(*s.side_modes, (_modes, effect.parameters["offset"]))))
+
+
+PART = EffectPart(
+    name="torsion",
+    rank=500,
+    change=_change,
+    several=False,
+    outside=EffectKind(
+        "torsion",
+        "structure",
+        (Parameter("offset", "m", 1e-5, 0.05),),
+        "all",
+        "hammer, shaker and sensors stand off the beam's middle line by offset, and so twist it and feel it twist",
+    ),
+    drawn=Drawn(slope=2.0),
+)

@@ -1,0 +1,22 @@
+"""A force that is stamped late."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.effect_part import EffectPart
+
+
+def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
+    c = altered.chain
+    return replace(altered, chain=replace(c, delay_s=effect.parameters["seconds"]))
+
+
+PART = EffectPart(
+    name="trigger_delay",
+    rank=310,
+    change=_change,
+    several=False,
+    limits={"seconds": (0.0, 0.02)},
+)
