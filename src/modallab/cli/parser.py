@@ -98,6 +98,9 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
     gap.set_defaults(module="gap")
+    command = actions.add_parser("effects", help="what may be wrong with a bench, as the catalogue has it")
+    command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
+    command.set_defaults(module="effects")
 
 
 def _add_rig(commands: _Commands) -> None:

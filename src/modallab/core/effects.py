@@ -85,14 +85,15 @@ class EffectKind:
         """The place of every effect of this kind; None if it is a choice, or the rig's (x, channel, pair, shaker)."""
         if self.place == "all":
             return {"x" if self.stage == "structure" else "channel": "all"}
-        return {
+        fixed: dict[PlaceKind, dict[str, Place]] = {
             "none": {},
             "root": {"x": 0.0},
             "force": {"channel": 0},
             "base": {"where": "base"},
             "hit": {"where": "hit"},
             "impact": {"where": "impact"},
-        }.get(self.place)
+        }
+        return fixed.get(self.place)
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of this name.
