@@ -56,11 +56,6 @@ class Slot:
             return float(np.log(value / (1 - value)))
         return value / self.scale
 
-    def slope(self, u: float) -> float:
-        """Derivative of the number by its coordinate."""
-        value = self.value(u)
-        return {"log": value, "share": value * (1 - value), "plain": self.scale}[self.transform]
-
 
 @dataclass(frozen=True, slots=True)
 class Candidate:

@@ -30,7 +30,7 @@ class Search:
         rank: its turn among the candidates, smallest first.
         slots: its free numbers on a beam; one called "x" is its place along the beam.
         fixed: parameters that are not free.
-        needs: a test without which nothing tells it from what is free anyhow; None if either test will do.
+        needs: the test that distinguishes it from what is free anyhow; None if either will do.
         absorbed_by: which numbers of the beam take its work over in a fit without it.
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
@@ -51,7 +51,7 @@ class Rival:
 
     Attributes:
         effect: its name; "" for any.
-        experiment: what tells the two apart once a campaign has left both standing; "" for nothing in particular.
+        experiment: what distinguishes the two once a campaign has left both standing; "" for nothing in particular.
         rank: where several experiments apply, the smallest goes first.
         plan: what to add to a plan that cannot distinguish them; "" for nothing.
     """
@@ -75,7 +75,7 @@ class EffectModel:
         once: whether a bench has it once at most.
         search: how a fit looks for it; None where the twin does not change with it.
         experiment: a sentence that names the experiment which shows it apart from its rivals.
-        rivals: effects that may look the same, and what tells them apart.
+        rivals: effects that may look the same, and what distinguishes them.
     """
 
     kind: EffectKind

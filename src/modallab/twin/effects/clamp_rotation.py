@@ -14,7 +14,7 @@ SOFT = 0.01
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     s = twin.structure
-    # What is soft beside the root that the rig file tells of: one spring behind the other.
+    # What is soft beside the root that the rig file speaks of: one spring behind the other.
     added = s.bending_stiffness / s.length_m / effect.parameters["k_rot"]
     return replace(twin, structure=replace(s, root_rotation=s.root_rotation + added))
 
@@ -39,5 +39,5 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=Search(rank=10, slots=_slots),
-    experiment="Strike close to the clamp: the slope there tells a soft root from a soft beam, and a root that shifts.",
+    experiment="Strike close to the clamp: the slope there shows a soft root, and neither a crack nor a root that shifts.",
 )
