@@ -39,5 +39,5 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=Search(rank=10, slots=_slots),
-    experiment="Strike close to the clamp: the slope there shows a soft root, and neither a crack nor a root that shifts.",
+    experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",
 )
