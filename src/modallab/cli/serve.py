@@ -9,10 +9,9 @@ from modallab.core.errors import RigError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
-from modallab.service.process.log import set_up
-from modallab.service.process.remote import require_scheduler, settle_database
+from modallab.service.process.start_up import require_scheduler, require_token, settle_database, token_path
 from modallab.service.process.supervisor import Supervisor
-from modallab.service.process.token_file import require_token, token_path
+from modallab.service.process.workers import set_up
 
 OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers", "jobs")
 

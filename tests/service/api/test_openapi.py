@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lab import Lab
 
-from modallab.service.api.problem_kinds import KINDS, OF_ERROR
+from modallab.service.api.problems import KINDS, OF_ERROR
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "docs" / "reference" / "openapi.json"

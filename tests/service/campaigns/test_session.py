@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from modallab.cli.demo import DEMO_POINTS, demo_plans
 from modallab.core.block import Campaign
 from modallab.core.errors import PlanError
 from modallab.core.events import Event
@@ -13,14 +14,13 @@ from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.known_modes import with_known_modes
-from modallab.service.campaigns.demo_plan import DEMO_POINTS, demo_plans
-from modallab.service.campaigns.plain_session import record_campaign
+from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store
 
 
 @pytest.fixture(scope="module")
 def link_rig() -> Rig:
-    return read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))
+    return read_rig(Path(str(resources.files("modallab.cli") / "link_rig.yaml")))
 
 
 def test_the_demo_does_both_tests_of_the_paper() -> None:

@@ -8,14 +8,14 @@ from sqlalchemy import text
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew
 from modallab.core.errors import StorageError
+from modallab.service.api.router import Answer, Keys
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
 from modallab.service.records.audit import enter
-from modallab.service.records.database import writing
 from modallab.service.records.event_log import EventLog, Topic
-from modallab.service.records.idempotency import Answer, Keys
 from modallab.service.records.leases import Leases
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
+from modallab.storage.engine import writing
 
 
 @pytest.fixture

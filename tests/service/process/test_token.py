@@ -8,7 +8,7 @@ import pytest
 
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.service.process.token_file import require_token, token_path
+from modallab.service.process.start_up import require_token, token_path
 
 
 def test_a_token_is_made_once_for_its_owner_only(tmp_path: Path) -> None:

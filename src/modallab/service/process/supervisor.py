@@ -16,21 +16,17 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
-from modallab.service.after_run import AfterRun
-from modallab.service.campaigns.recovery import Recovery
 from modallab.service.errors import ServiceError
-from modallab.service.jobs.job_watch import JobWatch
-from modallab.service.process.api_process import run_api
-from modallab.service.process.child import Child
-from modallab.service.process.heartbeat import HeartbeatTimer
-from modallab.service.process.job_process import Computing, run_jobs
+from modallab.service.jobs.background import AfterRun, JobWatch
+from modallab.service.process.child import Child, HeartbeatTimer
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
+from modallab.service.process.workers import Computing, run_api, run_jobs
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
-from modallab.service.rigs.active_run import Diary
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
+from modallab.service.rigs.diary import Diary, Recovery
 from modallab.storage import Store
 from modallab.storage.lease import Lease
 

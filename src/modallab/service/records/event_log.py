@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Engine, func, insert, select, text
 
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import StorageError
-from modallab.service.records.database import reading, writing
+from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import EVENTS
 
