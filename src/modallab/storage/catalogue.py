@@ -167,8 +167,18 @@ def _block_row(block: BlockRecord) -> dict[str, Any]:
     return row | {key: getattr(block.note, key) for key in _NOTE} | {"overload": list(block.note.overload)}
 
 
+FORMERLY = {
+    "at_rest_before": "settled_before",
+    "rest_level": "motion_level",
+    "rest_excess": "motion_excess",
+    "rest_line_hz": "motion_line_hz",
+}
+"""Facts of a block as older programs wrote them -> as they are called now; the rows stay as they are."""
+
+
 def _block(row: Any) -> BlockRecord:
     note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
+    note["facts"] = {FORMERLY.get(key, key): value for key, value in row["facts"].items()}
     return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))
 
 

@@ -7,14 +7,14 @@ from typing import Literal
 from modallab.acquisition.monitor.chain import chain_of
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.live import LiveSamples, LiveTap
-from modallab.acquisition.monitor.requests import Drop, Excitation, Requests
+from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.burst import longest_burst_s
-from modallab.acquisition.procedures.hardware_trigger import require_trigger
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
@@ -188,7 +188,7 @@ def _what_ends_it(plan: SinePlan, supervision: str) -> str:
 def _drop_left(setup: Setup) -> None:
     # A request that came after the last look is still a request; there is no more time to ask for the hit again.
     for request in setup.requests.take():
-        if isinstance(request, Drop) and setup.recorder.drop(request.block, request.reason):
+        if isinstance(request, DropBlock) and setup.recorder.drop(request.block, request.reason):
             setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 

@@ -23,6 +23,9 @@ from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
 
+API_VERSION = "1.1"
+"""Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
+
 SUMMARY = "Modal tests on a bench."
 ABOUT = """To try a request here, press Authorize and paste the token; it stands in the file that the service named when
 it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/lease`, and send its `id` as
@@ -35,7 +38,7 @@ def document_of(app: FastAPI) -> dict[str, Any]:
     """The document of an application, made once."""
     if app.openapi_schema:
         return app.openapi_schema
-    document = get_openapi(title=app.title, version="1", routes=app.routes, summary=SUMMARY, description=ABOUT)
+    document = get_openapi(title=app.title, version=API_VERSION, routes=app.routes, summary=SUMMARY, description=ABOUT)
     parts: dict[str, Any] = document["components"]
     parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
     for unused in ("HTTPValidationError", "ValidationError"):

@@ -12,8 +12,7 @@ from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.rigs.control import ControllerState, StartRun, rejection
-from modallab.storage.durable import require_space
-from modallab.storage.free_space import require_room
+from modallab.storage.durable import require_room, require_space
 from modallab.storage.records import ENDED, BlockRecord
 from modallab.storage.samples import RESERVE_BYTES
 

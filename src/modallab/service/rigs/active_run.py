@@ -7,7 +7,7 @@ from contextlib import suppress
 from threading import Lock
 
 from modallab.acquisition.process.rig_process import RigProcess
-from modallab.core.documents.runs import Abort, Command, Drop, Pause, Repeat, Resume
+from modallab.core.documents.runs import Command, Drop, Repeat
 from modallab.core.errors import ModallabError, StorageError
 from modallab.core.events import Event, Failed, RunState, StateChanged
 from modallab.core.plan import Plan
@@ -21,7 +21,7 @@ from modallab.storage.records import ENDED
 
 
 class RequestedRun:
-    """An order, and whose it is. Nobody would know of a run that begins when its asker was told that it did not."""
+    """An order, and whose it is. Nobody would know of a run that begins after its asker heard that it did not."""
 
     def __init__(self, order: StartRun, operator: str) -> None:
         self.order = order
@@ -91,6 +91,30 @@ class ActiveRun:
         with self.diary.ends.following(self):
             return self._follow(process, begun)
 
+    def command(self, process: RigProcess, command: Command, operator: str) -> None:
+        """Pass a command on, and keep who gave it.
+
+        Raises:
+            IllegalTransitionError: the run's state has no step for it.
+            PlanError: a frequency or level the plan does not have.
+            NotFoundError: a block the run does not have.
+        """
+        require_action(self.state, command.kind)
+        simple = {"pause": process.pause, "resume": process.resume, "stop": process.stop, "abort": process.abort}
+        if isinstance(command, Repeat):
+            process.repeat(command.frequency_hz, command.level or "")
+        elif isinstance(command, Drop):
+            process.drop(self._block_name(command.n), command.reason)
+        else:
+            simple[command.kind]()
+        audit.enter(self.diary.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
+
+    def _block_name(self, n: int) -> str:
+        for block in self.diary.store.catalogue.blocks(self.run):
+            if block.n == n:
+                return block.note.name
+        raise NotFoundError(f"run {self.run} has no block {n}", where="n", remedy="look at the list of its blocks")
+
     def _follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         try:
             events = process.run(self.plan)
@@ -125,7 +149,7 @@ class ActiveRun:
             self._keep_code(event.code)
 
     def _ended_by(self, error: ModallabError) -> None:
-        # A process that was killed told nobody how its run ended; its owner has marked it since.
+        # A process that was killed reported nothing of its run's end; its owner has marked it since.
         if not self.run or self.state in ENDED:
             return
         reason = error.what
@@ -139,40 +163,3 @@ class ActiveRun:
             self.diary.repository.set_code(self.run, code)
         except StorageError as error:
             LOG.warning("run %s: the code %s could not be kept: %s", self.run, code, error)
-
-
-def notify(process: RigProcess, active: ActiveRun, command: Command, operator: str) -> None:
-    """Pass a command on, and keep who gave it.
-
-    Raises:
-        IllegalTransitionError: the run's state has no step for it.
-        PlanError: a frequency or level the plan does not have.
-        NotFoundError: a block the run does not have.
-    """
-    require_action(active.state, command.kind)
-    detail = command.model_dump(mode="json")
-    if isinstance(command, Repeat):
-        process.repeat(command.frequency_hz, command.level or "")
-    elif isinstance(command, Drop):
-        process.drop(_block_name(active, command.n), command.reason)
-    else:
-        _simple(process, command)
-    audit.enter(active.diary.engine, operator, command.kind, active.run, detail)
-
-
-def _simple(process: RigProcess, command: Command) -> None:
-    if isinstance(command, Pause):
-        process.pause()
-    elif isinstance(command, Resume):
-        process.resume()
-    elif isinstance(command, Abort):
-        process.abort()
-    else:
-        process.stop()
-
-
-def _block_name(active: ActiveRun, n: int) -> str:
-    for block in active.diary.store.catalogue.blocks(active.run):
-        if block.n == n:
-            return block.note.name
-    raise NotFoundError(f"run {active.run} has no block {n}", where="n", remedy="look at the list of its blocks")

@@ -18,7 +18,7 @@ from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.service.errors import ConflictError, NotFoundError, RigUnavailableError
-from modallab.service.rigs.active_run import ActiveRun, RequestedRun, notify
+from modallab.service.rigs.active_run import ActiveRun, RequestedRun
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.diary import Diary
 
@@ -140,7 +140,7 @@ class Controller:
         active, process = self._active, self._process
         if active is None or process is None or active.run != run:
             raise ConflictError(f"run {run} is not going on", where=self.bench.id, remedy="look at the list of runs")
-        notify(process, active, command, operator)
+        active.command(process, command, operator)
 
     def emergency_stop(self, reason: str, operator: str) -> None:
         """Bring the output to 0 V and latch, whatever else goes on.
