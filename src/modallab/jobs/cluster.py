@@ -37,7 +37,7 @@ def ask(
         SchedulerLostError: `alive` says so meanwhile, or there was no answer for `patience_s`.
         OSError: the connection broke.
     """
-    # Its types do not tell which loop it runs on.
+    # Its types do not say which loop it runs on.
     loop: Any = client.loop
     asked = asyncio.run_coroutine_threadsafe(question, loop.asyncio_loop)
     end = time.monotonic() + patience_s
@@ -66,7 +66,7 @@ _CONFIG = {
     "distributed.admin.large-graph-warning-threshold": "2 GiB",
     "distributed.comm.timeouts.connect": "5s",
     "distributed.comm.retry.count": 1,
-    # A task whose worker died goes to another one, once; a second death is told to the table, which counts.
+    # A task whose worker died goes to another one, once; a second death is reported to the table, which counts.
     "distributed.scheduler.allowed-failures": 1,
 }
 
@@ -142,7 +142,7 @@ class Cluster:
     def close(self) -> None:
         """Leave, and end what was started here."""
         if self._own is not None and _process(self._own).pid is None:
-            # Nobody is there to be told, and Dask would try until its patience is over.
+            # Nobody is there to be notified, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
             # Nor do its workers have anything to bring any more; Dask would wait four seconds for what they compute.
             for name, pid in self.processes.items():

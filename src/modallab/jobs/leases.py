@@ -21,7 +21,7 @@ class Watch:
 
     No clock on the wall is asked, neither the machine's nor the database's: a clock that is set ends no lease and
     prolongs none. Between two looks at most a part of the lease is counted, so that a watcher that slept, or a database
-    that answered nobody, is not taken for the silence of a holder.
+    that answered nobody, is not taken for a holder that gives no sign.
     """
 
     def __init__(self, lease_s: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -32,7 +32,7 @@ class Watch:
         self._timeout_s: dict[str, float] = {}
 
     def look(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
-        """Note what is held now; those of them that have been silent for longer than the lease, with their marks."""
+        """Note what is held now; those of them that gave no sign for longer than the lease, with their marks."""
         now = self._clock()
         passed = min(now - self._looked_s, self._lease_s / 5)
         self._looked_s = now
@@ -49,7 +49,7 @@ LEASE_S = 15.0
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A job under lease. `fence` tells this attempt from all others."""
+    """A job under lease. `fence` distinguishes this attempt from all others."""
 
     job: Job
     fence: int
@@ -73,7 +73,8 @@ class Leases:
         """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
-        Silence is timed from call to call, so this is to be called now and then, also with no room for more.
+        Time without a sign is counted from call to call, so this is to be called now and then, also with no room for
+        more.
         """
         waiting, timed_out = self._look()
         if limit < 1 or not (waiting or timed_out):

@@ -16,7 +16,7 @@ PAGE = 100
 
 
 class JobWatch:
-    """Looks at the open jobs, and tells what has changed since."""
+    """Looks at the open jobs, and logs what has changed since."""
 
     def __init__(self, engine: Engine, jobs: Jobs, log: EventLog) -> None:
         self._repository = CampaignRepository(engine)

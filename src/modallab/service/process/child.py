@@ -20,7 +20,7 @@ LEAVE_S = 10.0
 
 
 class Child:
-    """One such process. `started` is called with this end of its pipe each time; None through it tells it to leave."""
+    """One such process. `started` is called with this end of its pipe each time; None through it asks it to leave."""
 
     def __init__(
         self,
@@ -91,22 +91,22 @@ class Child:
 
 
 AT_MOST = 5.0
-"""However busy the machine: so many times the silence that is allowed, by the clock, is too long."""
+"""However busy the machine: so many times the time-out, by the clock, is too long."""
 
 
 class HeartbeatTimer:
-    """Times the silence of another process.
+    """Times how long another process has given no sign of life.
 
-    On a busy machine a living process was seen to be silent for two seconds. Whoever listens was kept waiting as well,
-    then; so between two looks at most one long look's time is counted. And a process that has used the processor since
-    the last look is not frozen, though it did not get to speak: that time is not counted either.
+    On a busy machine a living process was seen to give no sign of life for two seconds. Whoever listens was kept
+    waiting as well, then; so between two looks at most one long look's time is counted. And a process that has used
+    the processor since the last look is not frozen, though it did not get to speak: that time is not counted either.
     """
 
     def __init__(self, allowed_s: float, look_s: float, clock: Callable[[], float] = time.monotonic) -> None:
         """Begin.
 
         Args:
-            allowed_s: a counted silence longer than this is too long.
+            allowed_s: a counted time without a sign longer than this is too long.
             look_s: between two looks, if nobody is kept waiting.
             clock: monotonic, in seconds.
         """
@@ -119,7 +119,7 @@ class HeartbeatTimer:
         self.counted_s = 0.0
 
     def look(self, heard_s: float, used_s: float) -> bool:
-        """Look again. Whether the other has been silent for too long.
+        """Look again. Whether the other has given no sign of life for too long.
 
         Args:
             heard_s: when it was heard last.

@@ -74,7 +74,7 @@ class Control(Protocol):
         ...
 
     def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
-        """Tell an active run something.
+        """Pass a command on to an active run.
 
         Raises:
             LeaseNeededError, IllegalTransitionError, ConflictError.

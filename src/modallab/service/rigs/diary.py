@@ -28,7 +28,7 @@ class Followed(Protocol):
 
 
 class Ends:
-    """Runs that are followed, and runs whose end was told. From any thread."""
+    """Runs that are followed, and runs whose end was reported. From any thread."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -37,7 +37,7 @@ class Ends:
 
     @contextmanager
     def following(self, active: Followed) -> Generator[None]:
-        """While this lasts, who follows the run tells its end, and nobody else."""
+        """While this lasts, who follows the run reports its end, and nobody else."""
         with self._lock:
             self._followed.append(active)
         try:
@@ -47,7 +47,7 @@ class Ends:
                 self._followed.remove(active)
 
     def notify(self, run: str) -> bool:
-        """Whether this end is to be told: nobody has."""
+        """Whether this end is to be reported: nobody has."""
         with self._lock:
             new = run not in self._reported
             self._reported.add(run)
@@ -107,7 +107,7 @@ class Recovery:
 
         Args:
             diary: where it writes.
-            ended: called with the name of every run whose end is told here.
+            ended: called with the name of every run whose end is reported here.
             look_s: between two looks at least.
 
         Raises:
@@ -120,7 +120,7 @@ class Recovery:
         self._looked_s = float("-inf")
 
     def look(self) -> None:
-        """Mark what is there to be marked, and tell what is there to be told.
+        """Mark what is there to be marked, and report what is there to be reported.
 
         Raises:
             StorageError: it could not be kept; the next look tries again.
@@ -131,7 +131,7 @@ class Recovery:
         self._looked_s = now
         self._unreported |= set(self._diary.store.recover())
         for run in sorted(self._unreported):
-            # Who follows a run hears of its recorder's death at the same moment, and tells it himself.
+            # Who follows a run hears of its recorder's death at the same moment, and reports it.
             if self._diary.ends.left_alone(run):
                 self._notify(run)
 
