@@ -86,6 +86,16 @@ def _execute(store: Store, change: str) -> None:
         connection.execute(text(change))
 
 
+def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> None:
+    log = EventLog(store.catalogue.engine)
+    for kind in ("hit_wanted", "hit_refused", "progress"):
+        log.append(kind, Topic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
+    events = log.after(0, 10)
+    assert [event.kind for event in events] == ["hit_requested", "hit_rejected", "progress"]
+    assert [event.content["kind"] for event in events] == [event.kind for event in events]
+    assert all(event.content["point"] == 3 for event in events)
+
+
 def test_events_wait_in_order_while_the_disk_takes_none(store: Store) -> None:
     log = EventLog(store.catalogue.engine)
     log.append("state", Topic(), {"n": 0})
