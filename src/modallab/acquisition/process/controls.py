@@ -129,12 +129,12 @@ class RunControls(ABC):
 
         Raises:
             PlanError: no sine test is running, it has no such frequency or level, or it is still to come. When the run
-                has ended, `again.repeat_plan` gives the plan of a new one.
+                has ended, `target.repeat_plan` gives the plan of a new one.
         """
         if not self._running or self._plan is None:
             raise PlanError(
                 "no run is going on",
-                remedy="run the plan that modallab.acquisition.process.repeat_part.repeat_plan gives",
+                remedy="run the plan that modallab.acquisition.procedures.target.repeat_plan gives",
             )
         plan = require_step(self._plan, frequency_hz, level)
         require_recorded(plan, frequency_hz, level, self._view.blocks)
