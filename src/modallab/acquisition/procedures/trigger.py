@@ -11,6 +11,10 @@ from modallab.bench.protocol import Bench, HardwareTriggered, ReferenceTrigger
 from modallab.core.errors import BenchTimeoutError, PlanError
 from modallab.core.plan import ImpactPlan, Plan
 
+LOOK_S = 0.2
+"""Between two looks whether the run shall go on."""
+ARM_LOOK_S = 0.02
+
 
 class Trigger:
     """Finds the first sample at or above `level` after the signal was below `level - hysteresis`.
@@ -37,12 +41,6 @@ class Trigger:
             return None
         self._armed = False
         return start + int(above[0])
-
-
-LOOK_S = 0.2
-"""Between two looks whether the run shall go on."""
-
-ARM_LOOK_S = 0.02
 
 
 def require_trigger(plan: Plan, bench: Bench) -> None:

@@ -34,37 +34,6 @@ it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/le
 METHODS = ("get", "put", "post", "patch", "delete")
 
 
-def document_of(app: FastAPI) -> dict[str, Any]:
-    """The document of an application, made once."""
-    if app.openapi_schema:
-        return app.openapi_schema
-    document = get_openapi(title=app.title, version=API_VERSION, routes=app.routes, summary=SUMMARY, description=ABOUT)
-    parts: dict[str, Any] = document["components"]
-    parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
-    for unused in ("HTTPValidationError", "ValidationError"):
-        parts["schemas"].pop(unused, None)
-    parts["securitySchemes"] = {
-        "token": {"type": "http", "scheme": "bearer"},
-        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
-    }
-    document["security"] = [{"token": []}, {"session": []}]
-    for path in document["paths"].values():
-        for method in path.keys() & METHODS:
-            for parameter in path[method].get("parameters", ()):
-                _no_null(parameter)
-    app.openapi_schema = document
-    return document
-
-
-def _no_null(parameter: dict[str, Any]) -> None:
-    """A header or a query has no null: it is there or not, which `required` says."""
-    schema: dict[str, Any] = parameter["schema"]
-    kinds = [kind for kind in cast("list[dict[str, Any]]", schema.get("anyOf", [])) if kind != {"type": "null"}]
-    if len(kinds) == 1:
-        del schema["anyOf"]
-        parameter["schema"] = kinds[0] | schema
-
-
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     """The application for an open service; every request must carry `token`."""
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
@@ -95,3 +64,34 @@ async def _life(app: FastAPI) -> AsyncGenerator[None]:
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()
+
+
+def document_of(app: FastAPI) -> dict[str, Any]:
+    """The document of an application, made once."""
+    if app.openapi_schema:
+        return app.openapi_schema
+    document = get_openapi(title=app.title, version=API_VERSION, routes=app.routes, summary=SUMMARY, description=ABOUT)
+    parts: dict[str, Any] = document["components"]
+    parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
+    for unused in ("HTTPValidationError", "ValidationError"):
+        parts["schemas"].pop(unused, None)
+    parts["securitySchemes"] = {
+        "token": {"type": "http", "scheme": "bearer"},
+        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
+    }
+    document["security"] = [{"token": []}, {"session": []}]
+    for path in document["paths"].values():
+        for method in path.keys() & METHODS:
+            for parameter in path[method].get("parameters", ()):
+                _no_null(parameter)
+    app.openapi_schema = document
+    return document
+
+
+def _no_null(parameter: dict[str, Any]) -> None:
+    """A header or a query has no null: it is there or not, which `required` says."""
+    schema: dict[str, Any] = parameter["schema"]
+    kinds = [kind for kind in cast("list[dict[str, Any]]", schema.get("anyOf", [])) if kind != {"type": "null"}]
+    if len(kinds) == 1:
+        del schema["anyOf"]
+        parameter["schema"] = kinds[0] | schema

@@ -16,6 +16,11 @@ from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.pages import Problem
 from modallab.core.errors import ModallabError
 
+LOG = logging.getLogger(__name__)
+MEDIA_TYPE = "application/problem+json"
+RESET = "look at the bench, then POST to the rig's `reset`, with its lease"
+Responses = dict[int | str, dict[str, Any]]
+
 
 @dataclass(frozen=True, slots=True)
 class Kind:
@@ -107,13 +112,6 @@ def _declaring(cls: type[ModallabError]) -> Iterator[type[ModallabError]]:
         yield cls
     for below in cls.__subclasses__():
         yield from _declaring(below)
-
-
-LOG = logging.getLogger(__name__)
-MEDIA_TYPE = "application/problem+json"
-RESET = "look at the bench, then POST to the rig's `reset`, with its lease"
-
-Responses = dict[int | str, dict[str, Any]]
 
 
 def documented(*statuses: int) -> Responses:

@@ -9,20 +9,16 @@ from fastapi import Depends, Header, Query, Request, Response
 
 from modallab.core.documents.pages import Page
 from modallab.core.errors import DataError
-from modallab.core.settings import Settings
 from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
 
 OPERATOR = "Modallab-Operator"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
+Item = TypeVar("Item")
 
 
 def _service(request: Request) -> Service:
     return request.app.state.service
-
-
-def _settings(request: Request) -> Settings:
-    return request.app.state.settings
 
 
 def _operator(
@@ -35,7 +31,6 @@ def _operator(
 
 
 ServiceOf = Annotated[Service, Depends(_service)]
-SettingsOf = Annotated[Settings, Depends(_settings)]
 Operator = Annotated[str, Depends(_operator)]
 LeaseId = Annotated[
     str | None, Header(alias="Modallab-Lease", max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
@@ -72,8 +67,6 @@ def unchanged(if_none_match: str | None, tag: object) -> bool:
     """Whether the client has this already."""
     return if_none_match is not None and f'"{tag}"' in if_none_match
 
-
-Item = TypeVar("Item")
 
 Limit = Annotated[int, Query(ge=1, le=500, description="How many at most.")]
 Cursor = Annotated[str | None, Query(max_length=200, description="`next` of the page before.")]

@@ -18,6 +18,21 @@ from modallab.storage.engine import writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import IDEMPOTENCY
 
+HEADER = "Idempotency-Key"
+KEPT = ("location", "etag", "content-type", "retry-after")
+Handler = Callable[[Request], Coroutine[Any, Any, Response]]
+PREFIX = "/api/v1"
+ANY = (401, 403, 405, 413, 422, 500, 503)
+"""Statuses any route may answer with."""
+
+OPEN: dict[str, Any] = {"security": []}
+"""For routes that need no token."""
+
+
+def make_router(tag: str) -> APIRouter:
+    """A router for one resource."""
+    return APIRouter(prefix=PREFIX, tags=[tag], route_class=IdempotentRoute, responses=documented(*ANY))
+
 
 @dataclass(frozen=True, slots=True)
 class Answer:
@@ -76,11 +91,6 @@ class Keys:
             connection.execute(delete(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key))
 
 
-HEADER = "Idempotency-Key"
-KEPT = ("location", "etag", "content-type", "retry-after")
-Handler = Callable[[Request], Coroutine[Any, Any, Response]]
-
-
 def idempotency_key(
     key: Annotated[
         str | None,
@@ -95,6 +105,10 @@ def idempotency_key(
 ) -> str | None:
     """The key, for the OpenAPI document; `IdempotentRoute` looks at it."""
     return key
+
+
+ONCE = [Depends(idempotency_key)]
+"""For routes that make something."""
 
 
 class IdempotentRoute(APIRoute):
@@ -135,18 +149,3 @@ async def _once(request: Request, key: str, handler: Handler) -> Response:
     else:
         await run_in_threadpool(keys.forget, key)
     return response
-
-
-PREFIX = "/api/v1"
-ANY = (401, 403, 405, 413, 422, 500, 503)
-"""Statuses any route may answer with."""
-
-OPEN: dict[str, Any] = {"security": []}
-"""For routes that need no token."""
-ONCE = [Depends(idempotency_key)]
-"""For routes that make something."""
-
-
-def make_router(tag: str) -> APIRouter:
-    """A router for one resource."""
-    return APIRouter(prefix=PREFIX, tags=[tag], route_class=IdempotentRoute, responses=documented(*ANY))

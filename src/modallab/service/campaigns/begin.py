@@ -17,6 +17,11 @@ from modallab.storage.records import ENDED, BlockRecord
 from modallab.storage.samples import RESERVE_BYTES
 
 LEAST_BYTES = 2
+MAX_BLOCK_BYTES = 256 << 20
+MAX_RATE_HZ = 1e6
+MAX_SECONDS = 3600.0
+MAX_BLOCKS = 100_000
+_BYTES_A_SAMPLE = 8
 
 
 def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> str:
@@ -99,13 +104,6 @@ def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
 
 def _complete() -> ConflictError:
     return ConflictError("the run has all its plan asked for", where="continues", remedy="send a plan of its own")
-
-
-MAX_BLOCK_BYTES = 256 << 20
-MAX_RATE_HZ = 1e6
-MAX_SECONDS = 3600.0
-MAX_BLOCKS = 100_000
-_BYTES_A_SAMPLE = 8
 
 
 def require_reasonable(plan: Plan, rig: Rig) -> None:

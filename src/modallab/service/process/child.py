@@ -17,6 +17,8 @@ MOST_S = 10.0
 STEADY_S = 10.0
 """Whoever lives so long is started again without delay: that cannot happen more often than every `MOST_S`."""
 LEAVE_S = 10.0
+AT_MOST = 5.0
+"""However busy the machine: so many times the time-out, by the clock, is too long."""
 
 
 class Child:
@@ -88,10 +90,6 @@ class Child:
         theirs.close()
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)
-
-
-AT_MOST = 5.0
-"""However busy the machine: so many times the time-out, by the clock, is too long."""
 
 
 class HeartbeatTimer:

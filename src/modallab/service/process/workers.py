@@ -14,6 +14,8 @@ from socket import socket
 from modallab.core.settings import Settings
 from modallab.service.process.wire import RemoteControl
 
+LOOK_S = 0.2
+
 
 class Lines(logging.Formatter):
     """A record as one line of JSON."""
@@ -78,9 +80,6 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
         service.close()
     # A thread of a library that waits for a client would keep the process.
     os._exit(0)
-
-
-LOOK_S = 0.2
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,11 @@ from modallab.core.events import RunState
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 
+REQUESTED: dict[Action, RunState] = {"pause": "paused", "resume": "acquiring", "stop": "stopping", "abort": "stopping"}
+"""The state an action leads to; dropping and repeating lead to none."""
+AT_WORK: frozenset[RunState] = frozenset({"armed", "acquiring", "paused"})
+"""States in which a block can be asked for again."""
+
 
 @dataclass(frozen=True, slots=True)
 class StartRun:
@@ -92,13 +97,6 @@ class Control(Protocol):
             LeaseNeededError, NotFoundError.
         """
         ...
-
-
-REQUESTED: dict[Action, RunState] = {"pause": "paused", "resume": "acquiring", "stop": "stopping", "abort": "stopping"}
-"""The state an action leads to; dropping and repeating lead to none."""
-
-AT_WORK: frozenset[RunState] = frozenset({"armed", "acquiring", "paused"})
-"""States in which a block can be asked for again."""
 
 
 def legal_after(state: RunState) -> tuple[RunState, ...]:

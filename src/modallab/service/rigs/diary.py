@@ -19,6 +19,9 @@ from modallab.storage.engine import reading
 from modallab.storage.records import ENDED
 from modallab.storage.service_tables import CAMPAIGN_RUNS, EVENTS
 
+CODE = "interrupted"
+LOOK_S = 2.0
+
 
 class Followed(Protocol):
     """A run while a controller follows it."""
@@ -93,10 +96,6 @@ class Diary:
             audit.enter(self.engine, operator, action, rig, {"reason": reason})
         except StorageError as error:
             LOG.warning("%s of %s by %s could not be kept: %s", action, rig, operator, error)
-
-
-CODE = "interrupted"
-LOOK_S = 2.0
 
 
 class Recovery:
