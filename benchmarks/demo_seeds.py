@@ -20,7 +20,7 @@ from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import truth_of
-from modallab.service.campaigns.plain_session import record_campaign
+from modallab.service.campaigns.local_session import record_campaign
 
 MODES = 3
 

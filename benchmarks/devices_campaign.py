@@ -22,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from ni_server import NiServer
 
 from modallab.acquisition.process.rig_process import RigProcess
+from modallab.cli.demo import demo_plans
 from modallab.core.block import Campaign
 from modallab.core.events import HitRejected, HitRequested
 from modallab.core.hardware import Excitation
@@ -31,15 +32,14 @@ from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
-from modallab.service.campaigns.demo_plan import demo_plans
-from modallab.service.campaigns.plain_session import record_campaign
+from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store, campaign_of
 
 MODES = 3
 
 
 def demo_rig() -> Rig:
-    return parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    return parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
 
 
 def rig_of(system: str, generator: str, dialect: str) -> Rig:

@@ -28,7 +28,7 @@ STEP_V = 1e-9
 
 
 def rig_of(channels: int) -> Rig:
-    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     more = [
         rig.channels[1].model_copy(update={"index": n, "name": f"c{n:02d}", "range_v": 5.0}) for n in range(1, channels)
     ]

@@ -57,7 +57,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the moments")
     arguments = parser.parse_args()
     chance = random.Random(arguments.seed)
-    rig = read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))
+    rig = read_rig(Path(str(resources.files("modallab.cli") / "link_rig.yaml")))
     tally = Tally()
     with tempfile.TemporaryDirectory() as folder:
         whole = [run_whole(rig, plan, Path(folder) / f"whole{n}") for n, plan in enumerate(PLANS)]

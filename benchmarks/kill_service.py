@@ -149,7 +149,7 @@ def one_by_one(victim: str, kills: int, kill: Callable[[], float]) -> list[float
 
 
 def kill_drives(victim: str, kills: int, seed: int) -> int:
-    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     moment = random.Random(seed)
     with NiServer(rig, "9215", "--pace", virtual=False) as server, tempfile.TemporaryDirectory() as folder:
         server.say("preamplifiers sine")

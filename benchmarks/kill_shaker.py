@@ -134,7 +134,7 @@ def main() -> int:
     if arguments.own:
         own(arguments.own, arguments.folder)
         return 0
-    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     if arguments.also_supervisor and not arguments.no_watchdog:
         rig = rig.model_copy(update={"excitation": Excitation(watchdog_s=arguments.watchdog_s)})
     plan = long_burst(arguments.burst_s)

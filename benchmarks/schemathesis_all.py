@@ -38,7 +38,7 @@ def main() -> int:
     parser.add_argument("--max-examples", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    rig = parse_rig((files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
+    rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     with tempfile.TemporaryDirectory() as name, furnish(Path(name) / "data", rig) as lab:
         good = [
             ask_all(lab, Path(name) / part, token, arguments.max_examples, arguments.seed)

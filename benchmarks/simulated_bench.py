@@ -62,7 +62,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=420.0, help="bench time a visit")
     seconds = parser.parse_args().seconds
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
     for name, (session, request) in VISITS.items():
         bench = open_bench("sim://cantilever?seed=1", rig)

@@ -20,7 +20,7 @@ def drawn_rig(seed: int) -> Rig:
     modulus, density = float(rng.choice([195e9, 205e9, 210e9])), 7850.0
     first = float(rng.uniform(*FIRST_HZ))
     thickness = 2 * np.pi * first * length**2 / 1.875104**2 * np.sqrt(12 * density / modulus)
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     link = parse_rig(path.read_text(encoding="utf-8"), str(path))
     return link.model_copy(
         update={

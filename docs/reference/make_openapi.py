@@ -9,7 +9,7 @@ from pathlib import Path
 
 from modallab.core.settings import Settings
 from modallab.service.api.app import create_app
-from modallab.service.api.problem_kinds import KINDS
+from modallab.service.api.problems import kinds
 from modallab.service.context import open_service
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controllers import Controllers
@@ -38,7 +38,7 @@ def main() -> None:
         document = create_app(service, Settings(data=Path(folder)), "none").openapi()
         service.close()
     (HERE / "openapi.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    rows = [f"| `{kind.code}` | {kind.status} | {kind.title} | {kind.meaning} |" for kind in KINDS.values()]
+    rows = [f"| `{kind.code}` | {kind.status} | {kind.title} | {kind.meaning} |" for kind in kinds().values()]
     (HERE / "problems.md").write_text(PROBLEMS + "\n".join(rows) + "\n", encoding="utf-8")
 
 

@@ -19,4 +19,4 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 @pytest.fixture(scope="session")
 def link_rig() -> Rig:
-    return read_rig(Path(str(resources.files("modallab.service") / "link_rig.yaml")))
+    return read_rig(Path(str(resources.files("modallab.cli") / "link_rig.yaml")))

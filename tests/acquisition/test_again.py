@@ -2,7 +2,7 @@
 
 import pytest
 
-from modallab.acquisition.process.repeat_part import repeat_plan, require_recorded
+from modallab.acquisition.procedures.target import repeat_plan, require_recorded
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field, replace
 import pytest
 from scripted_bench import ScriptedBench, Strike, scripted_rig
 
-from modallab.acquisition.monitor.requests import Drop, Repeat, Requests
+from modallab.acquisition.monitor.requests import DropBlock, Requests
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.protocol import BenchInfo
+from modallab.core.documents.runs import Repeat
 from modallab.core.events import Event
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Limits
@@ -163,7 +164,7 @@ def test_a_dropped_hit_no_longer_counts_and_is_asked_for_again(store: Store) -> 
     class Drops(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block" and event.name == "impact_p02_2":
-                self.requests.ask(Drop("impact_p02_1", "the tip was loose"))
+                self.requests.ask(DropBlock("impact_p02_1", "the tip was loose"))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Drops)
     assert [b.name for b in store.blocks(name)] == [
@@ -186,7 +187,7 @@ def test_a_hit_dropped_at_the_very_end_is_left_out(store: Store) -> None:
     class Late(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "progress" and event.done == 4:
-                self.requests.ask(Drop("impact_p01_2"))
+                self.requests.ask(DropBlock("impact_p01_2"))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Late)
     assert operator.states[-1] == "done"
@@ -197,8 +198,8 @@ def test_a_drop_of_what_is_not_there_changes_nothing(store: Store) -> None:
     class Wrong(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block":
-                self.requests.ask(Drop("impact_p99_9"))
-                self.requests.ask(Repeat(20.0))
+                self.requests.ask(DropBlock("impact_p99_9"))
+                self.requests.ask(Repeat(frequency_hz=20.0))
 
     operator, name = run(ScriptedBench(), IMPACT, store, Wrong)
     assert not [e for e in operator.events if e.kind == "dropped"]
@@ -209,7 +210,7 @@ def test_a_repeated_frequency_comes_next_and_takes_the_place_of_the_first(store:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "block" and event.name == "sine_low_027.344":
-                self.requests.ask(Repeat(27.344))
+                self.requests.ask(Repeat(frequency_hz=27.344))
 
     bench = ScriptedBench()
     operator, name = run(bench, SINE, store, Repeats)
@@ -224,7 +225,7 @@ def test_until_the_repeat_is_kept_the_first_counts(store: Store) -> None:
     class Repeats(Operator):
         def look(self, event: Event) -> None:
             if event.kind == "progress" and event.done == 2:
-                self.requests.ask(Repeat(60.0))
+                self.requests.ask(Repeat(frequency_hz=60.0))
 
     # The request comes after the last look: there is no time for it.
     _, name = run(ScriptedBench(), SINE, store, Repeats)

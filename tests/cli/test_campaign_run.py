@@ -21,7 +21,7 @@ def command(tmp_path: Path) -> Iterator[list[str]]:
     """The command with its rig and its plan; it takes over SIGTERM, which is given back."""
     before = signal.getsignal(signal.SIGTERM)
     rig, plan = tmp_path / "rig.yaml", tmp_path / "plan.yaml"
-    rig.write_bytes((resources.files("modallab.service") / "link_rig.yaml").read_bytes())
+    rig.write_bytes((resources.files("modallab.cli") / "link_rig.yaml").read_bytes())
     plan.write_text(PLAN, encoding="utf-8")
     yield ["campaign", "run", "--rig", str(rig), "--plan", str(plan), "--data", str(tmp_path / "data")]
     signal.signal(signal.SIGTERM, before)

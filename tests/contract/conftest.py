@@ -22,7 +22,7 @@ BENCHES = ["sim", "replay", "nidaqmx+grpc", "daqref"]
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

@@ -12,7 +12,7 @@ from modallab.formats.rig.rig_file import parse_rig
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

@@ -11,7 +11,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import BLOCK_S, ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.diagnose import diagnose
-from modallab.service.campaigns.plain_session import record_campaign
+from modallab.service.campaigns.local_session import record_campaign
 
 LINES = (5, 24, 31, 60, 90)
 # Bursts that are shorter than any default: mode 1 still rings in every block, at a tenth of the response.

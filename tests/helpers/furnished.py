@@ -12,7 +12,7 @@ from modallab.jobs.kind import Kind
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.campaigns.begin import begin
-from modallab.service.jobs.orders import order
+from modallab.service.jobs.campaign_jobs import order
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 

@@ -18,14 +18,14 @@ from modallab.core.events import RunState
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
-from modallab.service.after_run import AfterRun
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
+from modallab.service.jobs.background import AfterRun
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
-from modallab.service.rigs.active_run import Diary
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers
+from modallab.service.rigs.diary import Diary
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 

@@ -12,7 +12,7 @@ from modallab.formats.rig.rig_file import parse_rig
 
 @pytest.fixture(scope="session")
 def link_rig() -> Rig:
-    return parse_rig((resources.files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
+    return parse_rig((resources.files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,7 @@ from waiting import ended, until
 from modallab.core.errors import JobError
 from modallab.jobs import Jobs
 from modallab.jobs.address import Tls, check_address
-from modallab.jobs.ask import SchedulerLostError
-from modallab.jobs.cluster import Cluster
+from modallab.jobs.cluster import Cluster, SchedulerLostError
 from modallab.jobs.runner import Runner
 
 

@@ -8,8 +8,7 @@ import pytest
 from sqlalchemy import Engine, inspect, text
 
 from modallab.jobs import Jobs
-from modallab.jobs.leases import Leases, Taken
-from modallab.jobs.watch import Watch
+from modallab.jobs.leases import Leases, Taken, Watch
 
 
 class Clock:

@@ -15,7 +15,7 @@ Running = Callable[..., Bench]
 
 @pytest.fixture(scope="session")
 def rig() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

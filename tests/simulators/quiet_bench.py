@@ -13,7 +13,7 @@ RATE_HZ = 2000.0
 
 
 def quiet_rig() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
     return rig.model_copy(update={"converter": Converter(bits=30, noise_rms_v=0.0)})
 

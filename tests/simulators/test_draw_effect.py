@@ -15,7 +15,7 @@ from modallab_simulators.cantilever.gap_size import Ruler, solve
 
 @pytest.fixture(scope="module")
 def link() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

@@ -17,7 +17,7 @@ from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, mak
 
 @pytest.fixture(scope="module")
 def link() -> Rig:
-    path = files("modallab.service") / "link_rig.yaml"
+    path = files("modallab.cli") / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 

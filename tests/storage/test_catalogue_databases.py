@@ -99,7 +99,7 @@ def test_an_address_that_is_none_is_rejected(url: str) -> None:
 def test_a_run_that_cannot_end_does_not_begin(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     # Five hits of 64 samples of two channels of int16 need 1.25 * 5 * 256 bytes, the reserve far more.
     asked: list[int] = []
-    monkeypatch.setattr("modallab.storage.free_space.require_space", lambda _, need: asked.append(need))
+    monkeypatch.setattr("modallab.storage.durable.require_space", lambda _, need: asked.append(need))
     begin(store).close()
     assert asked == [1600]
     monkeypatch.undo()

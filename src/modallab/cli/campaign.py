@@ -4,15 +4,13 @@ import argparse
 import getpass
 import signal
 from pathlib import Path
-from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from modallab.cli.gap import read_plans
 from modallab.cli.identify import print_remarks, result_table
+from modallab.cli.progress import Display
 from modallab.core.block import Campaign
-from modallab.core.documents.pages import EventView
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
@@ -33,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     url = arguments.bench or rig.bench
     if not url:
         raise RigError("names no bench", where=str(arguments.rig), remedy="give --bench ADDRESS, or a field bench")
-    # Told to end, it leaves the bench as Ctrl-C does: at rest.
+    # Asked to end, it leaves the bench as Ctrl-C does: at rest.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     console = Console()
     runs = _record(console, rig, url, read_plans(arguments.plan), arguments)
@@ -50,7 +48,7 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
     with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as session:
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
         with Display(console) as display:
-            return tuple(session.run(plan, display.notify) for plan in plans)
+            return session.run_all(plans, display.notify)
 
 
 def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:
@@ -60,40 +58,3 @@ def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[st
     if report is not None:
         rejected = [pair for name in runs for pair in rejected_blocks(store, name)]
         write_report(report, report_content(campaign, result, f"Modal test of {campaign.rig.name}", rejected))
-
-
-class Display:
-    """Progress bars, one a run, and what the operator should know."""
-
-    def __init__(self, console: Console) -> None:
-        self._console = console
-        self._bars = Progress(
-            TextColumn("{task.description:<28}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            console=console,
-        )
-        self._tasks: dict[str, TaskID] = {}
-
-    def notify(self, event: EventView) -> None:
-        """Show an event."""
-        said = event.content
-        if event.kind == "progress":
-            if event.run not in self._tasks:
-                self._tasks[event.run] = self._bars.add_task(said["what"], total=said["total"])
-            self._bars.update(self._tasks[event.run], completed=said["done"], description=said["what"])
-        elif event.kind == "hit_rejected":
-            self._say(f"  hit at point {said['point']} rejected: {said['reason']}")
-        elif event.kind in ("notice", "failed"):
-            self._say(f"  {said['what']}")
-
-    def _say(self, text: str) -> None:
-        self._console.print(text, markup=False, highlight=False)
-
-    def __enter__(self) -> Self:
-        self._bars.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bars.stop()

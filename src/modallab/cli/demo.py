@@ -6,11 +6,11 @@ from pathlib import Path
 from urllib.parse import quote
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from modallab.cli.identify import print_remarks, result_table
-from modallab.core import events
+from modallab.cli.progress import Display
 from modallab.core.block import Block, Campaign
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import parse_rig, write_rig
@@ -19,10 +19,12 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import write_report
-from modallab.service.campaigns.demo_plan import demo_plans
-from modallab.service.campaigns.plain_session import record_campaign
+from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
+
+DEMO_POINTS = (10, 6, 3)
+"""The free end, where every mode moves, and two points where the second and third move against it."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -34,7 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
     url = f"sim://cantilever?seed={arguments.seed}{effects}"
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
-    campaign = _record(console, url, rig, folder)
+    with Display(console) as display:
+        campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
     console.print("identifying ...")
     result = identify_campaign(campaign, Options())
     write_rig(rig, folder / "rig.yaml")
@@ -52,26 +55,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def demo_rig() -> Rig:
     """The paper's link as a rig."""
-    resource = files("modallab.service").joinpath("link_rig.yaml")
+    resource = files("modallab.cli").joinpath("link_rig.yaml")
     return parse_rig(resource.read_text(encoding="utf-8"), "the demo's rig")
 
 
-def _record(console: Console, url: str, rig: Rig, folder: Path) -> Campaign:
-    bar = Progress(
-        TextColumn("{task.description:<28}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), console=console
-    )
-    with bar:
-        tasks = {}
-
-        def notify(event: events.Event) -> None:
-            if isinstance(event, events.Progress):
-                if event.run not in tasks:
-                    tasks[event.run] = bar.add_task(event.what, total=event.total)
-                bar.update(tasks[event.run], completed=event.done, description=event.what)
-            elif isinstance(event, events.HitRejected):
-                console.print(f"  hit at point {event.point} rejected: {event.reason}", markup=False)
-
-        return record_campaign(url, rig, demo_plans(), folder / "data", notify)
+def demo_plans() -> tuple[Plan, ...]:
+    """The impact test, five hits at each of three points, and the sine test, 24 frequencies at one level."""
+    return (ImpactPlan(points=DEMO_POINTS, hits=5), SinePlan())
 
 
 def _rejected(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:

@@ -9,16 +9,15 @@ from modallab.core.errors import RigError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
-from modallab.service.process.log import set_up
-from modallab.service.process.remote import require_scheduler, settle_database
+from modallab.service.process.start_up import require_scheduler, require_token, settle_database, token_path
 from modallab.service.process.supervisor import Supervisor
-from modallab.service.process.token_file import require_token, token_path
+from modallab.service.process.workers import set_up
 
 OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers", "jobs")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serve until told to leave."""
+    """Serve until asked to leave."""
     given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS if getattr(arguments, name) is not None}
     settings = Settings(**given)
     set_up(settings.log_level)

@@ -1,6 +1,20 @@
 """The errors a user can meet. Each says what was wrong, with the value, and what to do about it."""
 
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
+
+
+class Http(NamedTuple):
+    """How the service answers with an error: a kind of problem, with a page of its own.
+
+    Attributes:
+        status: of HTTP.
+        title: in a few words.
+        meaning: what it says and what to do.
+    """
+
+    status: int
+    title: str
+    meaning: str
 
 
 class ModallabError(Exception):
@@ -10,9 +24,12 @@ class ModallabError(Exception):
         what: what was wrong, with the value that was found.
         remedy: what the user can do about it.
         where: the file, channel or field concerned.
+
+    A class that declares no `http` is answered as the nearest class above it that does.
     """
 
     code: ClassVar[str] = "error"
+    http: ClassVar[Http] = Http(500, "Not done", "Look at what it says.")
     exit_code: ClassVar[int] = 2
 
     def __init__(self, what: str, *, remedy: str = "", where: str = "") -> None:
@@ -38,36 +55,44 @@ class RigError(ModallabError):
     """The rig file is not valid, or lacks what this step needs."""
 
     code = "rig"
+    http = Http(422, "The rig lacks something", "Complete the rig file.")
 
 
 class PlanError(ModallabError):
     """The plan asks for something the rig, its limits or the bench cannot do."""
 
     code = "plan"
+    http = Http(
+        422, "The plan is not possible", "The rig, its limits or the bench cannot do it; every reason is named."
+    )
 
 
 class FormatError(ModallabError):
     """A file cannot be read as what it claims to be: cut off, foreign, of an unknown version."""
 
     code = "format"
+    http = Http(422, "A file cannot be read", "It is cut off, foreign, or of an unknown version.")
 
 
 class DataError(ModallabError):
     """A recording holds what no measurement can hold: NaN, a dead channel, a wrong shape or unit."""
 
     code = "data"
+    http = Http(422, "The data cannot be used", "They hold what no measurement can hold, or not what was asked for.")
 
 
 class IdentificationError(ModallabError):
     """The data do not carry the modal model that was asked of them."""
 
     code = "identification"
+    http = Http(422, "No model in these data", "Look at the FRF and its coherence.")
 
 
 class BenchError(ModallabError):
     """A device of the bench failed, is absent, or rejected what was asked."""
 
     code = "bench"
+    http = Http(503, "The bench failed", "A device failed, is absent, or rejected what was asked.")
 
 
 class ConfigurationError(BenchError):
@@ -86,6 +111,7 @@ class DeviceBusyError(BenchError):
     """Another owner holds the device."""
 
     code = "bench-busy"
+    http = Http(409, "The device is held by another", "Close the other program.")
 
 
 class SamplesLostError(BenchError):
@@ -116,27 +142,32 @@ class SafetyError(ModallabError):
     """A limit of the rig was or would have been exceeded; the output is at zero."""
 
     code = "safety"
+    http = Http(409, "Beyond a limit", "A limit of the rig was or would have been exceeded; the output is at 0 V.")
 
 
 class StorageError(ModallabError):
     """A recording could not be kept or read back. What was acknowledged before is untouched."""
 
     code = "storage"
+    http = Http(500, "The data folder cannot be read or written", "Look at the disk; what was acknowledged is kept.")
 
 
 class DiskFullError(StorageError):
     """The disk is full."""
 
     code = "disk_full"
+    http = Http(507, "The disk is full", "Free space; what was acknowledged is kept.")
 
 
 class JobError(ModallabError):
     """A job cannot be ordered or computed as asked."""
 
     code = "job"
+    http = Http(422, "The job cannot be ordered", "Look at its parameters.")
 
 
 class UnknownJobError(JobError):
     """There is no job of this name."""
 
     code = "job-unknown"
+    http = Http(404, "There is no such job", "Look at the list of jobs.")

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, SecretStr
+from pydantic import AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
@@ -30,12 +30,13 @@ class Settings(BaseSettings):
         scheduler_key: its key.
         jobs: whether this service computes jobs; if not, they wait for one that does on the same database.
         workers: processes that compute jobs on this machine; none: one less than there are processors.
-        timeout_s: when the REST process is there and gives no sign of life for so long, what is driven is stopped; when
-            it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times as long.
+        heartbeat_timeout_s: when the REST process is there and gives no sign of life for so long, what is driven is
+            stopped; when it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times
+            as long.
         log_level: of the log on standard error.
     """
 
-    model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True)
+    model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True, populate_by_name=True)
 
     data: Path = Path("data")
     host: str = "127.0.0.1"
@@ -52,7 +53,11 @@ class Settings(BaseSettings):
     scheduler_key: Path | None = None
     jobs: bool = True
     workers: Annotated[int, Field(ge=1)] | None = None
-    timeout_s: Annotated[float, Field(ge=1, le=60)] = 1.0
+    # The second name is what older installations set.
+    heartbeat_timeout_s: Annotated[
+        float,
+        Field(ge=1, le=60, validation_alias=AliasChoices("MODALLAB_HEARTBEAT_TIMEOUT_S", "MODALLAB_SILENCE_S")),
+    ] = 1.0
     log_level: str = "INFO"
 
     @property

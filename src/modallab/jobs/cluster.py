@@ -1,8 +1,11 @@
 """The connection to Dask: workers of this machine's own, or a scheduler elsewhere."""
 
+import asyncio
 import logging
 import os
 import time
+from collections.abc import Callable, Coroutine
+from concurrent.futures import TimeoutError as NotYetError
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
@@ -12,8 +15,46 @@ from dask import config
 from distributed import Client, Nanny, SpecCluster
 
 from modallab.jobs.address import Tls
-from modallab.jobs.ask import ASK_S, SchedulerLostError, ask
 from modallab.jobs.scheduler_process import HOST, SchedulerProcess
+
+LOOK_S = 0.1
+ASK_S = 60.0
+"""A busy machine was never seen to need a third of it for an answer; a scheduler that is frozen needs for ever."""
+
+
+class SchedulerLostError(ConnectionError):
+    """The scheduler did not answer, and will not."""
+
+
+def ask(
+    client: Client, question: Coroutine[Any, Any, Any], alive: Callable[[], bool], patience_s: float = ASK_S
+) -> Any:
+    """The answer to `question`, which is asked by the client's own loop.
+
+    Dask itself would go on knocking for ten seconds at the door of a scheduler whose process has ended.
+
+    Raises:
+        SchedulerLostError: `alive` says so meanwhile, or there was no answer for `patience_s`.
+        OSError: the connection broke.
+    """
+    # Its types do not say which loop it runs on.
+    loop: Any = client.loop
+    asked = asyncio.run_coroutine_threadsafe(question, loop.asyncio_loop)
+    end = time.monotonic() + patience_s
+    try:
+        while not asked.done():
+            if not alive():
+                raise SchedulerLostError("the scheduler ended while it was asked")
+            if time.monotonic() > end:
+                raise SchedulerLostError(f"the scheduler has not answered for {patience_s:g} s")
+            try:
+                return asked.result(LOOK_S)
+            except NotYetError:
+                continue
+        return asked.result()
+    finally:
+        asked.cancel()
+
 
 LOG = logging.getLogger(__name__)
 CONNECT_S = 10.0
@@ -25,7 +66,7 @@ _CONFIG = {
     "distributed.admin.large-graph-warning-threshold": "2 GiB",
     "distributed.comm.timeouts.connect": "5s",
     "distributed.comm.retry.count": 1,
-    # A task whose worker died goes to another one, once; a second death is told to the table, which counts.
+    # A task whose worker died goes to another one, once; a second death is reported to the table, which counts.
     "distributed.scheduler.allowed-failures": 1,
 }
 
@@ -101,7 +142,7 @@ class Cluster:
     def close(self) -> None:
         """Leave, and end what was started here."""
         if self._own is not None and _process(self._own).pid is None:
-            # Nobody is there to be told, and Dask would try until its patience is over.
+            # Nobody is there to be notified, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
             # Nor do its workers have anything to bring any more; Dask would wait four seconds for what they compute.
             for name, pid in self.processes.items():

@@ -1,6 +1,7 @@
 """The table of jobs, for those who compute them: taking, holding and ending a job under a lease and a fence."""
 
-from collections.abc import Collection, Mapping
+import time
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,37 @@ from sqlalchemy import Connection, Engine, and_, false, or_, select, update
 from modallab.jobs.job import OPEN, Job
 from modallab.jobs.jobs import utc_now
 from modallab.jobs.table import JOBS, job_of
-from modallab.jobs.watch import Mark, Watch
+
+Mark = tuple[int, float]
+"""Fence and beat of a job that is held: one of them changes with every sign of its holder."""
+
+
+class Watch:
+    """Times how long each job's mark has stayed the same.
+
+    No clock on the wall is asked, neither the machine's nor the database's: a clock that is set ends no lease and
+    prolongs none. Between two looks at most a part of the lease is counted, so that a watcher that slept, or a database
+    that answered nobody, is not taken for a holder that gives no sign.
+    """
+
+    def __init__(self, lease_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self._lease_s = lease_s
+        self._clock = clock
+        self._looked_s = clock()
+        self._marks: dict[str, Mark] = {}
+        self._timeout_s: dict[str, float] = {}
+
+    def look(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
+        """Note what is held now; those of them that gave no sign for longer than the lease, with their marks."""
+        now = self._clock()
+        passed = min(now - self._looked_s, self._lease_s / 5)
+        self._looked_s = now
+        self._timeout_s = {
+            job: self._timeout_s[job] + passed if self._marks.get(job) == mark else 0.0 for job, mark in held.items()
+        }
+        self._marks = dict(held)
+        return {job: mark for job, mark in held.items() if self._timeout_s[job] > self._lease_s}
+
 
 MAX_ATTEMPTS = 3
 LEASE_S = 15.0
@@ -18,7 +49,7 @@ LEASE_S = 15.0
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A job under lease. `fence` tells this attempt from all others."""
+    """A job under lease. `fence` distinguishes this attempt from all others."""
 
     job: Job
     fence: int
@@ -42,7 +73,8 @@ class Leases:
         """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
-        Silence is timed from call to call, so this is to be called now and then, also with no room for more.
+        Time without a sign is counted from call to call, so this is to be called now and then, also with no room for
+        more.
         """
         waiting, timed_out = self._look()
         if limit < 1 or not (waiting or timed_out):

@@ -95,7 +95,7 @@ class SchedulerProcess(ProcessInterface):
 
 
 def run_scheduler(connection: Connection, settings: Mapping[str, Any]) -> None:
-    """In the process: schedule until told to leave, or until whoever would say so is gone."""
+    """In the process: schedule until asked to leave, or until whoever would say so is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     config.set(settings)

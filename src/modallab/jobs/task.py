@@ -12,7 +12,7 @@ from modallab.core.errors import ModallabError
 from modallab.jobs.kind import Computed, Notify
 
 TOPIC = "modallab-progress"
-"""Under which workers tell the runner how far they are."""
+"""Under which workers report to the runner how far they are."""
 _TELL_EVERY_S = 0.2
 
 Verdict = Literal["done", "failed", "interrupted"]
@@ -74,7 +74,7 @@ def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any)
     except ModallabError as error:
         return "failed", str(error)
     except Exception as error:
-        # Whatever else it raises, it will raise again: the runner is told, and nothing is tried a second time.
+        # Whatever else it raises, it will raise again: the runner hears of it, and nothing is tried a second time.
         return "failed", f"{type(error).__name__}: {error}"
 
 

@@ -1,16 +1,13 @@
 """All that the service knows, in one place, for whoever answers questions about it."""
 
-import secrets
 from dataclasses import dataclass
 from pathlib import Path
 
 from sqlalchemy import Engine
 
 from modallab.jobs import Job, Jobs
-from modallab.service.after_run import AfterRun
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog
-from modallab.service.records.idempotency import Keys
 from modallab.service.records.leases import Leases
 from modallab.service.records.repository import CampaignRepository
 from modallab.service.rigs.control import Control
@@ -26,11 +23,9 @@ class Service:
         control: commands to the rigs.
         boot: names this start of the service; leases of another are void.
         log: events.
-        book: campaigns.
+        repository: campaigns.
         leases: who may command which rig.
         jobs: identification, diagnosis, reports.
-        after: what happens when a run ends.
-        keys: idempotency keys.
     """
 
     store: Store
@@ -40,8 +35,6 @@ class Service:
     repository: CampaignRepository
     leases: Leases
     jobs: Jobs
-    after: AfterRun
-    keys: Keys
 
     @property
     def engine(self) -> Engine:
@@ -76,7 +69,6 @@ def open_service(folder: Path, control: Control, boot: str) -> Service:
     """
     store = Store(folder)
     engine = store.catalogue.engine
-    jobs = Jobs(engine)
     return Service(
         store=store,
         control=control,
@@ -84,7 +76,5 @@ def open_service(folder: Path, control: Control, boot: str) -> Service:
         log=EventLog(engine),
         repository=CampaignRepository(engine),
         leases=Leases(engine, boot),
-        jobs=jobs,
-        after=AfterRun(store, jobs),
-        keys=Keys(engine, secrets.token_hex(8)),
+        jobs=Jobs(engine),
     )

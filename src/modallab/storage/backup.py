@@ -10,8 +10,7 @@ from sqlalchemy import MetaData
 from modallab.core.errors import StorageError
 from modallab.storage.address import database_of, name_database
 from modallab.storage.catalogue import Catalogue
-from modallab.storage.copy_samples import copy_live, copy_whole
-from modallab.storage.copy_tables import copy_tables
+from modallab.storage.copies import copy_live, copy_tables, copy_whole
 from modallab.storage.durable import require_space
 from modallab.storage.records import ENDED
 from modallab.storage.service_tables import METADATA

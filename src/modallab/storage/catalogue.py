@@ -1,20 +1,16 @@
 """The catalogue of runs and blocks: a database whose rows are the truth about what was kept."""
 
-from collections.abc import Generator
-from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 from pydantic import TypeAdapter
-from sqlalchemy import Connection, insert, select, update
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy import insert, select, update
 
 from modallab.core.errors import StorageError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.storage.durable import failure
-from modallab.storage.engine import open_engine
+from modallab.storage.engine import database_name, open_engine, reading, writing
 from modallab.storage.migrate import migrate
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
@@ -34,59 +30,59 @@ class Catalogue:
             FormatError: it is of a version this program does not know.
         """
         self.engine = open_engine(url)
-        self.where = self.engine.url.render_as_string(hide_password=True)
-        with self._writing() as connection:
+        self.where = database_name(self.engine)
+        with writing(self.engine) as connection:
             migrate(connection, self.where)
 
     def add_run(self, run: RunRecord) -> None:
         """Commit a new run."""
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             connection.execute(insert(RUNS).values(_run_row(run)))
 
     def update_run(self, run: str, **values: Any) -> None:
         """Commit new values for columns of a run, such as its state."""
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             connection.execute(update(RUNS).where(RUNS.c.id == run).values(values))
 
     def add_block(self, block: BlockRecord) -> None:
         """Commit a block, whose samples must be on the disk by now."""
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             connection.execute(insert(BLOCKS).values(_block_row(block)))
 
     def drop_block(self, run: str, n: int, reason: str, utc: str) -> None:
         """Commit that a block no longer counts, and why; its samples and its row stay. Once only: the first holds."""
         known = select(DROPPED.c.n).where(DROPPED.c.run == run, DROPPED.c.n == n)
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             if connection.scalar(known) is None:
                 connection.execute(insert(DROPPED).values(run=run, n=n, reason=reason, utc=utc))
 
     def judge_block(self, run: str, n: int, *, accepted: bool, reason: str, operator: str, utc: str) -> None:
         """Commit an operator's word on a block; the last one holds, also over a drop."""
         row = {"run": run, "n": n, "accepted": accepted, "reason": reason, "operator": operator, "utc": utc}
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             connection.execute(insert(VERDICTS).values(row))
 
     def remove_samples(self, run: str, reason: str, size: int) -> None:
         """Commit that a run's samples are deleted; its row and those of its blocks stay. Once only: the first holds."""
-        with self._writing() as connection:
+        with writing(self.engine) as connection:
             if connection.scalar(select(REMOVED.c.run).where(REMOVED.c.run == run)) is None:
                 row = {"run": run, "reason": reason, "bytes": size, "utc": datetime.now(UTC).isoformat("T", "seconds")}
                 connection.execute(insert(REMOVED).values(row))
 
     def removed(self) -> dict[str, str]:
         """Runs whose samples were deleted, each with when and why."""
-        with self._reading() as connection:
+        with reading(self.engine) as connection:
             return {row.run: f"{row.utc}: {row.reason}" for row in connection.execute(select(REMOVED))}
 
     def runs(self) -> tuple[RunRecord, ...]:
         """All runs, in the order of time."""
-        with self._reading() as connection:
+        with reading(self.engine) as connection:
             return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.id)).mappings())
 
     def unended(self) -> tuple[str, ...]:
         """Names of the runs that are going on, or were when their recorder died, in the order of time."""
         query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.id)
-        with self._reading() as connection:
+        with reading(self.engine) as connection:
             return tuple(connection.scalars(query))
 
     def run(self, run: str) -> RunRecord:
@@ -95,7 +91,7 @@ class Catalogue:
         Raises:
             StorageError: there is none of this name.
         """
-        with self._reading() as connection:
+        with reading(self.engine) as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
         if row is None:
             raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
@@ -105,7 +101,7 @@ class Catalogue:
         """The blocks of a run, in the order they were recorded; a dropped one is not accepted, with that reason."""
         query = select(BLOCKS).where(BLOCKS.c.run == run).order_by(BLOCKS.c.n)
         gone = select(DROPPED.c.n, DROPPED.c.reason).where(DROPPED.c.run == run)
-        with self._reading() as connection:
+        with reading(self.engine) as connection:
             reasons: dict[int, str] = {row.n: row.reason for row in connection.execute(gone)}
             rows = [_block(row) for row in connection.execute(query).mappings()]
             words = {row["n"]: row for row in connection.execute(_verdicts(run)).mappings()}
@@ -115,22 +111,6 @@ class Catalogue:
     def close(self) -> None:
         """Let go of the database."""
         self.engine.dispose()
-
-    @contextmanager
-    def _writing(self) -> Generator[Connection]:
-        try:
-            with self.engine.begin() as connection:
-                yield connection
-        except SQLAlchemyError as error:
-            raise failure(error, self.where) from error
-
-    @contextmanager
-    def _reading(self) -> Generator[Connection]:
-        try:
-            with self.engine.connect().execution_options(reading=True) as connection:
-                yield connection
-        except SQLAlchemyError as error:
-            raise StorageError(f"cannot be read: {error}", where=self.where, remedy="look at the disk") from error
 
 
 def _run_row(run: RunRecord) -> dict[str, Any]:
@@ -187,8 +167,18 @@ def _block_row(block: BlockRecord) -> dict[str, Any]:
     return row | {key: getattr(block.note, key) for key in _NOTE} | {"overload": list(block.note.overload)}
 
 
+FORMERLY = {
+    "at_rest_before": "settled_before",
+    "rest_level": "motion_level",
+    "rest_excess": "motion_excess",
+    "rest_line_hz": "motion_line_hz",
+}
+"""Facts of a block as older programs wrote them -> as they are called now; the rows stay as they are."""
+
+
 def _block(row: Any) -> BlockRecord:
     note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
+    note["facts"] = {FORMERLY.get(key, key): value for key, value in row["facts"].items()}
     return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))
 
 

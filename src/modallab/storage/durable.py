@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from modallab.core.errors import DiskFullError, StorageError
+from modallab.core.plan import Plan
 
 NETWORK_FILE_SYSTEMS = frozenset({"nfs", "nfs4", "cifs", "smb3", "smbfs", "afs", "ncpfs", "fuse.sshfs", "fuse.rclone"})
 """Where locks and shared mappings do not hold between machines, or a sync does not reach the disk."""
@@ -50,7 +51,7 @@ def require_space(folder: Path, need_bytes: int) -> None:
 
 
 def require_local(folder: Path) -> None:
-    """Reject a folder on a network share, as far as the system tells.
+    """Reject a folder on a network share, as far as the system says.
 
     Raises:
         StorageError: the folder is on a share.
@@ -100,3 +101,28 @@ def file_system(folder: Path, mountinfo: str) -> str:
         if folder.is_relative_to(point) and len(point) >= len(best):
             best, kind = point, right.split()[0]
     return kind
+
+
+MARGIN = 1.25
+"""Hits that are rejected and bursts that are repeated are kept too."""
+
+
+def planned_blocks(plan: Plan) -> int:
+    """Blocks a plan asks for, if nothing need be repeated."""
+    if plan.kind == "impact":
+        return len(plan.points) * plan.hits
+    return len(plan.frequencies_hz) * len(plan.levels_v)
+
+
+def require_room(folder: Path, plan: Plan, block_bytes: int) -> None:
+    """Reject to begin a run that cannot end.
+
+    Args:
+        folder: of the samples.
+        plan: what will be recorded.
+        block_bytes: of one block of all channels.
+
+    Raises:
+        DiskFullError: fewer bytes are free than the plan's blocks and a quarter more.
+    """
+    require_space(folder, int(MARGIN * planned_blocks(plan) * block_bytes))

@@ -1,10 +1,14 @@
-"""The database: SQLite in the data folder, or PostgreSQL by its address."""
+"""The database: SQLite in the data folder, or PostgreSQL by its address; and transactions on it."""
+
+from collections.abc import Generator
+from contextlib import contextmanager
 
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError, SQLAlchemyError
 
 from modallab.core.errors import StorageError
+from modallab.storage.durable import failure
 
 BUSY_S = 30.0
 _DIALECTS = ("sqlite", "postgresql")
@@ -65,3 +69,38 @@ def _prepare_sqlite(connection: DBAPIConnection, _record: object) -> None:
 def _begin_sqlite(connection: Connection) -> None:
     reading = connection.get_execution_options().get("reading", False)
     connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
+
+
+@contextmanager
+def writing(engine: Engine) -> Generator[Connection]:
+    """A transaction that writes.
+
+    Raises:
+        DiskFullError, StorageError: nothing of it was kept.
+    """
+    try:
+        with engine.begin() as connection:
+            yield connection
+    except SQLAlchemyError as error:
+        raise failure(error, database_name(engine)) from error
+
+
+@contextmanager
+def reading(engine: Engine) -> Generator[Connection]:
+    """A transaction that only reads.
+
+    Raises:
+        StorageError: the database cannot be read.
+    """
+    try:
+        with engine.connect().execution_options(reading=True) as connection:
+            yield connection
+    except SQLAlchemyError as error:
+        raise StorageError(
+            f"cannot be read: {error}", where=database_name(engine), remedy="look at the disk"
+        ) from error
+
+
+def database_name(engine: Engine) -> str:
+    """Its address, without a password."""
+    return engine.url.render_as_string(hide_password=True)

@@ -2,8 +2,7 @@
 
 from sqlalchemy import JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, String, Table, Text
 
-from modallab.storage.append_only import append_only
-from modallab.storage.tables import METADATA
+from modallab.storage.tables import METADATA, append_only
 
 _SEQUENCE = BigInteger().with_variant(Integer, "sqlite")
 

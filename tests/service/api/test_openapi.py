@@ -5,9 +5,10 @@ from pathlib import Path
 
 from lab import Lab
 
-from modallab.service.api.problem_kinds import KINDS, OF_ERROR
+from modallab.core.errors import DeviceBusyError, DeviceGoneError
+from modallab.service.api.problems import kind_of, kinds
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 COMMITTED = ROOT / "docs" / "reference" / "openapi.json"
 
 
@@ -18,13 +19,24 @@ def test_the_document_is_the_committed_one(lab: Lab) -> None:
 
 def test_every_kind_of_problem_is_on_its_page() -> None:
     text = (ROOT / "docs" / "reference" / "problems.md").read_text(encoding="utf-8")
-    for kind in KINDS.values():
+    for kind in kinds().values():
         assert f"| `{kind.code}` | {kind.status} | {kind.title} | {kind.meaning} |" in text
 
 
-def test_a_kinds_code_is_that_of_its_error() -> None:
-    for error, kind in OF_ERROR.items():
-        assert kind.code == error.code
+def test_codes_and_statuses_are_those_that_clients_know() -> None:
+    assert {kind.code: kind.status for kind in kinds().values()} == {
+        "bench": 503, "bench-busy": 409, "changed": 412, "conflict": 409, "data": 422, "disk_full": 507, "error": 500,
+        "foreign-host": 403, "foreign-origin": 403, "format": 422, "idempotency-key": 422, "identification": 422,
+        "illegal-transition": 409, "job": 422, "job-unknown": 404, "lease-held": 409, "lease-needed": 403,
+        "no-page": 404, "not-allowed": 405, "not-found": 404, "not-valid": 422, "plan": 422, "precondition-needed": 428,
+        "rig": 422, "rig-unavailable": 503, "safety": 409, "service": 409, "storage": 500, "token-needed": 401,
+        "too-large": 413, "tripped": 409, "unexpected": 500,
+    }  # fmt: skip
+
+
+def test_an_error_without_an_answer_of_its_own_is_answered_as_the_class_above_it() -> None:
+    assert kind_of(DeviceGoneError("unplugged")).code == "bench"
+    assert kind_of(DeviceBusyError("held")).status == 409
 
 
 def test_every_object_of_ours_rejects_unknown_fields(lab: Lab) -> None:

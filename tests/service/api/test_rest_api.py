@@ -4,8 +4,6 @@ import httpx
 import pytest
 from lab import RIG, TOKEN, Lab
 
-from modallab.service.records.campaign_jobs import remember
-
 API = "/api/v1"
 
 
@@ -90,7 +88,7 @@ def test_who_asks_for_a_report_that_is_not_there_learns_how_its_job_stands(lab: 
         at = f"{API}/campaigns/{campaign}"
         assert "has no diagnosis" in problem(client.get(f"{at}/diagnosis"), 404, "not-found")["detail"]
         job = service.jobs.submit("diagnose", {"for": campaign}, [])
-        remember(service.engine, campaign, job, "Ada")
+        service.repository.add_job(campaign, job, "Ada")
         waits = problem(client.get(f"{at}/diagnosis"), 404, "not-found")
         assert ("is queued" in waits["detail"], job.id in waits["remedy"]) == (True, True)
         service.jobs.cancel(job.id)

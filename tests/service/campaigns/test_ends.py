@@ -20,13 +20,12 @@ from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.service.campaigns.begin import begin
-from modallab.service.campaigns.recovery import Recovery
 from modallab.service.errors import RigUnavailableError
 from modallab.service.records.event_log import EventLog, Topic
 from modallab.service.records.repository import RunEntry
-from modallab.service.rigs.active_run import Diary
+from modallab.service.rigs.active_run import RequestedRun
 from modallab.service.rigs.control import StartRun
-from modallab.service.rigs.requested_run import RequestedRun
+from modallab.service.rigs.diary import Diary, Recovery
 from modallab.storage import Store
 from modallab.storage.records import ENDED
 

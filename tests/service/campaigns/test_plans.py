@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.rig.rig_file import parse_rig
-from modallab.service.campaigns.plan_size import require_reasonable
-from modallab.service.campaigns.remaining import remaining_plan
+from modallab.service.campaigns.begin import remaining_plan, require_reasonable
 from modallab.service.errors import ConflictError
 from modallab.service.rigs.controllers import rig_ids
 from modallab.storage.records import BlockNote, BlockRecord
 
-RIG = parse_rig((resources.files("modallab.service") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
+RIG = parse_rig((resources.files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "link")
 
 
 def block(n: int, *, point: int | None = None, level: str | None = None, hz: float | None = None, good=True):

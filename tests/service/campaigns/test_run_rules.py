@@ -10,10 +10,9 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.service.campaigns.begin import begin
 from modallab.service.campaigns.live_frf import live_frf
-from modallab.service.campaigns.runs import block_records, run_view
-from modallab.service.campaigns.verdicts import judge
+from modallab.service.campaigns.runs import block_records, judge, run_view
 from modallab.service.errors import ConflictError, LeaseNeededError
-from modallab.service.rigs.transitions import REQUESTED, require_action
+from modallab.service.rigs.control import REQUESTED, require_action
 
 LONG = ImpactPlan(points=(10, 6, 3), hits=40)
 SHORT_SINE = SinePlan(frequencies_hz=(19.53125, 29.296875), settle_s=2.0, ramp_s=0.5, wait_s=1.0, levels_v={"low": 0.3})

@@ -8,14 +8,14 @@ from sqlalchemy import text
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew
 from modallab.core.errors import StorageError
+from modallab.service.api.router import Answer, Keys
 from modallab.service.errors import ChangedError, ConflictError, IdempotencyError, LeaseHeldError, LeaseNeededError
 from modallab.service.records.audit import enter
-from modallab.service.records.database import writing
 from modallab.service.records.event_log import EventLog, Topic
-from modallab.service.records.idempotency import Answer, Keys
 from modallab.service.records.leases import Leases
 from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
+from modallab.storage.engine import writing
 
 
 @pytest.fixture
@@ -84,6 +84,16 @@ def test_events_are_read_on_from_any_number_and_never_changed(store: Store) -> N
 def _execute(store: Store, change: str) -> None:
     with writing(store.catalogue.engine) as connection:
         connection.execute(text(change))
+
+
+def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> None:
+    log = EventLog(store.catalogue.engine)
+    for kind in ("hit_wanted", "hit_refused", "progress"):
+        log.append(kind, Topic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
+    events = log.after(0, 10)
+    assert [event.kind for event in events] == ["hit_requested", "hit_rejected", "progress"]
+    assert [event.content["kind"] for event in events] == [event.kind for event in events]
+    assert all(event.content["point"] == 3 for event in events)
 
 
 def test_events_wait_in_order_while_the_disk_takes_none(store: Store) -> None:

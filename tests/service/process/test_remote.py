@@ -8,7 +8,7 @@ from pydantic import SecretStr
 from modallab.core.errors import FormatError, JobError
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.service.process.remote import require_scheduler, settle_database, tls_of
+from modallab.service.process.start_up import require_scheduler, settle_database, tls_of
 from modallab.storage import Store
 from modallab.storage.address import database_of
 

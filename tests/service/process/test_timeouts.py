@@ -7,7 +7,7 @@ from multiprocessing import Pipe
 
 import pytest
 
-from modallab.service.process.heartbeat import HeartbeatTimer
+from modallab.service.process.child import HeartbeatTimer
 from modallab.service.process.wire import Counter, RemoteControl, Sign
 
 LOOK_S = 0.05

@@ -8,7 +8,7 @@ import pytest
 
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
-from modallab.service.process.token_file import require_token, token_path
+from modallab.service.process.start_up import require_token, token_path
 
 
 def test_a_token_is_made_once_for_its_owner_only(tmp_path: Path) -> None:
@@ -39,7 +39,15 @@ def test_settings_come_from_the_environment_and_are_checked(monkeypatch: pytest.
         Settings()
 
 
+def test_the_heartbeat_s_time_out_is_read_under_its_former_name_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MODALLAB_SILENCE_S", "3")
+    assert Settings().heartbeat_timeout_s == 3.0
+    monkeypatch.setenv("MODALLAB_HEARTBEAT_TIMEOUT_S", "7")
+    assert Settings().heartbeat_timeout_s == 7.0
+    assert Settings(heartbeat_timeout_s=5.0).heartbeat_timeout_s == 5.0
+
+
 def test_every_setting_is_in_the_reference() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
     missing = [name for name in Settings.model_fields if f"| `MODALLAB_{name.upper()}` |" not in text]
     assert not missing

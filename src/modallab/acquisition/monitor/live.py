@@ -1,5 +1,14 @@
-"""What the bench delivers, shown while it comes: for a look, never for the record."""
+"""What the bench delivers, shown while it comes: for a look, never for the record.
 
+Live samples on the wire are a length, what they are as JSON, and the samples:
+
+4 bytes   length of the JSON text, little-endian, unsigned
+JSON      rig, run, first_sample, rate_hz, channels, scale, units, dtype, shape
+samples   (channels, n), C order, little-endian
+"""
+
+import json
+import struct
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -67,3 +76,21 @@ class LiveTap:
                 np.ascontiguousarray(chunk.samples),
             )
         )
+
+
+def frame(rig: str, live: LiveSamples) -> bytes:
+    """One binary message."""
+    samples = live.samples.astype(live.samples.dtype.newbyteorder("<"), copy=False)
+    about = {
+        "rig": rig,
+        "run": live.run,
+        "first_sample": live.first_sample,
+        "rate_hz": live.rate_hz,
+        "channels": live.channels,
+        "scale": live.scale,
+        "units": live.units,
+        "dtype": samples.dtype.str,
+        "shape": samples.shape,
+    }
+    text = json.dumps(about).encode()
+    return struct.pack("<I", len(text)) + text + samples.tobytes()

@@ -4,34 +4,26 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from threading import Event as Flag
 
+from modallab.core.documents.runs import Repeat
+
 
 @dataclass(frozen=True, slots=True)
-class Repeat:
-    """Record a frequency of the sine test once more; the block it replaces is dropped when the new one is kept.
+class DropBlock:
+    """A block no longer counts; in an impact test the hit is asked for again.
 
-    Attributes:
-        frequency_hz: of the plan.
-        level: of the plan; empty: every level the frequency was recorded at.
+    The run knows its blocks by the names of their records, and not by the numbers that an operator's `Drop` carries.
     """
-
-    frequency_hz: float
-    level: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Drop:
-    """A block no longer counts; in an impact test the hit is asked for again."""
 
     block: str
     reason: str = "dropped by the operator"
 
 
-Request = Repeat | Drop
+Request = Repeat | DropBlock
 
 
 @dataclass(slots=True)
 class Excitation:
-    """Whether a burst may be on, as the test says it: what a silence then means is another matter than at rest."""
+    """Whether a burst may be on, as the test says it: no sign of life then means more than at rest."""
 
     on: bool = False
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from modallab.core.errors import PlanError
+from modallab.core.errors import Http, PlanError
 from modallab.core.events import Event, RunState, StateChanged
 from modallab.storage import Recorder
 
@@ -28,6 +28,7 @@ class IllegalTransitionError(PlanError):
     """The run may not enter this state from where it is."""
 
     code = "illegal-transition"
+    http = Http(409, "The run cannot do this now", "`legal` lists the states that may follow.")
 
 
 def require_legal(current: RunState, requested: RunState) -> None:
@@ -45,7 +46,7 @@ def require_legal(current: RunState, requested: RunState) -> None:
 
 
 class Lifecycle:
-    """Where one run stands: each step is checked, committed, then told."""
+    """Where one run stands: each step is checked, committed, then reported."""
 
     def __init__(self, recorder: Recorder, emit: Emit) -> None:
         self.state: RunState = "created"

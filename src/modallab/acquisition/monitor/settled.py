@@ -67,7 +67,7 @@ class SettledCheck:
 
     @property
     def quiet(self) -> bool:
-        """Whether the beam rests, as far as this window can tell."""
+        """Whether the beam rests, as far as this window shows."""
         return self.level <= LEVEL_FACTOR and self.excess < 1
 
     def facts(self, line_hz: float) -> dict[str, float | str]:

@@ -4,13 +4,11 @@ from collections import deque
 from dataclasses import asdict, dataclass, field, replace
 
 from modallab.acquisition.monitor.context import Context, measure_floor
-from modallab.acquisition.monitor.requests import Drop
+from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
-from modallab.acquisition.procedures.hardware_trigger import wait_for_record
-from modallab.acquisition.procedures.hit_acceptance import Hit, hit_of, rejections
-from modallab.acquisition.procedures.residual_motion import Ringing, ringing_before
+from modallab.acquisition.procedures.hit_acceptance import Hit, Ringing, hit_of, rejections, ringing_before
 from modallab.acquisition.procedures.target import Target
-from modallab.acquisition.procedures.trigger import Trigger
+from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
 from modallab.core.events import HitRejected, HitRequested
 from modallab.core.plan import ImpactPlan
@@ -68,7 +66,7 @@ class ImpactTest:
 
     def _obey(self) -> None:
         for request in self.context.requests.take():
-            if isinstance(request, Drop) and self.context.drop(request.block, request.reason):
+            if isinstance(request, DropBlock) and self.context.drop(request.block, request.reason):
                 target = self.kept.pop(request.block, None)
                 if target is not None:
                     self.todo.appendleft(replace(target, again=target.again + 1))

@@ -6,11 +6,11 @@ from math import ceil
 
 from modallab.acquisition.monitor.context import Context, measure_floor
 from modallab.acquisition.monitor.limits import LimitWatch, watch_of
-from modallab.acquisition.monitor.requests import Repeat
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits

@@ -1,7 +1,19 @@
-"""A software trigger on the rising force, with hysteresis."""
+"""The triggers of a hit: in software on the rising force, with hysteresis, and the device's own."""
+
+import time
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.context import Context
+from modallab.bench.protocol import Bench, HardwareTriggered, ReferenceTrigger
+from modallab.core.errors import BenchTimeoutError, PlanError
+from modallab.core.plan import ImpactPlan, Plan
+
+LOOK_S = 0.2
+"""Between two looks whether the run shall go on."""
+ARM_LOOK_S = 0.02
 
 
 class Trigger:
@@ -29,3 +41,73 @@ class Trigger:
             return None
         self._armed = False
         return start + int(above[0])
+
+
+def require_trigger(plan: Plan, bench: Bench) -> None:
+    """Reject a hardware trigger where there is none.
+
+    Raises:
+        PlanError: names the field.
+    """
+    if isinstance(plan, ImpactPlan) and plan.trigger == "hardware" and not isinstance(bench, HardwareTriggered):
+        raise PlanError(
+            "trigger: hardware, but this bench has no trigger of its own; allowed: software",
+            where="impact plan",
+            remedy="change the plan",
+        )
+
+
+def wait_for_record(
+    context: Context, plan: ImpactPlan, ask: Callable[[], None], obey: Callable[[], None]
+) -> int | None:
+    """Let the device wait for a hit, and take its record in place of the stream.
+
+    The record holds the window before the hit too, so that the rest before it is judged as with the software trigger.
+
+    Args:
+        context: streaming; afterwards its stream holds the record, and must be restarted.
+        plan: level and times.
+        ask: called once the pre-trigger is full, to ask for the hit.
+        obey: called at every look, for what the owner wants.
+
+    Returns:
+        The sample of the trigger in the record; None if a pause came first, and the bench streams again.
+
+    Raises:
+        BenchTimeoutError: no hit came in time.
+    """
+    bench, stream = context.bench, context.stream
+    assert isinstance(bench, HardwareTriggered)
+    before = context.window + stream.samples_of(plan.pre_trigger_s)
+    bench.stop()
+    bench.arm(_reference(context, plan, before))
+    while not bench.is_armed():
+        stream.poll()
+        time.sleep(ARM_LOOK_S)
+    ask()
+    deadline = time.monotonic() + plan.hit_timeout_s
+    while True:
+        stream.poll()
+        obey()
+        if context.pause_requested:
+            stream.restart()
+            return None
+        try:
+            stream.adopt(bench.triggered(LOOK_S))
+        except BenchTimeoutError:
+            if time.monotonic() >= deadline:
+                raise
+        else:
+            return before
+
+
+def _reference(context: Context, plan: ImpactPlan, before: int) -> ReferenceTrigger:
+    per_count = context.chain.si_per_count[context.chain.force]
+    block = context.block if context.recut is None else context.recut.native
+    return ReferenceTrigger(
+        channel=context.chain.force,
+        level=float(plan.trigger_n / per_count),
+        hysteresis=float(abs(plan.hysteresis_n / per_count)),
+        pre_trigger=before,
+        count=context.window + block,
+    )

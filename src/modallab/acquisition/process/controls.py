@@ -1,18 +1,73 @@
 """What may be done to a run while it goes on, besides ending it, and what is known of it. From any thread."""
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Self
 
-from modallab.acquisition.monitor.requests import Drop, Repeat
+from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.run_states import require_legal
-from modallab.acquisition.process.messages import Command, Pause, Resume
-from modallab.acquisition.process.repeat_part import require_recorded, require_step
-from modallab.acquisition.process.run_view import RunView
+from modallab.acquisition.procedures.target import require_recorded, require_step
+from modallab.acquisition.process.messages import Message
 from modallab.core.block import Block
+from modallab.core.documents.runs import Pause, Repeat, Resume
 from modallab.core.errors import PlanError
-from modallab.core.events import BlockDropped, Event
+from modallab.core.events import (
+    BlockAcknowledged,
+    BlockDropped,
+    Event,
+    HitRejected,
+    HitRequested,
+    Progress,
+    RunState,
+    StateChanged,
+)
 from modallab.core.plan import Plan, SinePlan
 from modallab.storage import Store
+
+
+@dataclass(frozen=True, slots=True)
+class RunView:
+    """The active run, or the last one; each event makes a new view.
+
+    Attributes:
+        run: its name.
+        state: where it stands.
+        done: good hits, or frequencies, so far.
+        total: how many are requested.
+        what: what was done last, or is waited for.
+        requested: the hit that is waited for.
+        rejected: hits rejected so far.
+        blocks: names of the blocks that count, in order.
+        last_block: name of the last block that was kept, whether it counts or not.
+    """
+
+    run: str = ""
+    state: RunState = "created"
+    done: int = 0
+    total: int = 0
+    what: str = ""
+    requested: HitRequested | None = None
+    rejected: int = 0
+    blocks: tuple[str, ...] = field(default=())
+    last_block: str = ""
+
+    def after(self, event: Event) -> Self:
+        """The view once this event has happened."""
+        if isinstance(event, StateChanged):
+            return replace(self, run=event.run, state=event.state)
+        if isinstance(event, HitRequested):
+            return replace(self, requested=event)
+        if isinstance(event, HitRejected):
+            return replace(self, rejected=self.rejected + 1)
+        if isinstance(event, BlockAcknowledged):
+            counted = (*self.blocks, event.name) if event.accepted else self.blocks
+            return replace(self, blocks=counted, last_block=event.name, requested=None)
+        if isinstance(event, BlockDropped):
+            return replace(self, blocks=tuple(name for name in self.blocks if name != event.name))
+        if isinstance(event, Progress):
+            return replace(self, done=event.done, total=event.total, what=event.what)
+        return self
 
 
 class RunControls(ABC):
@@ -58,7 +113,7 @@ class RunControls(ABC):
         """`paused -> acquiring`: the beam is waited for, then the test goes on; it also takes back a pause to come.
 
         Raises:
-            IllegalTransitionError: the run neither is paused nor was told to.
+            IllegalTransitionError: the run neither is paused nor was asked to pause.
         """
         if not (self._pausing and self._view.state == "acquiring"):
             require_legal("armed" if self._view.state == "paused" else "created", "acquiring")
@@ -74,16 +129,16 @@ class RunControls(ABC):
 
         Raises:
             PlanError: no sine test is running, it has no such frequency or level, or it is still to come. When the run
-                has ended, `again.repeat_plan` gives the plan of a new one.
+                has ended, `target.repeat_plan` gives the plan of a new one.
         """
         if not self._running or self._plan is None:
             raise PlanError(
                 "no run is going on",
-                remedy="run the plan that modallab.acquisition.process.repeat_part.repeat_plan gives",
+                remedy="run the plan that modallab.acquisition.procedures.target.repeat_plan gives",
             )
         plan = require_step(self._plan, frequency_hz, level)
         require_recorded(plan, frequency_hz, level, self._view.blocks)
-        self._send(Repeat(frequency_hz, level))
+        self._send(Repeat(frequency_hz=frequency_hz, level=level or None))
 
     def drop(self, block: str, reason: str = "dropped by the operator") -> None:
         """Let a block of this run no longer count, such as one hit; its samples stay on the disk, with the reason.
@@ -98,7 +153,7 @@ class RunControls(ABC):
             counted = ", ".join(self._view.blocks)
             raise PlanError(f"no block {block!r} counts in the run", remedy=f"name one of: {counted or 'none yet'}")
         if self._running:
-            self._send(Drop(block, reason))
+            self._send(DropBlock(block, reason))
             return
         with Store(self._folder) as store:
             store.drop(self._view.run, block, reason)
@@ -116,8 +171,8 @@ class RunControls(ABC):
         return isinstance(self._plan, SinePlan) and self._view.state in ("armed", "acquiring", "paused")
 
     @abstractmethod
-    def _send(self, command: Command) -> None:
-        """Tell the process.
+    def _send(self, message: Message) -> None:
+        """Send it to the process.
 
         Raises:
             BenchError: it died.

@@ -6,20 +6,10 @@ from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Thread
 
-from modallab.acquisition.monitor.requests import Drop, Repeat, Requests
-from modallab.acquisition.process.messages import (
-    Abort,
-    Beat,
-    Close,
-    Command,
-    EmergencyStop,
-    Pause,
-    Report,
-    Resume,
-    RunPlan,
-    Stop,
-)
+from modallab.acquisition.monitor.requests import DropBlock, Requests
+from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Message, Report, RunPlan
 from modallab.acquisition.process.run import Order
+from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 
 HEARTBEAT_S = 0.25
 TIMEOUT_S = 5.0
@@ -81,8 +71,8 @@ class Link:
             except (EOFError, OSError):
                 self._lost()
 
-    def _obey(self, command: Command) -> None:
-        act: dict[type[Command], Callable[[], None]] = {
+    def _obey(self, command: Message) -> None:
+        act: dict[type[Message], Callable[[], None]] = {
             Beat: lambda: None,
             Stop: lambda: self._request("stop"),
             Abort: lambda: self._request("abort"),
@@ -96,7 +86,7 @@ class Link:
             self._order = None
             self.requests.forget()
             self._plans.put(command)
-        elif isinstance(command, Repeat | Drop):
+        elif isinstance(command, Repeat | DropBlock):
             self.requests.ask(command)
         else:
             act[type(command)]()

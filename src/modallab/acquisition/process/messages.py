@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from modallab.acquisition.monitor.live import LiveSamples
-from modallab.acquisition.monitor.requests import Drop, Repeat
+from modallab.acquisition.monitor.requests import DropBlock
 from modallab.bench.protocol import BenchInfo
+from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 from modallab.core.errors import ModallabError
 from modallab.core.events import Event
 from modallab.core.plan import Plan
@@ -18,28 +19,8 @@ class RunPlan:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
-    """End the run now; its data are valid."""
-
-
-@dataclass(frozen=True, slots=True)
-class Abort:
-    """End the run now; its data are kept and marked as invalid."""
-
-
-@dataclass(frozen=True, slots=True)
 class EmergencyStop:
     """As abort; the rig is tripped already."""
-
-
-@dataclass(frozen=True, slots=True)
-class Pause:
-    """Pause at the next boundary between blocks or bursts."""
-
-
-@dataclass(frozen=True, slots=True)
-class Resume:
-    """Go on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +33,8 @@ class Beat:
     """The owner lives."""
 
 
-Command = RunPlan | Stop | Abort | EmergencyStop | Pause | Resume | Repeat | Drop | Close | Beat
+Message = RunPlan | Pause | Resume | Repeat | DropBlock | Stop | Abort | EmergencyStop | Close | Beat
+"""What the owner sends: an operator's commands as they are in the API, and what only the owner may ask for."""
 
 
 @dataclass(frozen=True, slots=True)

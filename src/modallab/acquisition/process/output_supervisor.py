@@ -54,7 +54,7 @@ class LifeLine:
             self._say(sign)
 
     def idle(self) -> None:
-        """No test is on: silence means nothing."""
+        """No test is on: no sign of life means nothing."""
         self._said_s = 0.0
         self._say("idle")
 
@@ -177,7 +177,7 @@ def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_f
 
 
 def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: TripLatch) -> Callable[[], None] | None:
-    """Wait until one of the two is gone, or told to leave; returns what is left to do once the output is at 0 V."""
+    """Wait until one of the two is gone, or asks to leave; returns what is left to do once the output is at 0 V."""
     heard_s = time.monotonic()
     sign: Sign = "idle"
     while True:
@@ -221,3 +221,21 @@ def _gone() -> BenchError:
         "the supervisor of the output is gone",
         remedy="switch the amplifier off; a burst that is on ends by itself within the rig's max_burst_s",
     )
+
+
+def zero_from_outside(url: str, rig: Rig) -> str:
+    """Bring the output to 0 V when the process that drove it is dead; what came of it, for the end of a sentence.
+
+    Empty where no output outlives its process.
+    """
+    try:
+        output = open_output(url, rig)
+        if output is None:
+            return ""
+        try:
+            output.zero()
+        finally:
+            output.close()
+    except Exception as error:
+        return f"; the output could not be brought to 0 V from here, switch the amplifier off: {error}"
+    return "; the output was brought to 0 V from outside"

@@ -13,23 +13,12 @@ from typing import Self
 from modallab.acquisition.monitor.live import LiveSamples
 from modallab.acquisition.process.child import serve
 from modallab.acquisition.process.controls import RunControls
-from modallab.acquisition.process.last_resort import zero_from_outside
 from modallab.acquisition.process.link import HEARTBEAT_S
-from modallab.acquisition.process.messages import (
-    Abort,
-    Beat,
-    Close,
-    Command,
-    EmergencyStop,
-    Ended,
-    Ready,
-    Report,
-    RunPlan,
-    Stop,
-)
-from modallab.acquisition.process.output_supervisor import start_supervisor
+from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Ended, Message, Ready, Report, RunPlan
+from modallab.acquisition.process.output_supervisor import start_supervisor, zero_from_outside
 from modallab.acquisition.process.trip import Trip, TripLatch
 from modallab.bench.protocol import BenchInfo
+from modallab.core.documents.runs import Abort, Stop
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.events import Event
 from modallab.core.plan import Plan
@@ -122,7 +111,7 @@ class RigProcess(RunControls):
         until `reset_trip`. It is not a safety-rated stop.
 
         Raises:
-            BenchError: the supervisor or the process could not be told; the rig is tripped all the same.
+            BenchError: the supervisor or the process could not be reached; the rig is tripped all the same.
             StorageError: the trip could not be written; the output is at 0 V all the same.
         """
         try:
@@ -136,7 +125,7 @@ class RigProcess(RunControls):
 
     @property
     def trip(self) -> Trip | None:
-        """What has tripped the rig: an emergency stop, or its process' silence or death while it drove; None if not."""
+        """What has tripped the rig: an emergency stop, its process' death or time-out while it drove; None if not."""
         return self.latch.read()
 
     def reset_trip(self) -> Trip | None:
@@ -223,10 +212,10 @@ class RigProcess(RunControls):
             remedy="start it again; every acknowledged block is kept and its run marked as interrupted",
         )
 
-    def _send(self, command: Command) -> None:
+    def _send(self, message: Message) -> None:
         try:
             with self._sending:
-                self._connection.send(command)
+                self._connection.send(message)
         except OSError as error:
             raise self._died() from error
 

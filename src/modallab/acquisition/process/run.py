@@ -7,14 +7,14 @@ from typing import Literal
 from modallab.acquisition.monitor.chain import chain_of
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.live import LiveSamples, LiveTap
-from modallab.acquisition.monitor.requests import Drop, Excitation, Requests
+from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.burst import longest_burst_s
-from modallab.acquisition.procedures.hardware_trigger import require_trigger
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
@@ -25,7 +25,7 @@ from modallab.core.rig import Rig
 from modallab.storage import Recorder, Store
 
 Order = Literal["stop", "abort", "emergency", "lost"]
-"""How a running test may be told to end; `lost`: whoever asked for the run is gone."""
+"""How a running test may be asked to end; `lost`: whoever asked for the run is gone."""
 
 Control = Callable[[], Order | None]
 Live = Callable[[LiveSamples], None]
@@ -39,7 +39,7 @@ MEMORY_BLOCKS = 6
 
 
 class OrderedEndError(Exception):
-    """The run was told to end; not an error of the run."""
+    """The run was asked to end; not an error of the run."""
 
     def __init__(self, order: Order) -> None:
         super().__init__(order)
@@ -73,13 +73,13 @@ def run_plan(
         chunk_s: how much to read at once; nothing that is recorded depends on it.
         requests: what else is requested of the test while it runs.
         latch: of the emergency stop; without one there is none.
-        supervision: what ends the output should this process die; told before anything is driven.
-        excitation: is told whether a burst may be on.
+        supervision: what ends the output should this process die; reported before anything is driven.
+        excitation: set to whether a burst may be on.
         live: takes a look at the samples as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
-        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
+        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was reported.
     """
     life = Lifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
@@ -145,7 +145,7 @@ class Setup:
         """Look, before every read, whether the run shall go on.
 
         Raises:
-            OrderedEndError: it was told to end.
+            OrderedEndError: it was asked to end.
             TrippedError: somebody else has brought the output to 0 V.
         """
         order = self.control()
@@ -188,7 +188,7 @@ def _what_ends_it(plan: SinePlan, supervision: str) -> str:
 def _drop_left(setup: Setup) -> None:
     # A request that came after the last look is still a request; there is no more time to ask for the hit again.
     for request in setup.requests.take():
-        if isinstance(request, Drop) and setup.recorder.drop(request.block, request.reason):
+        if isinstance(request, DropBlock) and setup.recorder.drop(request.block, request.reason):
             setup.emit(BlockDropped(run=setup.recorder.run, name=request.block, reason=request.reason))
 
 

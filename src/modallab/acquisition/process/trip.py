@@ -15,7 +15,7 @@ from typing import Literal, cast
 
 from pydantic import ValidationError
 
-from modallab.core.errors import SafetyError, StorageError
+from modallab.core.errors import Http, SafetyError, StorageError
 from modallab.core.frozen import Frozen
 
 FOLDER = "trips"
@@ -27,6 +27,7 @@ class TrippedError(SafetyError):
     """The rig was tripped and not reset: nothing is armed, and what was on has been ended."""
 
     code = "tripped"
+    http = Http(409, "The rig is tripped", "It was stopped in an emergency. Look at the bench, then reset the rig.")
 
 
 class Trip(Frozen):

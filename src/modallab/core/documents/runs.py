@@ -1,4 +1,4 @@
-"""Runs, their blocks, and what an operator may tell a run."""
+"""Runs, their blocks, and what an operator may ask of a run."""
 
 from typing import Annotated, Literal
 

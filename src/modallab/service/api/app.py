@@ -1,38 +1,37 @@
-"""The REST service as an application: guard, problems, resources."""
+"""The REST service as an application: access, problems, resources, and its OpenAPI document."""
 
+import pkgutil
+import secrets
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
 from importlib import import_module
 from threading import Thread
+from typing import Any, cast
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.utils import get_openapi
 
 from modallab import __version__
+from modallab.core.documents.pages import Problem
 from modallab.core.settings import LOOPBACK, Settings
-from modallab.service.api import (
-    blocks,
-    campaigns,
-    devices,
-    events,
-    frfs,
-    health,
-    jobs,
-    leases,
-    live,
-    pages,
-    reports,
-    rigs,
-    runs,
-    session,
-)
-from modallab.service.api.event_feed import Feed
-from modallab.service.api.guard import Guard
+from modallab.service import api
+from modallab.service.api.access import COOKIE, Guard
+from modallab.service.api.events import Feed
 from modallab.service.api.live import LiveHub
-from modallab.service.api.openapi_document import document_of
+from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
+from modallab.service.api.router import Keys
 from modallab.service.context import Service
 
-RESOURCES = (session, rigs, leases, devices, campaigns, runs, blocks, frfs, jobs, reports, events, live, health, pages)
+API_VERSION = "1.1"
+"""Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
+
+SUMMARY = "Modal tests on a bench."
+ABOUT = """To try a request here, press Authorize and paste the token; it stands in the file that the service named when
+it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/lease`, and send its `id` as
+`Modallab-Lease`. An emergency stop needs no lease."""
+
+METHODS = ("get", "put", "post", "patch", "delete")
 
 
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
@@ -40,14 +39,21 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
     app.state.live = LiveHub()
     app.state.service, app.state.settings, app.state.token = service, settings, token
+    app.state.keys = Keys(service.engine, secrets.token_hex(8))
     install(app)
-    for resource in RESOURCES:
-        app.include_router(resource.router)
-    pages.mount_static(app)
+    for router in resources():
+        app.include_router(router)
+    mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Guard, token=token, hosts=hosts, body_bytes=settings.body_bytes)
     app.openapi = lambda: document_of(app)
     return app
+
+
+def resources() -> list[APIRouter]:
+    """The routers of all modules of this package: a new resource needs no entry anywhere."""
+    modules = [import_module(f"{api.__name__}.{found.name}") for found in pkgutil.iter_modules(api.__path__)]
+    return [value for module in modules for value in vars(module).values() if isinstance(value, APIRouter)]
 
 
 @asynccontextmanager
@@ -58,3 +64,34 @@ async def _life(app: FastAPI) -> AsyncGenerator[None]:
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()
+
+
+def document_of(app: FastAPI) -> dict[str, Any]:
+    """The document of an application, made once."""
+    if app.openapi_schema:
+        return app.openapi_schema
+    document = get_openapi(title=app.title, version=API_VERSION, routes=app.routes, summary=SUMMARY, description=ABOUT)
+    parts: dict[str, Any] = document["components"]
+    parts["schemas"]["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
+    for unused in ("HTTPValidationError", "ValidationError"):
+        parts["schemas"].pop(unused, None)
+    parts["securitySchemes"] = {
+        "token": {"type": "http", "scheme": "bearer"},
+        "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
+    }
+    document["security"] = [{"token": []}, {"session": []}]
+    for path in document["paths"].values():
+        for method in path.keys() & METHODS:
+            for parameter in path[method].get("parameters", ()):
+                _no_null(parameter)
+    app.openapi_schema = document
+    return document
+
+
+def _no_null(parameter: dict[str, Any]) -> None:
+    """A header or a query has no null: it is there or not, which `required` says."""
+    schema: dict[str, Any] = parameter["schema"]
+    kinds = [kind for kind in cast("list[dict[str, Any]]", schema.get("anyOf", [])) if kind != {"type": "null"}]
+    if len(kinds) == 1:
+        del schema["anyOf"]
+        parameter["schema"] = kinds[0] | schema

@@ -1,19 +1,21 @@
 """Blocks of a run: what is kept, whether it counts, and its samples."""
 
-from fastapi import Response
+from typing import Annotated
+
+from fastapi import Body, Response
+from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.runs import BlockView
-from modallab.service.api.bodies import Judgement
-from modallab.service.api.cursor import Cursor, Limit, number_of, page
+from modallab.core.documents.runs import BlockView, Verdict
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import LeaseId, ServiceOf
+from modallab.service.api.request_context import Cursor, LeaseId, Limit, ServiceOf, number_of, page
 from modallab.service.api.router import make_router
-from modallab.service.campaigns.runs import block_record, block_records, block_view
-from modallab.service.campaigns.samples import read_samples
-from modallab.service.campaigns.verdicts import judge
+from modallab.service.campaigns.runs import block_record, block_records, block_view, judge, read_samples
 
 router = make_router("blocks")
+Judgement = Annotated[
+    Verdict, Body(openapi_examples={"reject": Example(value={"accepted": False, "reason": "someone walked by"})})
+]
 SAMPLES = "application/octet-stream"
 
 

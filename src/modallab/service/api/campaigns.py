@@ -1,18 +1,37 @@
 """Campaigns: make, list, read, rename."""
 
-from fastapi import Response
+from typing import Annotated
 
-from modallab.core.documents.campaigns import CampaignView
+from fastapi import Body, Response
+from fastapi.openapi.models import Example
+
+from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
-from modallab.service.api.bodies import ChangedCampaign, NewCampaign
-from modallab.service.api.cursor import Cursor, Limit, page, place_of
-from modallab.service.api.etag import IfMatch, IfNoneMatch, mark, revision_of, unchanged
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import Operator, ServiceOf
+from modallab.service.api.request_context import (
+    Cursor,
+    IfMatch,
+    IfNoneMatch,
+    Limit,
+    Operator,
+    ServiceOf,
+    mark,
+    page,
+    place_of,
+    revision_of,
+    unchanged,
+)
 from modallab.service.api.rigs import state_of
 from modallab.service.api.router import ONCE, PREFIX, make_router
 
 router = make_router("campaigns")
+ChangedCampaign = Annotated[
+    CampaignChange, Body(openapi_examples={"rename": Example(value={"name": "second session"})})
+]
+NewCampaign = Annotated[
+    CampaignNew,
+    Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
+]
 
 
 @router.get("/campaigns")

@@ -1,19 +1,161 @@
 """Events: followed as they come (SSE), or read page by page."""
 
+import asyncio
+import logging
 from collections.abc import AsyncGenerator
+from concurrent.futures import Future, wait
+from dataclasses import dataclass, field
+from threading import Event as Flag
+from threading import Thread
 from typing import Annotated
 
 from fastapi import Header, Query, Request
 from fastapi.responses import StreamingResponse
 
 from modallab.core.documents.pages import AuditEntry, EventView, Page
-from modallab.core.errors import DataError
-from modallab.service.api.cursor import Cursor, Limit, number_of, page
-from modallab.service.api.event_feed import Feed
-from modallab.service.api.request_context import ServiceOf
+from modallab.core.errors import DataError, ModallabError
+from modallab.service.api.request_context import Cursor, Limit, ServiceOf, number_of, page
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
-from modallab.service.records.event_log import Topic
+from modallab.service.records.event_log import EventLog, Topic
+from modallab.storage.records import ENDED
+
+LOG = logging.getLogger(__name__)
+STILL_HERE = b": still here\n\n"
+LOOK_S = 0.05
+AT_ONCE = 500
+TOGETHER = 20
+PAUSE_S = 0.002
+"""Between so many listeners and the next: those write their lines, and others get their turn."""
+QUEUE = 2000
+"""Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """An event and how it goes over the wire, written once for all."""
+
+    event: EventView
+    text: bytes
+
+
+@dataclass(eq=False, slots=True)
+class Listener:
+    """One who listens; `None` in the queue ends it."""
+
+    queue: asyncio.Queue[Line | None] = field(default_factory=lambda: asyncio.Queue(QUEUE))
+
+
+class Feed:
+    """A thread looks at the log; listeners wait in the event loop."""
+
+    def __init__(self, log: EventLog) -> None:
+        self._log = log
+        self._listeners: set[Listener] = set()
+        self._closing = Flag()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread = Thread(target=self._look, name="events", daemon=True)
+
+    @property
+    def listeners(self) -> int:
+        """How many listen."""
+        return len(self._listeners)
+
+    def open(self) -> None:
+        """Begin; from the event loop."""
+        self._loop = asyncio.get_running_loop()
+        self._thread.start()
+
+    def close(self) -> None:
+        """Let everyone go; from the event loop."""
+        self._closing.set()
+        for listener in self._listeners:
+            _put(listener, None)
+
+    async def listen(self, after: int | None, topic: Topic, *, to_end: bool = False) -> AsyncGenerator[bytes]:
+        """Events as SSE text, from the one after number `after`, or from now on; a comment now and then.
+
+        With `to_end` no more after the first event that says that a run has ended.
+        """
+        listener = Listener()
+        self._listeners.add(listener)
+        try:
+            last = await asyncio.to_thread(self._log.last) if after is None else after
+            yield b": listening\n\n"
+            if after is not None:
+                while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
+                    yield b"".join(_text(event) for event in before)
+                    last = before[-1].seq
+                    if to_end and any(_ends(event) for event in before):
+                        return
+            async for line in _follow(listener, last, topic):
+                yield line.text if line is not None else STILL_HERE
+                if to_end and line is not None and _ends(line.event):
+                    return
+        finally:
+            self._listeners.discard(listener)
+
+    def _look(self) -> None:
+        last: int | None = None
+        while not self._closing.wait(LOOK_S):
+            try:
+                last = self._log.last() if last is None else last
+                events = self._log.after(last, AT_ONCE)
+            except ModallabError as error:
+                LOG.warning("events cannot be read: %s", error)
+                continue
+            if events and self._loop is not None:
+                last = events[-1].seq
+                lines = [Line(event, _text(event)) for event in events]
+                self._wait_for(asyncio.run_coroutine_threadsafe(self._hand_out(lines), self._loop))
+
+    def _wait_for(self, handed_out: Future[None]) -> None:
+        # One after the other: the order of events is that of the log.
+        while not self._closing.is_set() and not handed_out.done():
+            wait([handed_out], LOOK_S)
+
+    async def _hand_out(self, lines: list[Line]) -> None:
+        # Not all at once: a thousand listeners that wake together keep live samples and answers waiting.
+        for n, listener in enumerate(list(self._listeners)):
+            if n % TOGETHER == TOGETHER - 1:
+                await asyncio.sleep(PAUSE_S)
+            for line in lines:
+                _put(listener, line)
+
+
+def _ends(event: EventView) -> bool:
+    return event.kind == "state" and event.content["state"] in ENDED
+
+
+async def _follow(listener: Listener, last: int, topic: Topic) -> AsyncGenerator[Line | None]:
+    while True:
+        try:
+            line = await asyncio.wait_for(listener.queue.get(), 15.0)
+        except TimeoutError:
+            yield None
+            continue
+        if line is None:
+            return
+        if line.event.seq > last and _is_of(line.event, topic):
+            yield line
+
+
+def _put(listener: Listener, line: Line | None) -> None:
+    if listener.queue.full():
+        listener.queue.get_nowait()
+        line = None
+    listener.queue.put_nowait(line)
+
+
+def _is_of(event: EventView, topic: Topic) -> bool:
+    return all(not requested or requested == found for requested, found in (
+        (topic.rig, event.rig), (topic.campaign, event.campaign), (topic.run, event.run),
+    ))  # fmt: skip
+
+
+def _text(event: EventView) -> bytes:
+    return f"id: {event.seq}\nevent: {event.kind}\ndata: {event.model_dump_json()}\n\n".encode()
+
 
 router = make_router("events")
 Name = Annotated[str, Query(max_length=64)]

@@ -4,14 +4,33 @@ import shutil
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
+from sqlalchemy import func, select
 
 from modallab import __version__
 from modallab.core.documents.pages import Health
-from modallab.service.api.event_feed import Feed
-from modallab.service.api.openapi_document import OPEN
+from modallab.service.api.events import Feed
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import ServiceOf
-from modallab.service.counters import counters
+from modallab.service.api.router import OPEN
+from modallab.service.context import Service
+from modallab.storage.engine import reading
+from modallab.storage.tables import BLOCKS, RUNS
+
+
+def counters(service: Service) -> dict[str, float]:
+    """Name, with labels as Prometheus writes them, and value."""
+    found: dict[str, float] = {}
+    with reading(service.engine) as connection:
+        for state, count in connection.execute(select(RUNS.c.state, func.count()).group_by(RUNS.c.state)):
+            found[f'modallab_runs{{state="{state}"}}'] = count
+        for accepted, count in connection.execute(select(BLOCKS.c.accepted, func.count()).group_by(BLOCKS.c.accepted)):
+            found[f'modallab_blocks{{accepted="{int(accepted)}"}}'] = count
+    found["modallab_events"] = service.log.last()
+    found["modallab_free_bytes"] = shutil.disk_usage(service.folder).free
+    for state in service.control.states():
+        found[f'modallab_rig_usable{{rig="{state.id}"}}'] = float(state.state in ("idle", "running"))
+    return found
+
 
 router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500, 503))
 

@@ -1,19 +1,27 @@
-"""Jobs: identification, diagnosis and reports, ordered and followed."""
+"""Jobs: identification, diagnosis and reports, ordered, followed, and read as pages."""
 
-from fastapi import Response
+from typing import Annotated
+
+from fastapi import Body, Response
+from fastapi.openapi.models import Example
+from fastapi.responses import HTMLResponse
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.results import JobKind, JobNew, JobState, JobView
 from modallab.jobs import Job
-from modallab.service.api.bodies import NewJob
-from modallab.service.api.cursor import Cursor, Limit
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import Operator, ServiceOf
+from modallab.service.api.request_context import Cursor, Limit, Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.jobs.orders import campaign_jobs, order
+from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, newest_file, order
 
 router = make_router("jobs")
+NewJob = Annotated[
+    JobNew | None,
+    Body(
+        openapi_examples={"with its settings": Example(value={"parameters": {"title": "Report of the first session"}})}
+    ),
+]
 _ORDER = documented(404, 409, 507)
 
 
@@ -76,3 +84,28 @@ def _ordered(
 
 def _view(job: Job) -> JobView:
     return JobView.model_validate(job.model_dump())
+
+
+# A report is made of names that people typed: whatever they are, it reaches nothing of the service.
+_ALONE = {
+    "Content-Security-Policy": "sandbox allow-scripts; default-src 'none'; style-src 'unsafe-inline';"
+    " script-src 'unsafe-inline'; img-src data:; font-src data:"
+}
+
+
+@router.get("/campaigns/{campaign}/report", response_class=HTMLResponse, responses=documented(404))
+def get_report(campaign: str, service: ServiceOf) -> Response:
+    """The newest report of a campaign; order one at `/campaigns/{campaign}/reports`."""
+    return HTMLResponse(newest_file(service, campaign, "report", "report.html"), headers=_ALONE)
+
+
+@router.get("/campaigns/{campaign}/diagnosis", response_class=HTMLResponse, responses=documented(404))
+def get_diagnosis(campaign: str, service: ServiceOf) -> Response:
+    """The newest diagnosis of a campaign as a page; order one at `/campaigns/{campaign}/diagnoses`."""
+    return HTMLResponse(newest_file(service, campaign, "diagnose", "gap.html"), headers=_ALONE)
+
+
+@router.get("/jobs/{job}/files/{name}", response_class=HTMLResponse, responses=documented(404))
+def get_job_file(job: str, name: str, service: ServiceOf) -> Response:
+    """A page that a job left, by the names in its result."""
+    return HTMLResponse(job_file(service, service.jobs.get(job), name), headers=_ALONE)

@@ -11,7 +11,7 @@ from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 
-from modallab.service.api.problem_kinds import KINDS
+from modallab.service.api.problems import kinds
 from modallab.service.errors import NotFoundError
 
 router = APIRouter(include_in_schema=False)
@@ -39,9 +39,9 @@ def show_api() -> HTMLResponse:
 @router.get("/problems/{code}")
 def show_problem(code: str) -> HTMLResponse:
     """What a kind of problem means."""
-    kind = KINDS.get(code)
+    kind = kinds().get(code)
     if kind is None:
-        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(sorted(KINDS))}")
+        raise NotFoundError(f"there is no kind of problem {code!r}", remedy=f"known: {', '.join(kinds())}")
     return HTMLResponse(
         f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
         f"<title>{escape(kind.title)}</title><style>{_STYLE}</style>"

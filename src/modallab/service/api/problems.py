@@ -1,8 +1,9 @@
-"""Errors as problem details (RFC 9457): what was wrong, what to do, and a page that explains the kind."""
+"""Errors as problem details (RFC 9457): every kind, and the answer that says what was wrong and what to do."""
 
 import logging
 import secrets
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from fastapi import FastAPI, Request, Response
@@ -14,20 +15,110 @@ from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.pages import Problem
 from modallab.core.errors import ModallabError
-from modallab.service.api.problem_kinds import KINDS, Kind, kind_of
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
 RESET = "look at the bench, then POST to the rig's `reset`, with its lease"
-
 Responses = dict[int | str, dict[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of problem.
+
+    Attributes:
+        code: for programs; the page of the kind is /problems/<code>.
+        status: of HTTP.
+        title: in a few words.
+        meaning: what it says and what to do.
+    """
+
+    code: str
+    status: int
+    title: str
+    meaning: str
+
+
+OF_REQUEST: tuple[Kind, ...] = (
+    Kind(
+        "not-valid",
+        422,
+        "The request is not valid",
+        "A field is missing, unknown or out of range; `errors` names each.",
+    ),
+    Kind(
+        "not-allowed",
+        405,
+        "This method does nothing here",
+        "The header `Allow` names the methods there are.",
+    ),
+    Kind(
+        "no-page",
+        404,
+        "There is nothing at this address",
+        "Look at /openapi.json for the addresses there are.",
+    ),
+    Kind(
+        "token-needed",
+        401,
+        "A token is needed",
+        "Send the header `Authorization: Bearer TOKEN`, or log in at /api/v1/session. The token stands in "
+        "the file the service named when it began.",
+    ),
+    Kind(
+        "foreign-host",
+        403,
+        "The service is not known by this name",
+        "The header `Host` names another host than those the service answers for; see the setting `hosts`.",
+    ),
+    Kind(
+        "foreign-origin",
+        403,
+        "A page of another site sent this",
+        "The header `Origin` is not this service's own.",
+    ),
+    Kind(
+        "too-large",
+        413,
+        "The body is too large",
+        "Send less; the limit is the setting `body_bytes`.",
+    ),
+    Kind(
+        "unexpected",
+        500,
+        "The service failed",
+        "An error nobody expected. It is in the log, under the number in `where`.",
+    ),
+)
+
+
+def kinds() -> dict[str, Kind]:
+    """All kinds by code: those of a request, and those that error classes declare as their `http`."""
+    found = {kind.code: kind for kind in OF_REQUEST} | {cls.code: _kind(cls) for cls in _declaring(ModallabError)}
+    return dict(sorted(found.items()))
+
+
+def kind_of(error: ModallabError) -> Kind:
+    """The kind of an error: that of the nearest class that declares one."""
+    return _kind(next(cls for cls in type(error).__mro__ if "http" in vars(cls)))
+
+
+def _kind(cls: type[ModallabError]) -> Kind:
+    return Kind(cls.code, *cls.http)
+
+
+def _declaring(cls: type[ModallabError]) -> Iterator[type[ModallabError]]:
+    if "http" in vars(cls):
+        yield cls
+    for below in cls.__subclasses__():
+        yield from _declaring(below)
 
 
 def documented(*statuses: int) -> Responses:
     """What a route may answer with besides its result, for the OpenAPI document."""
     content: dict[str, Any] = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     titles: dict[int, list[str]] = {}
-    for kind in KINDS.values():
+    for kind in kinds().values():
         titles.setdefault(kind.status, []).append(kind.code)
     return {status: {"description": ", ".join(titles[status]), "content": content} for status in statuses}
 
@@ -71,7 +162,7 @@ async def _not_valid(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     found = tuple({"where": ".".join(str(part) for part in one["loc"]), "what": _said(one)} for one in error.errors())
     remedy = "put right what `errors` names; every request and its fields stand at /docs"
-    return problem(KINDS["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found)
+    return problem(kinds()["not-valid"], f"{len(found)} of its fields cannot be taken", remedy=remedy, errors=found)
 
 
 def _said(error: Mapping[str, Any]) -> str:
@@ -85,7 +176,7 @@ async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     code = {404: "no-page", 405: "not-allowed", 413: "too-large"}.get(error.status_code, "not-valid")
     headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
-    return problem(KINDS[code], str(error.detail), headers)
+    return problem(kinds()[code], str(error.detail), headers)
 
 
 def _allowed(request: Request) -> str:
@@ -101,4 +192,4 @@ def _allowed(request: Request) -> str:
 async def _unexpected(request: Request, error: Exception) -> Response:
     number = secrets.token_hex(4)
     LOG.error("%s: %s %s failed", number, request.method, request.url.path, exc_info=error)
-    return problem(KINDS["unexpected"], "an error nobody expected", where=number, remedy="look at the log")
+    return problem(kinds()["unexpected"], "an error nobody expected", where=number, remedy="look at the log")

@@ -1,22 +1,24 @@
-"""What every route has at hand: the service, its settings, and who asks."""
+"""What a route takes from a request: the service, who asks, which revision, which page of a list."""
 
-from typing import Annotated
+import base64
+import binascii
+from collections.abc import Callable, Sequence
+from typing import Annotated, TypeVar
 
-from fastapi import Depends, Header, Request
+from fastapi import Depends, Header, Query, Request, Response
 
-from modallab.core.settings import Settings
+from modallab.core.documents.pages import Page
+from modallab.core.errors import DataError
 from modallab.service.context import Service
+from modallab.service.errors import ChangedError, PreconditionNeededError
 
 OPERATOR = "Modallab-Operator"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
+Item = TypeVar("Item")
 
 
 def _service(request: Request) -> Service:
     return request.app.state.service
-
-
-def _settings(request: Request) -> Settings:
-    return request.app.state.settings
 
 
 def _operator(
@@ -29,8 +31,77 @@ def _operator(
 
 
 ServiceOf = Annotated[Service, Depends(_service)]
-SettingsOf = Annotated[Settings, Depends(_settings)]
 Operator = Annotated[str, Depends(_operator)]
 LeaseId = Annotated[
     str | None, Header(alias="Modallab-Lease", max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
 ]
+
+
+IfMatch = Annotated[str | None, Header(alias="If-Match", max_length=200, description="ETag of what was read.")]
+IfNoneMatch = Annotated[str | None, Header(alias="If-None-Match", max_length=200)]
+
+
+def revision_of(if_match: str | None) -> int:
+    """The revision a change is meant for.
+
+    Raises:
+        PreconditionNeededError: the request does not say.
+        ChangedError: what it says is no ETag of this kind.
+    """
+    if if_match is None:
+        raise PreconditionNeededError(
+            "the change does not say what it changes", where="If-Match", remedy="send the ETag of what you read"
+        )
+    text = if_match.strip().removeprefix("W/").strip('"')
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise ChangedError(f"{if_match!r} is not its ETag", where="If-Match", remedy="read it again")
+    return int(text)
+
+
+def mark(response: Response, tag: object) -> None:
+    """Put an ETag on an answer."""
+    response.headers["ETag"] = f'"{tag}"'
+
+
+def unchanged(if_none_match: str | None, tag: object) -> bool:
+    """Whether the client has this already."""
+    return if_none_match is not None and f'"{tag}"' in if_none_match
+
+
+Limit = Annotated[int, Query(ge=1, le=500, description="How many at most.")]
+Cursor = Annotated[str | None, Query(max_length=200, description="`next` of the page before.")]
+
+
+def place_of(cursor: str | None) -> str | None:
+    """Where a page begins.
+
+    Raises:
+        DataError: it is no cursor of ours.
+    """
+    if cursor is None:
+        return None
+    try:
+        return base64.urlsafe_b64decode(cursor.encode()).decode()
+    except (binascii.Error, UnicodeError, ValueError) as error:
+        raise _foreign(cursor) from error
+
+
+def number_of(cursor: str | None) -> int | None:
+    """As `place_of`, for lists in the order of a number."""
+    place = place_of(cursor)
+    if place is None:
+        return None
+    if not (place.isascii() and place.isdigit() and len(place) <= 18):
+        raise _foreign(cursor or "")
+    return int(place)
+
+
+def page(items: Sequence[Item], limit: int, place: Callable[[Item], object]) -> Page[Item]:
+    """A page of `items`, of which one more than `limit` was asked for."""
+    shown = tuple(items[:limit])
+    more = base64.urlsafe_b64encode(str(place(shown[-1])).encode()).decode() if len(items) > limit else None
+    return Page(items=shown, next=more)
+
+
+def _foreign(cursor: str) -> DataError:
+    return DataError(f"{cursor!r} is no cursor", where="cursor", remedy="send `next` of the page before, as it was")

@@ -1,19 +1,27 @@
-"""Rigs: how they stand, emergency stop, reset."""
+"""Rigs: how they stand, emergency stop, reset, and the lease: who may command one."""
+
+from typing import Annotated
+
+from fastapi import Body, Response
+from fastapi.openapi.models import Example
 
 from modallab.acquisition.process.trip import TripLatch
 from modallab.core.documents.pages import Page
-from modallab.core.documents.rigs import RigView, Trip
+from modallab.core.documents.rigs import Lease, LeaseHolder, LeaseNew, RigView, StopReason, Trip
 from modallab.core.rig import Rig
-from modallab.service.api.bodies import Reason
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import LeaseId, Operator, ServiceOf
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.context import Service
-from modallab.service.errors import NotFoundError
+from modallab.service.errors import LeaseHeldError, NotFoundError
 from modallab.service.rigs.control import ControllerState
 from modallab.storage import rig_hash
 
 router = make_router("rigs")
+NewLease = Annotated[
+    LeaseNew, Body(openapi_examples={"for ten minutes": Example(value={"operator": "Ada", "ttl_s": 600})})
+]
+Reason = Annotated[StopReason | None, Body(openapi_examples={"why": Example(value={"reason": "loose cable"})})]
 
 
 @router.get("/rigs")
@@ -75,3 +83,41 @@ def _view(service: Service, state: ControllerState) -> RigView:
         lease=service.leases.holder(state.id),
         error=state.error,
     )
+
+
+lease_router = make_router("lease")
+
+
+@lease_router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
+def take_lease(rig: str, new: NewLease, service: ServiceOf) -> Lease:
+    """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on."""
+    state = state_of(service, rig)
+    if new.take_over and state.run is not None:
+        raise LeaseHeldError(
+            f"run {state.run} is on, under the lease of another",
+            where=rig,
+            remedy="wait for its end, or stop it in an emergency, which needs no lease; then take over",
+        )
+    return service.leases.take(state.id, new.operator, new.ttl_s, take_over=new.take_over)
+
+
+@lease_router.put("/rigs/{rig}/lease", responses=documented(404, 507))
+def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
+    """Begin the lease's time anew."""
+    return service.leases.renew(state_of(service, rig).id, lease or "")
+
+
+@lease_router.delete("/rigs/{rig}/lease", status_code=204, responses=documented(404, 507))
+def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Response:
+    """Give the lease back."""
+    service.leases.release(state_of(service, rig).id, lease or "")
+    return Response(status_code=204)
+
+
+@lease_router.get("/rigs/{rig}/lease", responses=documented(404))
+def get_lease(rig: str, service: ServiceOf) -> LeaseHolder:
+    """Who holds the rig."""
+    holder = service.leases.holder(state_of(service, rig).id)
+    if holder is None:
+        raise NotFoundError("nobody holds it", where=rig, remedy="take the lease")
+    return holder

@@ -1,18 +1,151 @@
-"""The router all resources use: one prefix, idempotent routes, the problems any of them may answer with."""
+"""The router all resources use: one prefix, the problems any may answer with, requests with a key done once."""
 
-from fastapi import APIRouter, Depends
+import hashlib
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-from modallab.service.api.idempotent import IdempotentRoute, idempotency_key
-from modallab.service.api.problems import documented
+from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from fastapi.routing import APIRoute
+from sqlalchemy import Engine, delete, insert, select, update
 
+from modallab.core.errors import ModallabError
+from modallab.service.api.problems import documented, of_error
+from modallab.service.api.request_context import OPERATOR
+from modallab.service.errors import ConflictError, IdempotencyError
+from modallab.storage.engine import writing
+from modallab.storage.recorder import utc_now
+from modallab.storage.service_tables import IDEMPOTENCY
+
+HEADER = "Idempotency-Key"
+KEPT = ("location", "etag", "content-type", "retry-after")
+Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 PREFIX = "/api/v1"
 ANY = (401, 403, 405, 413, 422, 500, 503)
 """Statuses any route may answer with."""
 
-ONCE = [Depends(idempotency_key)]
-"""For routes that make something."""
+OPEN: dict[str, Any] = {"security": []}
+"""For routes that need no token."""
 
 
 def make_router(tag: str) -> APIRouter:
     """A router for one resource."""
     return APIRouter(prefix=PREFIX, tags=[tag], route_class=IdempotentRoute, responses=documented(*ANY))
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a request was answered with."""
+
+    status: int
+    headers: dict[str, str]
+    body: str
+
+
+class Keys:
+    """Idempotency keys and the answers kept under them."""
+
+    def __init__(self, engine: Engine, boot: str) -> None:
+        """`boot` names the process that answers: what another one left unfinished will not be finished."""
+        self._engine = engine
+        self._boot = boot
+
+    def claim(self, key: str, request: bytes) -> Answer | None:
+        """Claim a key for a request; the answer, if it was answered before.
+
+        Raises:
+            IdempotencyError: the key stands for another request.
+            ConflictError: the first request is still being answered.
+        """
+        digest = hashlib.sha256(request).hexdigest()
+        row = {"key": key, "request": digest, "boot": self._boot, "headers": {}, "created_utc": utc_now()}
+        with writing(self._engine) as connection:
+            query = select(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key)
+            found = connection.execute(query).mappings().one_or_none()
+            if found is None:
+                connection.execute(insert(IDEMPOTENCY).values(row))
+                return None
+            if found["request"] != digest:
+                raise IdempotencyError(
+                    "this key was sent with another request", where="Idempotency-Key", remedy="make a new key"
+                )
+            if found["status"] is not None:
+                return Answer(found["status"], dict(found["headers"]), found["body"])
+            if found["boot"] == self._boot:
+                raise ConflictError(
+                    "the first request with this key is being answered", where="Idempotency-Key", remedy="ask again"
+                )
+            connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(boot=self._boot))
+        return None
+
+    def keep(self, key: str, answer: Answer) -> None:
+        """Keep the answer for whoever asks again."""
+        values = {"status": answer.status, "headers": answer.headers, "body": answer.body}
+        with writing(self._engine) as connection:
+            connection.execute(update(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key).values(values))
+
+    def forget(self, key: str) -> None:
+        """Nothing was done: the same key may be used again."""
+        with writing(self._engine) as connection:
+            connection.execute(delete(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key))
+
+
+def idempotency_key(
+    key: Annotated[
+        str | None,
+        Header(
+            alias=HEADER,
+            min_length=8,
+            max_length=128,
+            pattern=r"^[\x21-\x7e]+$",
+            description="Made anew for each request; sent again with the same request, it gives the first answer.",
+        ),
+    ] = None,
+) -> str | None:
+    """The key, for the OpenAPI document; `IdempotentRoute` looks at it."""
+    return key
+
+
+ONCE = [Depends(idempotency_key)]
+"""For routes that make something."""
+
+
+class IdempotentRoute(APIRoute):
+    """Looks the key up before the route is called, and keeps the answer after it."""
+
+    def get_route_handler(self) -> Handler:
+        """The route's handler, with the look-up around it."""
+        handler = super().get_route_handler()
+
+        async def once(request: Request) -> Response:
+            key = request.headers.get(HEADER)
+            if request.method != "POST" or key is None or not 8 <= len(key) <= 128:
+                return await handler(request)
+            return await _once(request, key, handler)
+
+        return once
+
+
+async def _once(request: Request, key: str, handler: Handler) -> Response:
+    keys: Keys = request.app.state.keys
+    # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
+    operator = repr(request.headers.get(OPERATOR)).encode()
+    asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, await request.body()])
+    before = await run_in_threadpool(keys.claim, key, asked)
+    if before is not None:
+        return Response(before.body, before.status, headers=before.headers | {"Idempotency-Replayed": "true"})
+    try:
+        response = await handler(request)
+    except ModallabError as error:
+        response = of_error(error)
+    except BaseException:
+        await run_in_threadpool(keys.forget, key)
+        raise
+    if response.status_code < 400:
+        headers = {name: response.headers[name] for name in KEPT if name in response.headers}
+        answer = Answer(response.status_code, headers, bytes(response.body).decode())
+        await run_in_threadpool(keys.keep, key, answer)
+    else:
+        await run_in_threadpool(keys.forget, key)
+    return response

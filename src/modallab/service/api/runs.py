@@ -1,20 +1,51 @@
-"""Runs: begin, look at, command."""
+"""Runs: begin, look at, command, and the FRF as far as a run has come."""
 
-from fastapi import Response
+from typing import Annotated
+
+from fastapi import Body, Response
+from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
-from modallab.core.documents.runs import RunView
-from modallab.service.api.bodies import NewRun, RunCommand
-from modallab.service.api.cursor import Cursor, Limit, page, place_of
-from modallab.service.api.etag import IfNoneMatch, mark, unchanged
+from modallab.core.documents.results import FrfView
+from modallab.core.documents.runs import Command, RunNew, RunView
+from modallab.core.frf import UNIT
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import LeaseId, ServiceOf
+from modallab.service.api.request_context import (
+    Cursor,
+    IfNoneMatch,
+    LeaseId,
+    Limit,
+    ServiceOf,
+    mark,
+    page,
+    place_of,
+    unchanged,
+)
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.campaigns.begin import begin
-from modallab.service.campaigns.runs import run_view
+from modallab.service.campaigns.runs import block_records, run_view
 from modallab.service.errors import ConflictError
 
 router = make_router("runs")
+NewRun = Annotated[
+    RunNew,
+    Body(
+        openapi_examples={
+            "impact test": Example(value={"plan": {"kind": "impact", "points": [10, 6, 3], "hits": 5}}),
+            "sine test": Example(value={"plan": {"kind": "sine", "frequencies_hz": [20.0, 40.0]}}),
+        }
+    ),
+]
+RunCommand = Annotated[
+    Command,
+    Body(
+        openapi_examples={
+            "pause": Example(value={"kind": "pause"}),
+            "repeat one frequency": Example(value={"kind": "repeat", "frequency_hz": 20.0}),
+            "drop one hit": Example(value={"kind": "drop", "n": 3, "reason": "hit beside the point"}),
+        }
+    ),
+]
 
 
 @router.get("/campaigns/{campaign}/runs", responses=documented(404))
@@ -52,3 +83,34 @@ def command_run(run: str, command: RunCommand, service: ServiceOf, lease: LeaseI
         raise ConflictError(f"run {run} was not begun by this service", where=run, remedy="use its own program")
     service.control.command(view.rig, run, command, lease)
     return run_view(service, run)
+
+
+frf_router = make_router("frf")
+
+
+@frf_router.get(
+    "/runs/{run}/frf", response_model=FrfView, responses={304: {"description": "unchanged"}} | documented(404, 409)
+)
+def get_frf(run: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None) -> FrfView | Response:
+    """Mobility (H1) and coherence of the blocks that count now; the ETag changes with every one of them."""
+    counted = [row.n for row in block_records(service, run) if row.note.accepted]
+    tag = f"{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
+    if unchanged(if_none_match, tag):
+        return Response(status_code=304, headers={"ETag": f'"{tag}"'})
+    # Imported here, since it takes seconds: the service can be asked everything else meanwhile.
+    from modallab.service.campaigns.live_frf import live_frf
+
+    frf = live_frf(service.store, run)
+    mark(response, tag)
+    return FrfView(
+        run=run,
+        quantity=frf.quantity,
+        unit=UNIT[frf.quantity],
+        frequency_hz=frf.frequency_hz,
+        values=frf.values,
+        coherence=frf.coherence,
+        outputs=frf.outputs,
+        output_points=frf.output_points,
+        input_points=frf.input_points,
+        averages=frf.averages,
+    )

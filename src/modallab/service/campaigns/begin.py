@@ -1,22 +1,27 @@
 """How a run begins: looked at as far as can be without the bench, then handed to the rig's controller."""
 
+from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.core.documents.runs import RunNew
-from modallab.core.plan import Plan
-from modallab.service.campaigns.plan_size import require_reasonable
-from modallab.service.campaigns.remaining import remaining_plan
+from modallab.core.errors import PlanError
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.rigs.control import ControllerState, StartRun
-from modallab.service.rigs.transitions import rejection
-from modallab.storage.durable import require_space
-from modallab.storage.free_space import require_room
-from modallab.storage.records import ENDED
+from modallab.service.rigs.control import ControllerState, StartRun, rejection
+from modallab.storage.durable import require_room, require_space
+from modallab.storage.records import ENDED, BlockRecord
 from modallab.storage.samples import RESERVE_BYTES
 
 LEAST_BYTES = 2
+MAX_BLOCK_BYTES = 256 << 20
+MAX_RATE_HZ = 1e6
+MAX_SECONDS = 3600.0
+MAX_BLOCKS = 100_000
+_BYTES_A_SAMPLE = 8
 
 
 def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> str:
@@ -70,3 +75,69 @@ def _require_possible(plan: Plan, controller: ControllerState) -> None:
     # The controller says better what is wrong with a bench that is not open.
     if controller.info is not None:
         require_possible(plan, controller.rig, controller.info)
+
+
+def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
+    """The same plan without what good blocks are there for.
+
+    A point of an impact test is struck anew if any of its hits is missing, since a plan wants as many at each point.
+    Levels of a sine test keep all frequencies that are missing at any of them.
+
+    Raises:
+        ConflictError: nothing is left to do.
+    """
+    good = [block.note for block in blocks if block.note.accepted]
+    if isinstance(plan, ImpactPlan):
+        counts = {point: sum(note.drive_point == point for note in good) for point in plan.points}
+        points = tuple(point for point in plan.points if counts[point] < plan.hits)
+        if not points:
+            raise _complete()
+        return plan.model_copy(update={"points": points})
+    have = {(note.level, note.frequency_hz) for note in good}
+    missing = [(level, f) for level in plan.levels_v for f in plan.frequencies_hz if (level, f) not in have]
+    if not missing:
+        raise _complete()
+    levels = {level: volts for level, volts in plan.levels_v.items() if any(level == other for other, _ in missing)}
+    frequencies = tuple(f for f in plan.frequencies_hz if any(f == g for _, g in missing))
+    return plan.model_copy(update={"frequencies_hz": frequencies, "levels_v": levels})
+
+
+def _complete() -> ConflictError:
+    return ConflictError("the run has all its plan asked for", where="continues", remedy="send a plan of its own")
+
+
+def require_reasonable(plan: Plan, rig: Rig) -> None:
+    """Reject numbers that are not finite, or beyond all that a bench could be asked for.
+
+    Raises:
+        PlanError: names every such field.
+    """
+    numbers = {name: value for name, value in plan.model_dump().items() if isinstance(value, float)}
+    problems = [f"{name} is {value}; allowed: finite numbers" for name, value in numbers.items() if not isfinite(value)]
+    problems += [
+        f"{name} is {value:g}; allowed: up to {MAX_SECONDS:g}"
+        for name, value in numbers.items()
+        if name.endswith("_s") and value > MAX_SECONDS
+    ]
+    problems += [
+        f"{name} is {value:g}; allowed: up to {MAX_RATE_HZ:g}"
+        for name, value in numbers.items()
+        if name in ("rate_hz", "delivered_hz") and value > MAX_RATE_HZ
+    ]
+    if not problems:
+        problems = _too_many(plan, rig)
+    if problems:
+        raise PlanError("; ".join(problems), where=f"{plan.kind} plan", remedy="change the plan")
+
+
+def _too_many(plan: Plan, rig: Rig) -> list[str]:
+    samples = plan.block_s * plan.rate_hz
+    found: list[str] = []
+    if samples < 16 or samples * len(rig.channels) * _BYTES_A_SAMPLE > MAX_BLOCK_BYTES:
+        found.append(f"a block of block_s at rate_hz has {samples:g} samples a channel; allowed: 16 to as many as fit")
+    blocks = (
+        len(plan.frequencies_hz) * len(plan.levels_v) if isinstance(plan, SinePlan) else len(plan.points) * plan.hits
+    )
+    if blocks > MAX_BLOCKS:
+        found.append(f"{blocks} blocks; allowed: up to {MAX_BLOCKS}")
+    return found

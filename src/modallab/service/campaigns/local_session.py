@@ -1,32 +1,53 @@
 """A session at the bench from one program: as in the service, but in this process."""
 
+import getpass
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Self
 
+from modallab.core.block import Campaign
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Command, RunNew
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
+from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.begin import begin
-from modallab.service.campaigns.recovery import Recovery
 from modallab.service.context import open_service
 from modallab.service.errors import RigUnavailableError, RunEndedError, ServiceError
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
-from modallab.service.rigs.active_run import Diary
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
-from modallab.storage import Store
+from modallab.service.rigs.diary import Diary, Recovery
+from modallab.storage import Store, campaign_of
 from modallab.storage.lease import Lease
 
 LOCK = "service.lock"
 LOOK_S = 0.05
 OPEN_S = 300.0
 LEASE_S = 3600.0
+
+
+def record_campaign(
+    url: str, rig: Rig, plans: Sequence[Plan], folder: Path, notify: Callable[[EventView], None]
+) -> Campaign:
+    """Run `plans` in turn on the bench at `url`, in its own process, and read back what was recorded.
+
+    Args:
+        url: address of the bench.
+        rig: what stands on it.
+        plans: what to do, in this order, as `LocalCampaign.run_all`.
+        folder: where the recordings are kept.
+        notify: called with every event, as it comes.
+
+    Raises:
+        ModallabError: what ended a run early; the output is at zero and all acknowledged blocks are in the folder.
+    """
+    with LocalCampaign(rig, url, folder, rig.name, getpass.getuser()) as session:
+        return session.recorded(session.run_all(plans, notify))
 
 
 class LocalCampaign:
@@ -58,8 +79,30 @@ class LocalCampaign:
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
 
+    def run_all(self, plans: Sequence[Plan], notify: Callable[[EventView], None]) -> tuple[str, ...]:
+        """Run plans in turn, each as `run`; returns the runs' names.
+
+        A sine test that lengthens its bursts until they have settled, and names no modes, takes those of the impact
+        test before it.
+
+        Raises:
+            ModallabError: as `run`; the plans after it are not begun.
+        """
+        runs: list[str] = []
+        for plan in plans:
+            runs.append(self.run(with_known_modes(plan, lambda: self.recorded(runs)), notify))
+        return tuple(runs)
+
+    def recorded(self, runs: Sequence[str]) -> Campaign:
+        """What runs have recorded, read back from the disk.
+
+        Raises:
+            StorageError, DataError: it cannot be read, or does not belong together.
+        """
+        return campaign_of(self._store, runs)
+
     def run(self, plan: Plan, notify: Callable[[EventView], None]) -> str:
-        """Run a plan to its end; `tell` gets every event of it. Returns the run's name.
+        """Run a plan to its end; `notify` gets every event of it. Returns the run's name.
 
         Raises:
             ModallabError: it could not be begun, or ended early; what was acknowledged is kept.
@@ -79,7 +122,7 @@ class LocalCampaign:
             ended = ended or self._has_ended()
 
     def command(self, run: str, command: Command) -> None:
-        """Tell the active run something. Raises as `Control`."""
+        """Pass a command on to the active run. Raises as `Control`."""
         self._controllers.command(self._rig, run, command, self._lease.id)
 
     def emergency_stop(self, reason: str) -> None:

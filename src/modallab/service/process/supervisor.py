@@ -16,21 +16,17 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
-from modallab.service.after_run import AfterRun
-from modallab.service.campaigns.recovery import Recovery
 from modallab.service.errors import ServiceError
-from modallab.service.jobs.job_watch import JobWatch
-from modallab.service.process.api_process import run_api
-from modallab.service.process.child import Child
-from modallab.service.process.heartbeat import HeartbeatTimer
-from modallab.service.process.job_process import Computing, run_jobs
+from modallab.service.jobs.background import AfterRun, JobWatch
+from modallab.service.process.child import Child, HeartbeatTimer
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
+from modallab.service.process.workers import Computing, run_api, run_jobs
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
-from modallab.service.rigs.active_run import Diary
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
+from modallab.service.rigs.diary import Diary, Recovery
 from modallab.storage import Store
 from modallab.storage.lease import Lease
 
@@ -177,19 +173,19 @@ class Supervisor:
     def _guard(self) -> None:
         """The heartbeat, which waits for nothing."""
         tripped = False
-        silence = HeartbeatTimer(self._settings.timeout_s, BEAT_LOOK_S)
+        timer = HeartbeatTimer(self._settings.heartbeat_timeout_s, BEAT_LOOK_S)
         while not self._closing.wait(BEAT_LOOK_S):
-            trouble = self._trouble(silence)
+            trouble = self._trouble(timer)
             if trouble and not tripped:
                 self._trip(trouble)
             tripped = bool(trouble)
 
-    def _trouble(self, silence: HeartbeatTimer) -> str:
+    def _trouble(self, timer: HeartbeatTimer) -> str:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        timed_out = silence.look(counter.heard_s, self._api.used_s)
-        # Started anew it may be back within the second that silence is given: its end alone is reason enough.
+        timed_out = timer.look(counter.heard_s, self._api.used_s)
+        # Started anew it may be back within the second that it is given: its end alone is reason enough.
         return counter.gone or (
             f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
         )

@@ -6,7 +6,7 @@ from typing import Any
 from sqlalchemy import Connection, Engine, insert, select
 
 from modallab.core.documents.pages import AuditEntry
-from modallab.service.records.database import reading, writing
+from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import AUDIT
 

@@ -6,13 +6,16 @@ from dataclasses import dataclass
 from threading import Lock
 from typing import Any
 
-from sqlalchemy import Connection, Engine, func, insert, select, text
+from sqlalchemy import Connection, Engine, RowMapping, func, insert, select, text
 
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import StorageError
-from modallab.service.records.database import reading, writing
+from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import EVENTS
+
+FORMERLY = {"hit_wanted": "hit_requested", "hit_refused": "hit_rejected"}
+"""Kinds of events as older programs wrote them -> as they are called now; what is in the log stays as it is."""
 
 MAX_WAITING = 10_000
 """Events kept in memory while the disk takes none; the oldest go first."""
@@ -28,7 +31,7 @@ class Topic:
 
 
 class EventLog:
-    """Appends and reads events. A full disk delays them and never stops who tells them."""
+    """Appends and reads events. A full disk delays them and never stops who reports them."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
@@ -67,7 +70,7 @@ class EventLog:
             if requested:
                 query = query.where(EVENTS.c[name] == requested)
         with reading(self._engine) as connection:
-            return [EventView(**row) for row in connection.execute(query).mappings()]
+            return [_view(row) for row in connection.execute(query).mappings()]
 
     def last(self) -> int:
         """Number of the newest event, 0 if there is none."""
@@ -85,6 +88,14 @@ class EventLog:
         except StorageError:
             return
         self._waiting.clear()
+
+
+def _view(row: RowMapping) -> EventView:
+    event = EventView(**row)
+    if event.kind not in FORMERLY:
+        return event
+    kind = FORMERLY[event.kind]
+    return event.model_copy(update={"kind": kind, "content": event.content | {"kind": kind}})
 
 
 def one_at_a_time(connection: Connection) -> None:

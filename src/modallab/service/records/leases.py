@@ -9,7 +9,7 @@ from sqlalchemy import Connection, Engine, delete, insert, select, update
 from modallab.core.documents.rigs import Lease, LeaseHolder
 from modallab.service.errors import LeaseHeldError, LeaseNeededError
 from modallab.service.records import audit
-from modallab.service.records.database import reading, writing
+from modallab.storage.engine import reading, writing
 from modallab.storage.service_tables import LEASES
 
 REMEDY = "ask for the lease of the rig, renew it before it is over, and send its id as Modallab-Lease"

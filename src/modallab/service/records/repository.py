@@ -1,4 +1,4 @@
-"""The repository of campaigns: which there are, which runs belong to each, how each run ended."""
+"""The repository of campaigns: which there are, which runs and jobs belong to each, how each run ended."""
 
 import secrets
 from dataclasses import dataclass
@@ -8,11 +8,12 @@ from typing import Any
 from sqlalchemy import Connection, Engine, insert, select, update
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
+from modallab.jobs import Job
 from modallab.service.errors import ChangedError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.database import reading, writing
+from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
-from modallab.storage.service_tables import CAMPAIGN_RUNS, CAMPAIGNS
+from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class RunEntry:
 
 
 class CampaignRepository:
-    """Campaigns and their runs, in the service's database."""
+    """Campaigns with their runs and jobs, in the service's database."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
@@ -134,6 +135,33 @@ class CampaignRepository:
         while (entry := self.entry(found[0])) is not None and entry.continues and entry.continues not in found:
             found.insert(0, entry.continues)
         return tuple(found)
+
+    def add_job(self, campaign: str, job: Job, operator: str) -> None:
+        """Keep that a job is of a campaign; nothing to do if that is known.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.job == job.id
+        with writing(self._engine) as connection:
+            if connection.scalar(select(CAMPAIGN_JOBS.c.job).where(*mine)) is not None:
+                return
+            connection.execute(insert(CAMPAIGN_JOBS).values(campaign=campaign, job=job.id, kind=job.kind))
+            audit.note(connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)})
+
+    def jobs(self, campaign: str, kind: str | None = None) -> list[str]:
+        """Names of the jobs of a campaign, of one kind or of all, the newest first."""
+        query = select(CAMPAIGN_JOBS.c.job).where(CAMPAIGN_JOBS.c.campaign == campaign)
+        if kind is not None:
+            query = query.where(CAMPAIGN_JOBS.c.kind == kind)
+        with reading(self._engine) as connection:
+            return list(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc())))
+
+    def campaign_of_job(self, job: str) -> str:
+        """The campaign a job was ordered for first, else ""."""
+        query = select(CAMPAIGN_JOBS.c.campaign).where(CAMPAIGN_JOBS.c.job == job).limit(1)
+        with reading(self._engine) as connection:
+            return connection.scalar(query) or ""
 
 
 _ENTRY = ("run", "campaign", "rig", "operator", "continues", "code")

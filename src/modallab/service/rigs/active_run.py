@@ -1,57 +1,72 @@
-"""A run that is going on: it enters the repository first, then its events go into the log as they come."""
+"""A run of a rig: requested, then going on, with its events put into the log as they come, and commanded."""
 
 import logging
 from concurrent.futures import Future
+from concurrent.futures import TimeoutError as NotYetError
 from contextlib import suppress
-
-from sqlalchemy import Engine
+from threading import Lock
 
 from modallab.acquisition.process.rig_process import RigProcess
+from modallab.core.documents.runs import Command, Drop, Repeat
 from modallab.core.errors import ModallabError, StorageError
 from modallab.core.events import Event, Failed, RunState, StateChanged
 from modallab.core.plan import Plan
+from modallab.service.errors import NotFoundError, RigUnavailableError
 from modallab.service.records import audit
-from modallab.service.records.event_log import EventLog, Topic
-from modallab.service.records.repository import CampaignRepository, RunEntry
-from modallab.service.rigs.control import StartRun
-from modallab.service.rigs.run_end import Ends
-from modallab.storage import Store
+from modallab.service.records.event_log import Topic
+from modallab.service.records.repository import RunEntry
+from modallab.service.rigs.control import StartRun, require_action
+from modallab.service.rigs.diary import Diary
 from modallab.storage.records import ENDED
 
-LOG = logging.getLogger(__name__)
 
+class RequestedRun:
+    """An order, and whose it is. Nobody would know of a run that begins after its asker heard that it did not."""
 
-class Diary:
-    """Where a controller writes: the repository, the log of events, and who did what."""
+    def __init__(self, order: StartRun, operator: str) -> None:
+        self.order = order
+        self.operator = operator
+        self.begun: Future[str] = Future()
+        self.again = False
+        """Whether the rig's process ended before it could begin, so that this is the second try."""
+        self._lock = Lock()
+        self._on_its_way = self._given_up = False
 
-    def __init__(self, store: Store, log: EventLog) -> None:
-        self.store = store
-        self.log = log
-        self.engine: Engine = store.catalogue.engine
-        self.repository = CampaignRepository(self.engine)
-        self.ends = Ends()
+    def wait(self, patience_s: float) -> str:
+        """The run's name, once it has begun.
 
-    def rig_state(self, rig: str, state: str, error: str) -> None:
-        """The rig's process is in another state."""
-        self.log.append("rig", Topic(rig=rig), {"kind": "rig", "rig": rig, "state": state, "error": error})
-
-    def tripped(self, rig: str, reason: str, operator: str) -> None:
-        """Someone or something stopped the rig; a full disk does not undo that."""
-        content = {"kind": "tripped", "rig": rig, "reason": reason, "operator": operator}
-        self.log.append("tripped", Topic(rig=rig), content)
-        self._enter(operator, "emergency-stop", rig, reason)
-
-    def reset(self, rig: str, reason: str, operator: str) -> None:
-        """Someone has reset it."""
-        content = {"kind": "reset", "rig": rig, "reason": reason, "operator": operator}
-        self.log.append("reset", Topic(rig=rig), content)
-        self._enter(operator, "reset", rig, reason)
-
-    def _enter(self, operator: str, action: str, rig: str, reason: str) -> None:
+        Raises:
+            RigUnavailableError: it has not; if it is not being tried just now it will not be.
+            ModallabError: what kept it from beginning.
+        """
         try:
-            audit.enter(self.engine, operator, action, rig, {"reason": reason})
-        except StorageError as error:
-            LOG.warning("%s of %s by %s could not be kept: %s", action, rig, operator, error)
+            return self.begun.result(patience_s)
+        except NotYetError as error:
+            with self._lock:
+                self._given_up = not self._on_its_way
+            raise RigUnavailableError(
+                f"the run had not begun after {patience_s:g} s",
+                where=self.order.rig,
+                remedy="ask again when the rig is idle" if self._given_up else "look at the campaign's list of runs",
+            ) from error
+
+    def claim(self) -> bool:
+        """Whether it is still requested; it is on its way then."""
+        with self._lock:
+            self._on_its_way = not self._given_up
+            return self._on_its_way
+
+    def put_back(self) -> None:
+        """It could not be tried, and will be once more."""
+        with self._lock:
+            self._on_its_way, self.again = False, True
+
+    def reject(self, error: ModallabError) -> None:
+        """It cannot begin."""
+        self.begun.set_exception(error)
+
+
+LOG = logging.getLogger(__name__)
 
 
 class ActiveRun:
@@ -75,6 +90,30 @@ class ActiveRun:
         """Run the plan to its end. `begun` gets the run's name; what kept it from beginning is returned, not raised."""
         with self.diary.ends.following(self):
             return self._follow(process, begun)
+
+    def command(self, process: RigProcess, command: Command, operator: str) -> None:
+        """Pass a command on, and keep who gave it.
+
+        Raises:
+            IllegalTransitionError: the run's state has no step for it.
+            PlanError: a frequency or level the plan does not have.
+            NotFoundError: a block the run does not have.
+        """
+        require_action(self.state, command.kind)
+        simple = {"pause": process.pause, "resume": process.resume, "stop": process.stop, "abort": process.abort}
+        if isinstance(command, Repeat):
+            process.repeat(command.frequency_hz, command.level or "")
+        elif isinstance(command, Drop):
+            process.drop(self._block_name(command.n), command.reason)
+        else:
+            simple[command.kind]()
+        audit.enter(self.diary.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
+
+    def _block_name(self, n: int) -> str:
+        for block in self.diary.store.catalogue.blocks(self.run):
+            if block.n == n:
+                return block.note.name
+        raise NotFoundError(f"run {self.run} has no block {n}", where="n", remedy="look at the list of its blocks")
 
     def _follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         try:
@@ -110,7 +149,7 @@ class ActiveRun:
             self._keep_code(event.code)
 
     def _ended_by(self, error: ModallabError) -> None:
-        # A process that was killed told nobody how its run ended; its owner has marked it since.
+        # A process that was killed reported nothing of its run's end; its owner has marked it since.
         if not self.run or self.state in ENDED:
             return
         reason = error.what

@@ -1,13 +1,20 @@
-"""What can be asked of the rigs, wherever they are driven from: in this process or in the service's supervisor."""
+"""What can be asked of the rigs, wherever they are driven from, and which steps a run may take."""
 
 from dataclasses import dataclass
 from typing import Protocol
 
+from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.rigs import RigState
-from modallab.core.documents.runs import Command
+from modallab.core.documents.runs import Action, Command
+from modallab.core.events import RunState
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
+
+REQUESTED: dict[Action, RunState] = {"pause": "paused", "resume": "acquiring", "stop": "stopping", "abort": "stopping"}
+"""The state an action leads to; dropping and repeating lead to none."""
+AT_WORK: frozenset[RunState] = frozenset({"armed", "acquiring", "paused"})
+"""States in which a block can be asked for again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +79,7 @@ class Control(Protocol):
         ...
 
     def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
-        """Tell an active run something.
+        """Pass a command on to an active run.
 
         Raises:
             LeaseNeededError, IllegalTransitionError, ConflictError.
@@ -90,3 +97,34 @@ class Control(Protocol):
             LeaseNeededError, NotFoundError.
         """
         ...
+
+
+def legal_after(state: RunState) -> tuple[RunState, ...]:
+    """States that may follow."""
+    return tuple(sorted(TRANSITIONS[state]))
+
+
+def require_action(state: RunState, action: Action) -> None:
+    """Reject an action that the table has no step for.
+
+    Raises:
+        IllegalTransitionError: with the list of legal states.
+    """
+    requested = REQUESTED.get(action)
+    if requested is not None and (requested not in TRANSITIONS[state] or _only_begins(state, action)):
+        raise rejection(state, f"become {requested}")
+    if requested is None and state not in AT_WORK:
+        raise rejection(state, action)
+
+
+def rejection(state: RunState, what: str) -> IllegalTransitionError:
+    """What to raise when a run cannot do `what` in its state."""
+    return IllegalTransitionError(
+        f"a run that is {state} cannot {what}",
+        remedy=f"legal: {', '.join(legal_after(state)) or 'none, it has ended'}",
+    )
+
+
+def _only_begins(state: RunState, action: Action) -> bool:
+    # Armed leads to acquiring too, but by a hit or a burst and not by an operator who resumes.
+    return action == "resume" and state != "paused"

@@ -9,6 +9,7 @@ from queue import Empty, SimpleQueue
 from threading import Event as Flag
 from threading import Lock, Thread
 
+from modallab.acquisition.monitor.live import frame
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import BenchInfo
@@ -17,11 +18,9 @@ from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.service.errors import ConflictError, NotFoundError, RigUnavailableError
-from modallab.service.rigs.active_run import ActiveRun, Diary
-from modallab.service.rigs.commands import notify
+from modallab.service.rigs.active_run import ActiveRun, RequestedRun
 from modallab.service.rigs.control import ControllerState, StartRun
-from modallab.service.rigs.live_frame import frame
-from modallab.service.rigs.requested_run import RequestedRun
+from modallab.service.rigs.diary import Diary
 
 LOG = logging.getLogger(__name__)
 
@@ -141,7 +140,7 @@ class Controller:
         active, process = self._active, self._process
         if active is None or process is None or active.run != run:
             raise ConflictError(f"run {run} is not going on", where=self.bench.id, remedy="look at the list of runs")
-        notify(process, active, command, operator)
+        active.command(process, command, operator)
 
     def emergency_stop(self, reason: str, operator: str) -> None:
         """Bring the output to 0 V and latch, whatever else goes on.

@@ -1,5 +1,8 @@
-"""What the service is told of other machines: the database's server, and the scheduler with its certificates."""
+"""What is settled before the service starts: its token, its database, and the scheduler with its certificates."""
 
+import os
+import secrets
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sqlalchemy.engine import make_url
@@ -13,11 +16,60 @@ if TYPE_CHECKING:
     from modallab.jobs.address import Tls
 
 
+NAME = "token"
+
+
+def token_path(settings: Settings) -> Path:
+    """Where the token is kept."""
+    return settings.token_file or settings.data / NAME
+
+
+def require_token(settings: Settings) -> str:
+    """The token of the settings, or that of the file, which is made if it is not there.
+
+    Raises:
+        ServiceError: others may reach the service and no token was chosen for it; the file cannot be used.
+    """
+    if settings.token is not None:
+        return settings.token
+    if not settings.is_local:
+        raise ServiceError(
+            f"others can reach {settings.host}, and no token was chosen",
+            where="host",
+            remedy="set MODALLAB_TOKEN to at least 16 characters, or listen on 127.0.0.1",
+        )
+    path = token_path(settings)
+    try:
+        return _read(path) or _make(path)
+    except OSError as error:
+        raise ServiceError(
+            f"the token file cannot be used: {error.strerror}", where=str(path), remedy="name another by --token-file"
+        ) from error
+
+
+def _read(path: Path) -> str:
+    if not path.exists():
+        return ""
+    # A file that others could read in between is no secret any more.
+    shared = os.name == "posix" and path.stat().st_mode & 0o077
+    return "" if shared else path.read_text(encoding="ascii").strip()
+
+
+def _make(path: Path) -> str:
+    token = secrets.token_urlsafe(32)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(descriptor, "w", encoding="ascii") as file:
+        file.write(token + "\n")
+    return token
+
+
 def settle_database(settings: Settings) -> None:
     """Have the data folder name the database of the settings, if it names none yet; what it names is what counts.
 
     Raises:
-        ServiceError: it names another one, or the setting is no address. No password is told.
+        ServiceError: it names another one, or the setting is no address. No password is shown.
         FormatError: it has a catalogue of its own.
     """
     if settings.database is None:

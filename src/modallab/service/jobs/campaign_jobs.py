@@ -1,16 +1,12 @@
-"""Work on a campaign: ordered once, remembered with the campaign."""
-
-from sqlalchemy import select
+"""Work on a campaign: ordered once, remembered with the campaign, and the files it leaves."""
 
 from modallab.core.documents.results import JobKind, JobNew
+from modallab.core.errors import StorageError
 from modallab.jobs import Job
 from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
-from modallab.service.records.campaign_jobs import remember
-from modallab.service.records.database import reading
 from modallab.storage.records import ENDED
-from modallab.storage.service_tables import CAMPAIGN_JOBS
 
 
 def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator: str) -> Job:
@@ -24,7 +20,7 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
     runs = _runs(service, campaign, new.runs)
     parse_parameters(kind, new.parameters)
     job = service.jobs.submit(kind, dict(new.parameters), runs)
-    remember(service.store.catalogue.engine, campaign, job, operator)
+    service.repository.add_job(campaign, job, operator)
     return job
 
 
@@ -35,12 +31,7 @@ def campaign_jobs(service: Service, campaign: str, kind: str | None = None) -> l
         NotFoundError: no such campaign.
     """
     service.repository.campaign(campaign)
-    query = select(CAMPAIGN_JOBS.c.job).where(CAMPAIGN_JOBS.c.campaign == campaign).order_by(CAMPAIGN_JOBS.c.n.desc())
-    if kind is not None:
-        query = query.where(CAMPAIGN_JOBS.c.kind == kind)
-    with reading(service.engine) as connection:
-        names = connection.scalars(query).all()
-    return [service.jobs.get(name) for name in names]
+    return [service.jobs.get(name) for name in service.repository.jobs(campaign, kind)]
 
 
 def _runs(service: Service, campaign: str, requested: tuple[str, ...] | None) -> tuple[str, ...]:
@@ -61,3 +52,46 @@ def _runs(service: Service, campaign: str, requested: tuple[str, ...] | None) ->
 
 def _counts(service: Service, run: str) -> bool:
     return any(block.note.accepted for block in service.store.catalogue.blocks(run))
+
+
+_NOUN = {"diagnose": "diagnosis", "identify": "model"}
+
+
+def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
+    """The file of the newest job of a kind that is done.
+
+    Raises:
+        NotFoundError: no such campaign, or no such job is done.
+        StorageError: the file cannot be read.
+    """
+    jobs = campaign_jobs(service, campaign, kind)
+    for job in jobs:
+        if job.state == "done":
+            return job_file(service, job, name)
+    raise _none_yet(campaign, _NOUN.get(kind, kind), next(iter(jobs), None))
+
+
+def _none_yet(campaign: str, noun: str, newest: Job | None) -> NotFoundError:
+    if newest is None:
+        return NotFoundError(f"campaign {campaign} has no {noun}", where=campaign, remedy="order one, and wait")
+    why = f": {newest.error}" if newest.error else ""
+    remedy = "order it again" if newest.ended else f"wait until job {newest.id} has ended"
+    return NotFoundError(f"the {noun} of campaign {campaign} is {newest.state}{why}", where=campaign, remedy=remedy)
+
+
+def job_file(service: Service, job: Job, name: str) -> bytes:
+    """A file that a job left.
+
+    Raises:
+        NotFoundError: it left none of this name.
+        StorageError: the file cannot be read.
+    """
+    result = job.result if isinstance(job.result, dict) else {}
+    files = result.get("files")
+    place = files.get(name) if isinstance(files, dict) else None
+    if not isinstance(place, str):
+        raise NotFoundError(f"job {job.id} left no file {name!r}", where=job.id, remedy="look at its result")
+    try:
+        return (service.folder / place).read_bytes()
+    except OSError as error:
+        raise StorageError(f"cannot be read: {error.strerror}", where=place, remedy="order it again") from error

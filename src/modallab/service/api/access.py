@@ -1,16 +1,20 @@
-"""Who may ask, and how much: looked at before any route."""
+"""Who may ask, and how much: looked at before any route; and logging in with a browser."""
 
 import hashlib
 import secrets
 from collections.abc import Iterable
+from typing import Annotated
 
+from fastapi import Request, Response
+from pydantic import Field
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from modallab.service.api.problem_kinds import KINDS
-from modallab.service.api.problems import problem
+from modallab.core.frozen import Frozen
+from modallab.service.api.problems import kinds, problem
+from modallab.service.api.router import OPEN, make_router
 
 COOKIE = "modallab_session"
 OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/", "/docs", "/openapi.json"})
@@ -87,7 +91,7 @@ async def _reject(scope: Scope, receive: Receive, send: Send, code: str, detail:
     if scope["type"] == "websocket":
         await send({"type": "websocket.close", "code": 1008, "reason": detail[:100]})
         return
-    kind = KINDS[code]
+    kind = kinds()[code]
     headers = {"WWW-Authenticate": "Bearer"} if kind.status == 401 else {}
     await problem(kind, detail, headers, remedy=kind.meaning)(scope, receive, send)
 
@@ -100,3 +104,33 @@ def _name(host: str) -> str:
 
 def _digits(text: str) -> str:
     return text if text.isascii() and text.isdigit() and len(text) < 19 else "0"
+
+
+router = make_router("session")
+
+
+class Login(Frozen):
+    """The token of the service."""
+
+    token: Annotated[str, Field(max_length=200)]
+
+
+@router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
+def log_in(login: Login, request: Request) -> Response:
+    """Get a cookie that stands for the token; no script of a page can read it, and no other site can send it."""
+    token: str = request.app.state.token
+    if not secrets.compare_digest(login.token.encode(), token.encode()):
+        kind = kinds()["token-needed"]
+        return problem(kind, "the token is wrong", {"WWW-Authenticate": "Bearer"}, remedy=kind.meaning)
+    response = Response(status_code=204)
+    secure = request.url.scheme == "https"
+    response.set_cookie(COOKIE, session_of(token), httponly=True, samesite="strict", secure=secure, path="/")
+    return response
+
+
+@router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
+def log_out() -> Response:
+    """Give the cookie back."""
+    response = Response(status_code=204)
+    response.delete_cookie(COOKIE, path="/")
+    return response

@@ -1,0 +1,93 @@
+"""What happens to jobs without a request: a run that ended is identified, and progress is logged as events."""
+
+import logging
+import time
+
+from sqlalchemy import Engine
+
+from modallab.core.errors import ModallabError, UnknownJobError
+from modallab.jobs import Job, Jobs
+from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.repository import CampaignRepository
+from modallab.storage import Store
+
+LOOK_S = 0.5
+PAGE = 100
+
+
+class JobWatch:
+    """Looks at the open jobs, and logs what has changed since."""
+
+    def __init__(self, engine: Engine, jobs: Jobs, log: EventLog) -> None:
+        self._repository = CampaignRepository(engine)
+        self._jobs = jobs
+        self._log = log
+        self._known: dict[str, tuple[str, float]] = {}
+        self._looked_s = float("-inf")
+
+    def look(self) -> None:
+        """Look, if it is time.
+
+        Raises:
+            StorageError: the table cannot be read.
+        """
+        if time.monotonic() - self._looked_s < LOOK_S:
+            return
+        self._looked_s = time.monotonic()
+        now = {job.id: job for state in ("queued", "running") for job in self._jobs.list(state=state, limit=PAGE).jobs}
+        for name in [*now, *(known for known in self._known if known not in now)]:
+            self._notify(now.get(name) or self._get(name), name)
+
+    def _notify(self, job: Job | None, name: str) -> None:
+        if job is None:
+            self._known.pop(name, None)
+            return
+        stand = (job.state, round(job.progress, 1))
+        if self._known.get(name) != stand:
+            content = {"kind": "job", "job": job.id, "of": job.kind, "state": job.state, "progress": job.progress}
+            content |= {"inputs": list(job.inputs), "error": job.error}
+            self._log.append("job", Topic(campaign=self._repository.campaign_of_job(name)), content)
+        if job.ended:
+            self._known.pop(name, None)
+        else:
+            self._known[name] = stand
+
+    def _get(self, name: str) -> Job | None:
+        try:
+            return self._jobs.get(name)
+        except UnknownJobError:
+            return None
+
+
+LOG = logging.getLogger(__name__)
+
+
+class AfterRun:
+    """Orders the identification of every run that ended with good blocks."""
+
+    def __init__(self, store: Store, jobs: Jobs) -> None:
+        self._store = store
+        self._jobs = jobs
+        self._repository = CampaignRepository(store.catalogue.engine)
+
+    def __call__(self, run: str) -> None:
+        """Order it; what keeps it from being ordered is in the log of the service, and it can be ordered again."""
+        try:
+            if self.worth_identifying(run):
+                self.identify(run)
+        except ModallabError as error:
+            LOG.warning("run %s: not identified: %s", run, error)
+
+    def worth_identifying(self, run: str) -> bool:
+        """Whether a run ended well and has blocks that count."""
+        record = self._store.catalogue.run(run)
+        blocks = self._store.catalogue.blocks(run)
+        return record.state == "done" and any(block.note.accepted for block in blocks)
+
+    def identify(self, run: str) -> Job:
+        """Order the model of a run and of all it continues."""
+        job = self._jobs.submit("identify", {}, self._repository.chain(run))
+        entry = self._repository.entry(run)
+        if entry is not None:
+            self._repository.add_job(entry.campaign, job, "service")
+        return job

@@ -1,0 +1,117 @@
+"""What runs in the processes that the supervisor starts: the REST service, and the computing of jobs."""
+
+import json
+import logging
+import os
+import signal
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from multiprocessing.connection import Connection
+from socket import socket
+
+from modallab.core.settings import Settings
+from modallab.service.process.wire import RemoteControl
+
+LOOK_S = 0.2
+
+
+class Lines(logging.Formatter):
+    """A record as one line of JSON."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line."""
+        said = {
+            "utc": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
+            "level": record.levelname,
+            "process": record.processName,
+            "from": record.name,
+            "what": record.getMessage(),
+        }
+        if record.exc_info:
+            said["error"] = self.formatException(record.exc_info)
+        return json.dumps(said)
+
+
+def set_up(level: str) -> None:
+    """Log to standard error."""
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(Lines())
+    logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
+    for talker in ("distributed", "uvicorn", "asyncio", "matplotlib"):
+        logging.getLogger(talker).setLevel(logging.WARNING)
+
+
+def run_api(connection: Connection, listener: socket, settings: Settings, token: str, boot: str) -> None:
+    """Serve on a socket that is bound already, until the supervisor is gone or says so."""
+    set_up(settings.log_level)
+    # Imported here: the supervisor, which is the same program, needs none of it.
+    import uvicorn
+
+    from modallab.service.api.app import create_app
+    from modallab.service.context import open_service
+
+    server: uvicorn.Server | None = None
+
+    def gone() -> None:
+        # Connections that never end, such as those that follow events, must not keep it.
+        if server is not None:
+            server.should_exit = True
+            server.force_exit = True
+
+    control = RemoteControl(connection, gone)
+    service = open_service(settings.data, control, boot)
+    app = create_app(service, settings, token)
+    control.on_frame = app.state.live.show
+    server = uvicorn.Server(
+        uvicorn.Config(
+            app,
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            ws="websockets-sansio",
+            timeout_graceful_shutdown=1,
+        )
+    )
+    try:
+        server.run(sockets=[listener])
+    finally:
+        service.close()
+    # A thread of a library that waits for a client would keep the process.
+    os._exit(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Computing:
+    """What the process reports: the name its jobs are held under, and the processes that it has started, by name."""
+
+    owner: str
+    processes: dict[str, int]
+
+
+def run_jobs(connection: Connection, settings: Settings) -> None:
+    """Compute jobs until the supervisor is gone or says so; it hears who holds them, and by which processes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    set_up(settings.log_level)
+    # Imported here: the supervisor, which is the same program, needs none of it.
+    from modallab.jobs import Jobs
+    from modallab.jobs.runner import Runner
+    from modallab.pipelines.job_kinds import campaigns_of, kinds
+    from modallab.service.process.start_up import tls_of
+    from modallab.storage import Store
+
+    with Store(settings.data) as store:
+        jobs = Jobs(store.catalogue.engine)
+        known = kinds(campaigns_of(store), store.folder)
+        runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
+        # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
+        reported = Computing(runner.owner, {})
+        with suppress(EOFError, OSError):
+            connection.send(reported)
+            with runner:
+                while not connection.poll(LOOK_S):
+                    now = Computing(runner.owner, runner.processes)
+                    if reported != now:
+                        reported = now
+                        connection.send(reported)

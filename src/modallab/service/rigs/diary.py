@@ -1,0 +1,165 @@
+"""Where a controller writes, and the end of every run: reported once, by whoever finds it out first."""
+
+import logging
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
+from threading import Lock
+from typing import Protocol
+
+from sqlalchemy import Engine, func, select
+
+from modallab.core.errors import StorageError
+from modallab.core.events import StateChanged
+from modallab.service.records import audit
+from modallab.service.records.event_log import EventLog, Topic
+from modallab.service.records.repository import CampaignRepository
+from modallab.storage import Store
+from modallab.storage.engine import reading
+from modallab.storage.records import ENDED
+from modallab.storage.service_tables import CAMPAIGN_RUNS, EVENTS
+
+CODE = "interrupted"
+LOOK_S = 2.0
+
+
+class Followed(Protocol):
+    """A run while a controller follows it."""
+
+    run: str
+    """Its name; "" until it has begun."""
+
+
+class Ends:
+    """Runs that are followed, and runs whose end was reported. From any thread."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._followed: list[Followed] = []
+        self._reported: set[str] = set()
+
+    @contextmanager
+    def following(self, active: Followed) -> Generator[None]:
+        """While this lasts, who follows the run reports its end, and nobody else."""
+        with self._lock:
+            self._followed.append(active)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._followed.remove(active)
+
+    def notify(self, run: str) -> bool:
+        """Whether this end is to be reported: nobody has."""
+        with self._lock:
+            new = run not in self._reported
+            self._reported.add(run)
+            return new
+
+    def left_alone(self, run: str) -> bool:
+        """Whether nobody follows the run, nor one that might yet turn out to be it."""
+        with self._lock:
+            return all(active.run not in ("", run) for active in self._followed)
+
+
+LOG = logging.getLogger(__name__)
+
+
+class Diary:
+    """Where a controller writes: the repository, the log of events, and who did what."""
+
+    def __init__(self, store: Store, log: EventLog) -> None:
+        self.store = store
+        self.log = log
+        self.engine: Engine = store.catalogue.engine
+        self.repository = CampaignRepository(self.engine)
+        self.ends = Ends()
+
+    def rig_state(self, rig: str, state: str, error: str) -> None:
+        """The rig's process is in another state."""
+        self.log.append("rig", Topic(rig=rig), {"kind": "rig", "rig": rig, "state": state, "error": error})
+
+    def tripped(self, rig: str, reason: str, operator: str) -> None:
+        """Someone or something stopped the rig; a full disk does not undo that."""
+        content = {"kind": "tripped", "rig": rig, "reason": reason, "operator": operator}
+        self.log.append("tripped", Topic(rig=rig), content)
+        self._enter(operator, "emergency-stop", rig, reason)
+
+    def reset(self, rig: str, reason: str, operator: str) -> None:
+        """Someone has reset it."""
+        content = {"kind": "reset", "rig": rig, "reason": reason, "operator": operator}
+        self.log.append("reset", Topic(rig=rig), content)
+        self._enter(operator, "reset", rig, reason)
+
+    def _enter(self, operator: str, action: str, rig: str, reason: str) -> None:
+        try:
+            audit.enter(self.engine, operator, action, rig, {"reason": reason})
+        except StorageError as error:
+            LOG.warning("%s of %s by %s could not be kept: %s", action, rig, operator, error)
+
+
+class Recovery:
+    """Looks now and then: a rig's process that outlived its service may die late, and a full disk may take no row."""
+
+    def __init__(self, diary: Diary, ended: Callable[[str], None] | None = None, look_s: float = LOOK_S) -> None:
+        """Begin with the runs whose end is not in the log of events.
+
+        Args:
+            diary: where it writes.
+            ended: called with the name of every run whose end is reported here.
+            look_s: between two looks at least.
+
+        Raises:
+            StorageError: the log cannot be read.
+        """
+        self._diary = diary
+        self._ended = ended
+        self._look_s = look_s
+        self._unreported = unreported(diary.engine)
+        self._looked_s = float("-inf")
+
+    def look(self) -> None:
+        """Mark what is there to be marked, and report what is there to be reported.
+
+        Raises:
+            StorageError: it could not be kept; the next look tries again.
+        """
+        now = time.monotonic()
+        if now - self._looked_s < self._look_s:
+            return
+        self._looked_s = now
+        self._unreported |= set(self._diary.store.recover())
+        for run in sorted(self._unreported):
+            # Who follows a run hears of its recorder's death at the same moment, and reports it.
+            if self._diary.ends.left_alone(run):
+                self._notify(run)
+
+    def _notify(self, run: str) -> None:
+        record = self._diary.store.catalogue.run(run)
+        if record.state not in ENDED:
+            return
+        self._unreported.discard(run)
+        if not self._diary.ends.notify(run):
+            return
+        entry = self._diary.repository.entry(run)
+        topic = Topic(run=run) if entry is None else Topic(entry.rig, entry.campaign, run)
+        if record.state == "failed" and entry is not None and not entry.code:
+            with suppress(StorageError):
+                self._diary.repository.set_code(run, CODE)
+        said = StateChanged(run=run, state=record.state, reason=record.reason)
+        self._diary.log.append("state", topic, said.model_dump())
+        if self._ended is not None:
+            self._ended(run)
+
+
+def unreported(engine: Engine) -> set[str]:
+    """Runs of the repository whose last state in the log of events is not their end.
+
+    Raises:
+        StorageError: the tables cannot be read.
+    """
+    of_a_run = select(func.max(EVENTS.c.seq)).where(EVENTS.c.kind == "state", EVENTS.c.run != "").group_by(EVENTS.c.run)
+    query = select(EVENTS.c.run, EVENTS.c.content).where(EVENTS.c.seq.in_(of_a_run))
+    with reading(engine) as connection:
+        reported = {row.run for row in connection.execute(query) if row.content["state"] in ENDED}
+        return set(connection.scalars(select(CAMPAIGN_RUNS.c.run))) - reported
