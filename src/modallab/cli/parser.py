@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.identification.estimator import USUAL, estimator_names
 
 
 class _Commands(Protocol):
@@ -60,11 +61,11 @@ def _add_identify(commands: _Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument("--method", choices=("peak", "circle", "plscf", "era"), default="plscf", help="estimator")
+    command.add_argument("--method", choices=estimator_names(), default=USUAL, help="estimator")
     command.add_argument(
         "--refine",
         action=argparse.BooleanOptionalAction,
-        help="begin a maximum-likelihood search with its poles, or keep them (default: refine plscf and era)",
+        help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
     )
     command.add_argument("--test", choices=("impact", "sine"), help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from modallab.core.block import Signals
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, impact_frf
-from modallab.identification.estimators.half_power import reading_near, summed_amplitude
 from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.start.half_power import reading_near, summed_amplitude
 
 Groups = Sequence[Sequence[Signals]]
 

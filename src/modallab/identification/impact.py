@@ -12,13 +12,12 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.block_readings import half_power_readings
-from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
 from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
 from modallab.identification.likelihood.search import NOT_SETTLED
-from modallab.identification.model.modal_model import model_of_fit
-from modallab.identification.model.unrefined import without_sigma
+from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.selection.confidence import least_strength, strength
 from modallab.identification.selection.operator_choice import chosen, start_poles

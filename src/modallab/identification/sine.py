@@ -18,12 +18,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, lines, output_quantity
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.half_power import reading_near, summed_amplitude
-from modallab.identification.estimators.missed_modes import with_missing
-from modallab.identification.estimators.refine_start import polished
-from modallab.identification.estimators.registry import estimate_poles
-from modallab.identification.estimators.stabilisation import Tolerance
-from modallab.identification.estimators.tones import Tone, clock_notes, default_band, fit_tone
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Grid
 from modallab.identification.likelihood.fit import Fit
@@ -32,10 +27,14 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import Parameters, Problem
 from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
 from modallab.identification.likelihood.sine_block import tone
-from modallab.identification.model.modal_model import model_of_fit
-from modallab.identification.model.unrefined import without_sigma
+from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.start.half_power import reading_near, summed_amplitude
+from modallab.identification.start.missed_modes import with_missing
+from modallab.identification.start.refine_start import polished
+from modallab.identification.start.stabilisation import Tolerance
+from modallab.identification.start.tones import Tone, clock_notes, default_band, fit_tone
 from modallab.signals.checks import check_test
 
 Real = NDArray[np.float64]

@@ -14,11 +14,11 @@ from modallab.core.rig import Rig
 from modallab.core.verification import Verification
 from modallab.frf.estimate import convert, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.tones import fit_tone
 from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.sine_block import ToneExcitation, tone
 from modallab.identification.model.modal_model import receptance
+from modallab.identification.start.tones import fit_tone
 from modallab.signals.bandpass import bandpass
 from modallab.signals.checks import check_test
 from modallab.signals.scaling import remove_mean
