@@ -28,8 +28,7 @@ from modallab.identification.sine import identify_sine
 from modallab.identification.start import half_power, mode_indicators
 from modallab.identification.start.bands import split_bands
 from modallab.signals.scaling import to_signals_of
-from modallab.verification.frac import frac
-from modallab.verification.verify import synthesised, verify_frf, verify_impact, verify_sine
+from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
 PHI = np.random.default_rng(0).standard_normal((2, 5))
 GOOD = replace(

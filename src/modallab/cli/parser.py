@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
 
@@ -47,7 +48,7 @@ def _add_demo(commands: _Commands) -> None:
 
 def _add_import(commands: _Commands) -> None:
     command = commands.add_parser("import", help="turn recordings of others into one campaign file")
-    command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help="UFF 58/58b, NPY, CSV or HDF5")
+    command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
     command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
