@@ -1,4 +1,4 @@
-"""The rig process's end of the pipe: orders, silence, a broken pipe."""
+"""The rig process's end of the pipe: orders, time-out, a broken pipe."""
 
 import multiprocessing
 import time
@@ -39,7 +39,7 @@ def test_a_broken_pipe_is_a_lost_owner() -> None:
     assert link.next_plan() is None
 
 
-def test_silence_is_a_lost_owner_and_a_heartbeat_is_none() -> None:
+def test_a_time_out_is_a_lost_owner_and_a_heartbeat_prevents_it() -> None:
     mine, theirs = multiprocessing.Pipe()
     link = Link(theirs, timeout_s=0.5)
     for _ in range(8):

@@ -23,7 +23,7 @@ def test_a_trip_stays_until_it_is_reset_and_the_first_cause_holds(tmp_path: Path
     latch = TripLatch(tmp_path, "nidaqmx://cDAQ1")
     assert latch.read() is None
     latch.trip("emergency stop", "by the operator")
-    latch.trip("silence", "later")
+    latch.trip("time-out", "later")
     again = TripLatch(tmp_path, "nidaqmx://cDAQ1")
     assert again.tripped
     with pytest.raises(TrippedError, match=r"emergency stop at 20.*by the operator") as caught:
@@ -70,14 +70,14 @@ def test_nothing_is_armed_while_it_is_tripped(store: Store, tmp_path: Path, plan
     assert failed.code == "tripped"
 
 
-@pytest.mark.parametrize(("cause", "state"), [("emergency stop", "aborted"), ("silence", "failed")])
+@pytest.mark.parametrize(("cause", "state"), [("emergency stop", "aborted"), ("time-out", "failed")])
 def test_a_run_ends_when_somebody_else_trips_the_rig(store: Store, tmp_path: Path, cause: str, state: str) -> None:
     bench, events = ScriptedBench(), list[Event]()
     latch = TripLatch(tmp_path, "scripted://")
 
     def control() -> None:
         if bench.done.count("play") == 2:
-            latch.trip("silence" if cause == "silence" else "emergency stop", "x")
+            latch.trip("time-out" if cause == "time-out" else "emergency stop", "x")
 
     rig = scripted_rig(LIMITS)
     with store.begin(SINE, rig, bench.info) as recorder:
@@ -120,3 +120,13 @@ def test_an_emergency_stop_without_a_run_latches_too(link_rig: Rig, tmp_path: Pa
         process.emergency_stop()
         with pytest.raises(TrippedError):
             list(process.run(SINE))
+
+
+def test_a_latch_of_an_earlier_version_is_read(tmp_path: Path) -> None:
+    latch = TripLatch(tmp_path, "sim://cantilever")
+    latch.trip("time-out", "no sign of life for 1 s")
+    (path,) = (tmp_path / "trips").iterdir()
+    path.write_text(path.read_text("utf-8").replace('"time-out"', '"silence"'), "utf-8")
+    found = latch.read()
+    assert found is not None
+    assert found.cause == "time-out"

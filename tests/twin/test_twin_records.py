@@ -90,7 +90,8 @@ def test_the_twin_with_its_rest_bends_statically_as_the_whole_beam_does() -> Non
 def test_the_rest_adds_to_a_hit_what_the_force_itself_presses() -> None:
     force = np.zeros(512)
     force[50:90] = np.hanning(40)
-    whole, few = (predict_hit(replace(TWIN, rest=r), force, 2000.0, 0.6, CHANNELS, X, 0.0) for r in (1.0, 0.0))
+    twins = (replace(TWIN, residual_compliance=r) for r in (1.0, 0.0))
+    whole, few = (predict_hit(twin, force, 2000.0, 0.6, CHANNELS, X, 0.0) for twin in twins)
     s = 2j * np.pi * np.fft.rfftfreq(512, 1 / 2000)
     pressed = np.fft.irfft(np.fft.rfft(force) * s**2, 512)
     expected = np.outer(solve(TWIN.structure).remainder(X, 0.6), pressed)

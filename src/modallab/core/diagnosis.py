@@ -1,6 +1,7 @@
 """What a diagnosis says, as a document."""
 
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -131,23 +132,25 @@ class Calibrated(Frozen):
         density_kg_m3: rho.
         zeta: damping ratio of each mode.
         gains: channel number -> factor, where sensitivities were free.
-        rest: share of the static compliance of the modes beyond the twin's own.
+        residual_compliance: static compliance of the modes above the twin's own, as a share of its nominal value.
         root_rotation: compliance of the root in L / EI, where the rig file tells of one; 0 is rigid.
     """
+
+    renamed: ClassVar[Mapping[str, str]] = {"rest": "residual_compliance"}
 
     youngs_modulus_pa: float
     thickness_m: float
     density_kg_m3: float
     zeta: list[float]
     gains: dict[int, float] = Field(default_factory=dict[int, float])
-    rest: float = 0.0
+    residual_compliance: float = 0.0
     root_rotation: float = 0.0
 
 
 class Diagnosis(Frozen):
     """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin."""
 
-    format_version: Literal[1] = DIAGNOSIS
+    format_version: Literal[1, 2] = DIAGNOSIS
     rig: str
     verdict: Verdict
     gap: Gap

@@ -1,17 +1,32 @@
 """The base of every document, and NumPy arrays as fields of one."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema, model_validator
 
 
 class Frozen(BaseModel):
-    """An immutable document that rejects fields it does not know."""
+    """An immutable document that rejects fields it does not know.
+
+    Attributes:
+        renamed: field of an older version -> its name today, so that stored documents stay readable.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    renamed: ClassVar[Mapping[str, str]] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_renamed(cls, content: object) -> object:
+        if not cls.renamed or not isinstance(content, Mapping):
+            return content
+        fields = cast("Mapping[str, object]", content)
+        # A document that holds both names is neither old nor new: the old one is then rejected as any unknown field.
+        names = {old: new for old, new in cls.renamed.items() if new not in fields}
+        return {names.get(name, name): value for name, value in fields.items()}
 
 
 def _real(value: object) -> NDArray[np.float64]:

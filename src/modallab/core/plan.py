@@ -1,6 +1,7 @@
 """What to do on the bench, as data."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
@@ -32,6 +33,8 @@ class ImpactPlan(Frozen):
     to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
     The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
     """
+
+    renamed: ClassVar[Mapping[str, str]] = {"max_refusals": "max_rejections"}
 
     kind: Literal["impact"] = "impact"
     points: Annotated[tuple[PositiveInt, ...], Field(min_length=1)]
@@ -91,6 +94,8 @@ class SinePlan(Frozen):
         settle_timeout_s: past it a burst begins though the beam still moves, which is recorded with it.
         force: amplitude of the force instead of a constant drive.
     """
+
+    renamed: ClassVar[Mapping[str, str]] = {"rest_s": "wait_s", "rest_timeout_s": "settle_timeout_s"}
 
     kind: Literal["sine"] = "sine"
     frequencies_hz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] = tuple(n / BLOCK_S for n in PAPER_LINES)

@@ -181,6 +181,6 @@ def _calibrated(fit: Fit) -> Calibrated:
         density_kg_m3=s.density_kg_m3,
         zeta=s.zeta.tolist(),
         gains=dict(twin.chain.gain),
-        rest=twin.rest,
+        residual_compliance=twin.residual_compliance,
         root_rotation=s.root_rotation,
     )

@@ -54,12 +54,12 @@ class Twin:
         structure: the beam.
         chain: the measurement chain.
         ei_drift: relative change of EI from the first record to the last.
-        course: (order over the last order, share of the drift) by which the change went; empty for evenly.
+        drift_curve: (order over the last order, share of the drift) by which the change went; empty for evenly.
         clock: relative error of the converter's rate.
         hit_shift_m: every hit lands that much farther from the clamp.
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
         stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
-        rest: share of what all modes beyond those of the twin add as a static compliance: 1 is the whole beam.
+        residual_compliance: share of the static compliance of all modes above the twin's own that counts; 1: all.
     """
 
     structure: Structure
@@ -70,7 +70,7 @@ class Twin:
     hit_shift_m: float = 0.0
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
-    rest: float = 0.0
+    residual_compliance: float = 0.0
 
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""

@@ -44,7 +44,7 @@ def predict_hit(
         forced, tail = source.kernel(poles)
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, channels, poles)) @ tail
-    forced_sum += twin.rest * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
+    forced_sum += twin.residual_compliance * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
     chain = transfer(twin.chain, channels, source.s)
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
@@ -94,8 +94,8 @@ def predict_sine(
         # The kernel's decay is per n / 2 and per unit of the complex amplitude.
         weight = r * transfer(twin.chain, channels, poles) * decay[:, 0] * n / 2 * amplitude_n
         rings += np.real(weight @ np.exp(poles[:, None] * t))
-    rest = twin.rest * _out_of_band(twin, modes, channels, x_m, drive_x_m) * drive**2
-    up, down = up + rest, down + rest
+    residual = twin.residual_compliance * _out_of_band(twin, modes, channels, x_m, drive_x_m) * drive**2
+    up, down = up + residual, down + residual
     steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
     steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2

@@ -200,7 +200,7 @@ def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: 
         if sign != "idle" and time.monotonic() - heard_s > TIMEOUT_S:
             _try(handle.zero)
             if sign == "driving":
-                _try(partial(latch.trip, "silence", TIMED_OUT))
+                _try(partial(latch.trip, "time-out", TIMED_OUT))
             sign = "idle"
 
 

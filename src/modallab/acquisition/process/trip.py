@@ -11,7 +11,7 @@ import secrets
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
+from typing import Literal, cast
 
 from pydantic import ValidationError
 
@@ -20,7 +20,7 @@ from modallab.core.frozen import Frozen
 
 FOLDER = "trips"
 
-Cause = Literal["emergency stop", "silence", "death", "unreadable"]
+Cause = Literal["emergency stop", "time-out", "death", "unreadable"]
 
 
 class TrippedError(SafetyError):
@@ -34,7 +34,7 @@ class Trip(Frozen):
 
     Attributes:
         url: of the bench.
-        cause: an emergency stop, the silence or the death of the rig's process, or a latch that cannot be read.
+        cause: an emergency stop, a time-out or the death of the rig's process, or a latch that cannot be read.
         what: in words.
         utc: when, for people.
     """
@@ -88,7 +88,7 @@ class TripLatch:
     def read(self) -> Trip | None:
         """What tripped it; None if nothing did."""
         try:
-            return Trip.model_validate(json.loads(self._path.read_text(encoding="utf-8")))
+            return _parsed(self._path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, ValidationError):
@@ -113,3 +113,11 @@ class TripLatch:
                 where=self._url,
                 remedy="look at the bench, then reset it: modallab rig reset RIG.yaml --data FOLDER",
             )
+
+
+def _parsed(text: str) -> Trip:
+    content = json.loads(text)
+    if isinstance(content, dict) and cast("dict[str, object]", content).get("cause") == "silence":
+        # The name of a time-out in latches that were written by earlier versions.
+        content = {**cast("dict[str, object]", content), "cause": "time-out"}
+    return Trip.model_validate(content)

@@ -40,7 +40,7 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig) -> Twin:
         zeta=np.array(numbers.zeta),
         root_rotation=numbers.root_rotation,
     )
-    twin = Twin(structure, rest=numbers.rest)
+    twin = Twin(structure, residual_compliance=numbers.residual_compliance)
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     for found in diagnosis.effects:
         twin = apply(twin, found.as_effect(), rig)

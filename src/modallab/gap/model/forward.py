@@ -52,14 +52,14 @@ def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> A
     tau = d.piece.order / data.last_order
     drive = min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
     softer = max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau)))
-    return twin.rest / softer * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
+    return twin.residual_compliance / softer * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
 
 def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> Array:
     """(channels, blocks) the same in the sine test."""
     softer = np.ones(len(d.pieces)) if scale is None else scale**2
     static = modes.remainder(_sensor_positions(twin.chain, modes, data), d.pieces[0].drive_x_m)
-    return twin.rest * np.outer(static, 1 / softer)
+    return twin.residual_compliance * np.outer(static, 1 / softer)
 
 
 def on_clock(source: S, twin: Twin) -> S:

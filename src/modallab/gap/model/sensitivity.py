@@ -91,8 +91,8 @@ class _Hit:
         self.halves = [self._half(source, p) for p in (self.poles, self.poles.conj())]
         pairs = zip(self.halves, (self.residue, self.residue.conj()), strict=True)
         self.static = self.on_lines * source.s**2
-        self.rest = impact_residual(twin, modes, d, data)
-        self.y = sum((self._answer(h, r) for h, r in pairs), self.rest[:, None] * self.static)
+        self.residual = impact_residual(twin, modes, d, data)
+        self.y = sum((self._answer(h, r) for h, r in pairs), self.residual[:, None] * self.static)
 
     def _half(self, source: Hits, poles: Complex) -> _Half:
         moved = poles * (1 + SLOPE)
@@ -108,9 +108,9 @@ class _Hit:
     def changes(self, twins: Sequence[Twin], modes: Sequence[Modes]) -> Complex:
         there = [impact_residue(t, m, self.d, self.data) for t, m in zip(twins, modes, strict=True)]
         dp, dr = _steps((self.poles, self.residue), there)
-        rests = np.array([impact_residual(t, m, self.d, self.data) for t, m in zip(twins, modes, strict=True)])
+        residuals = np.array([impact_residual(t, m, self.d, self.data) for t, m in zip(twins, modes, strict=True)])
         total = _louder(self.gains, twins, self.data)[:, :, None] * self.y
-        total = total + (rests - self.rest)[:, :, None] * self.static
+        total = total + (residuals - self.residual)[:, :, None] * self.static
         for half, p, r, r0 in (
             (self.halves[0], dp, dr, self.residue),
             (self.halves[1], dp.conj(), dr.conj(), self.residue.conj()),
@@ -137,9 +137,9 @@ class _Sine:
         self.poles, self.residue = sine_residue(twin, modes, d, data, self.drift)
         self.halves = [self._half(source, p) for p in (self.poles, self.poles.conj())]
         self.squared = source.drive**2
-        self.rest = sine_residual(twin, modes, d, data, self.drift)
+        self.residual = sine_residual(twin, modes, d, data, self.drift)
         still = np.zeros_like(self.poles)[None]
-        self.y = self._total([(r[None], still) for r in (self.residue, self.residue.conj())], self.rest[None])[0]
+        self.y = self._total([(r[None], still) for r in (self.residue, self.residue.conj())], self.residual[None])[0]
 
     def _kernel(self, source: Sines, poles: Complex) -> tuple[Complex, ...]:
         up, down, decay = source.kernel(poles)
@@ -158,16 +158,16 @@ class _Sine:
     def changes(self, twins: Sequence[Twin], modes: Sequence[Modes]) -> Complex:
         there = [sine_residue(t, m, self.d, self.data, self.drift) for t, m in zip(twins, modes, strict=True)]
         dp, dr = _steps((self.poles, self.residue), there)
-        rests = [sine_residual(t, m, self.d, self.data, self.drift) for t, m in zip(twins, modes, strict=True)]
-        change = self._total([(dr, dp), (dr.conj(), dp.conj())], np.array(rests) - self.rest)
+        residuals = [sine_residual(t, m, self.d, self.data, self.drift) for t, m in zip(twins, modes, strict=True)]
+        change = self._total([(dr, dp), (dr.conj(), dp.conj())], np.array(residuals) - self.residual)
         change = change + _louder(self.gains, twins, self.data)[:, :, None, None] * self.y
         return swapped(self.chain, self.data, change.reshape(*change.shape[:2], -1))
 
-    def _total(self, steps: list[tuple[Complex, Complex]], rest: Array) -> Complex:
+    def _total(self, steps: list[tuple[Complex, Complex]], residual: Array) -> Complex:
         """(twins, channels, blocks, lines) of changes of residue, pole and (twins, channels, blocks) remainder."""
         count, channels = steps[0][0].shape[:2]
         blocks, lines = self.share[0].shape
-        up = rest * self.squared
+        up = residual * self.squared
         down, rings = up, np.zeros((blocks, count * channels, lines), dtype=np.complex128)
         for half, (dr, dp), r0 in zip(self.halves, steps, (self.residue, self.residue.conj()), strict=True):
             a, b, decay, wave = half.parts
