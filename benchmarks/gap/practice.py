@@ -26,7 +26,7 @@ from modallab.blind.score import Trial, parameter_errors, reliability, score
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import catalogue
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 
 SALT = "modallab-split-1:"
 

@@ -28,7 +28,7 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import dump_rig
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_before
 from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
 from modallab_simulators.cantilever.effects import kinds

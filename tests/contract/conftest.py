@@ -1,11 +1,14 @@
 """The benches the contract is held against, one after the other."""
 
+import sys
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from added_file import write_example
 from ni_server import NiServer
+from pages import ROOT, fenced
 
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Request
@@ -17,7 +20,7 @@ from modallab.formats.rig.rig_file import parse_rig
 
 SIMULATED = "sim://cantilever?seed=1&bad_hits=0"
 RECORDED_S = 12.0
-BENCHES = ["sim", "replay", "nidaqmx+grpc", "daqref"]
+BENCHES = ["sim", "replay", "nidaqmx+grpc", "daqref", "still"]
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +47,21 @@ def ni_server(rig: Rig) -> Iterator[NiServer]:
         # The preamplifiers' knobs are turned by hand.
         server.say("preamplifiers sine")
         yield server
+
+
+@pytest.fixture
+def still(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """The driver of docs/how-to/add-a-driver.md, as a package of its own that was installed."""
+    write_example("add-a-driver.md", tmp_path / "still_bench.py")
+    installed = tmp_path / "still_bench-1.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: still-bench\nVersion: 1\n")
+    (line,) = (b.lines for b in fenced(ROOT / "docs/how-to/add-a-driver.md") if b.language == "toml")
+    entry = "\n".join(line).replace('[project.entry-points."modallab.backends"]', "[modallab.backends]")
+    (installed / "entry_points.txt").write_text(entry.replace('"', "") + "\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield "still://here"
+    sys.modules.pop("still_bench", None)
 
 
 @pytest.fixture
@@ -89,5 +107,6 @@ _ADDRESS = {
     "sim": lambda request: SIMULATED,
     "replay": lambda request: f"replay://{request.getfixturevalue('recording')}?speed=0",
     "daqref": lambda request: "daqref://device0",
+    "still": lambda request: request.getfixturevalue("still"),
     "nidaqmx+grpc": lambda request: request.getfixturevalue("ni_server").url,
 }

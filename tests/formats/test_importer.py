@@ -70,8 +70,8 @@ def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> No
     npy, csv = save_hit(tmp_path, "b.npy"), save_hit(tmp_path, "a.csv")
     uff = write_hit_uff(tmp_path / "c.uff", hit(4))
     write_campaign(campaign(RIG), tmp_path / "d.h5")
-    for kind, path in (("npy", npy), ("csv", csv), ("uff", uff), ("campaign", tmp_path / "d.h5")):
-        assert sniff(path.rename(path.with_suffix(".data"))) == kind
+    for kind, path in (("npy", npy), ("csv", csv), ("uff", uff), ("hdf5", tmp_path / "d.h5")):
+        assert sniff(path.rename(path.with_suffix(".data"))).name == kind
 
 
 @pytest.mark.parametrize(

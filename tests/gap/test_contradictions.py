@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.rig import Rig
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.contradictions import common_shift
 
 

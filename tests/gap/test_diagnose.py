@@ -14,7 +14,7 @@ from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import scaled
 from modallab.gap.conditioning.split import split
 from modallab.gap.design.prediction import predict
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.summary import sentence
 

@@ -10,7 +10,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.plan import BLOCK_S, ImpactPlan, SinePlan
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.service.campaigns.local_session import record_campaign
 
 LINES = (5, 24, 31, 60, 90)

@@ -10,13 +10,11 @@ from test_plscf import frf
 from modallab.core.errors import DataError, ModallabError
 from modallab.frf.estimate import combine, convert, impact_frf
 from modallab.frf.local_polynomial import local_polynomial_frf
-from modallab.identification.estimators import half_power, mode_indicators
-from modallab.identification.estimators.bands import split_bands
-from modallab.identification.estimators.circle_fit import circle_fit
+from modallab.identification.estimate import estimate_poles
+from modallab.identification.estimators.circle import circle_fit
 from modallab.identification.estimators.era import era
 from modallab.identification.estimators.peak import identify_peaks
 from modallab.identification.estimators.plscf import plscf
-from modallab.identification.estimators.registry import estimate_poles
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.orthonormal import orthonormal
@@ -27,9 +25,10 @@ from modallab.identification.options import Options
 from modallab.identification.selection import assumptions, criteria
 from modallab.identification.selection.diagram import stabilisation_diagram
 from modallab.identification.sine import identify_sine
+from modallab.identification.start import half_power, mode_indicators
+from modallab.identification.start.bands import split_bands
 from modallab.signals.scaling import to_signals_of
-from modallab.verification.frac import frac
-from modallab.verification.verify import synthesised, verify_frf, verify_impact, verify_sine
+from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
 PHI = np.random.default_rng(0).standard_normal((2, 5))
 GOOD = replace(

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.identification.estimators.bands import split_bands
-from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimate import estimate_poles
+from modallab.identification.start.bands import split_bands
 
 RNG = np.random.default_rng(8)
 MANY = 20.0 + 22.0 * np.arange(40) + RNG.uniform(-4, 4, 40)

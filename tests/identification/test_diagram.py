@@ -5,8 +5,9 @@ import pytest
 from test_plscf import frf
 
 from modallab.core.errors import DataError, IdentificationError
-from modallab.identification.estimators.plscf import OrderPoles, plscf
+from modallab.identification.estimators.plscf import plscf
 from modallab.identification.selection.diagram import IN_FREQUENCY, NEW, STABLE, stabilisation_diagram
+from modallab.identification.start.stabilisation import OrderPoles
 
 PHI = np.random.default_rng(0).standard_normal((3, 6))
 LINES = np.arange(20, 60, 0.05)

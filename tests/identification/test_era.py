@@ -6,7 +6,7 @@ from test_plscf import frf
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.estimators.era import era
-from modallab.identification.estimators.stabilisation import stable_poles
+from modallab.identification.start.stabilisation import stable_poles
 
 FREQUENCY, ZETA = np.array([12.0, 40.0, 41.0, 90.0]), np.array([0.01, 0.005, 0.008, 0.004])
 PHI = np.random.default_rng(0).standard_normal((4, 6))

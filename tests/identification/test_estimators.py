@@ -10,7 +10,7 @@ from test_repeated_roots import _frf, _rig
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
-from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign

@@ -3,8 +3,8 @@ import pytest
 from test_plscf import frf
 
 from modallab.core.errors import DataError, IdentificationError
-from modallab.identification.estimators.circle_fit import circle_fit
-from modallab.identification.estimators.mode_indicators import cmif, mif, mmif
+from modallab.identification.estimators.circle import circle_fit
+from modallab.identification.start.mode_indicators import cmif, mif, mmif
 
 PHI = np.random.default_rng(0).standard_normal((3, 6))
 LINES = np.arange(20, 60, 0.02)

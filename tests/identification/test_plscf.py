@@ -4,7 +4,7 @@ import pytest
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimators.plscf import plscf
-from modallab.identification.estimators.stabilisation import stable_poles
+from modallab.identification.start.stabilisation import stable_poles
 
 
 def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, seed=None):

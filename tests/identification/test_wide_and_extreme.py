@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from test_plscf import frf
 
-from modallab.identification.estimators.bands import split_bands
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
+from modallab.identification.start.bands import split_bands
 from modallab.signals.scaling import to_signals_of
 
 POINTS = 4

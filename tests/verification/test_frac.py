@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import DataError
-from modallab.verification.frac import frac
+from modallab.verification.verify import frac
 
 H = np.random.default_rng(1).standard_normal((4, 2, 50)) + 1j * np.random.default_rng(2).standard_normal((4, 2, 50))
 

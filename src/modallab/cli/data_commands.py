@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.formats.format import writers
+
 
 class _Commands(Protocol):
     def add_parser(self, name: str, *, help: str) -> Any: ...  # noqa: A002
@@ -19,7 +21,7 @@ def add_data_commands(commands: _Commands) -> None:
 def _add_export(commands: _Commands) -> None:
     command = commands.add_parser("export", help="write a campaign in a format of others")
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
-    command.add_argument("--format", required=True, choices=("hdf5", "uff", "csv", "sep005", "tdms"))
+    command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()))
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
     command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")

@@ -18,7 +18,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.reporting.gap_report import write_gap_report
 

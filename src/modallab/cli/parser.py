@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.formats.format import readers
+from modallab.identification.estimator import USUAL, estimator_names
 
 
 class _Commands(Protocol):
@@ -46,7 +48,7 @@ def _add_demo(commands: _Commands) -> None:
 
 def _add_import(commands: _Commands) -> None:
     command = commands.add_parser("import", help="turn recordings of others into one campaign file")
-    command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help="UFF 58/58b, NPY, CSV or HDF5")
+    command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
     command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
@@ -60,11 +62,11 @@ def _add_identify(commands: _Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument("--method", choices=("peak", "circle", "plscf", "era"), default="plscf", help="estimator")
+    command.add_argument("--method", choices=estimator_names(), default=USUAL, help="estimator")
     command.add_argument(
         "--refine",
         action=argparse.BooleanOptionalAction,
-        help="begin a maximum-likelihood search with its poles, or keep them (default: refine plscf and era)",
+        help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
     )
     command.add_argument("--test", choices=("impact", "sine"), help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")

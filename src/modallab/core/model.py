@@ -1,6 +1,6 @@
 """The modal model in the paper's form (eqs. 13 and 14), with its uncertainty."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -8,7 +8,8 @@ from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
 
-Method = Literal["peak", "circle", "plscf", "era"]
+Method = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+"""Name of an estimator. Which there are, the identification knows; a stored model may name one of another time."""
 
 
 class ModalModel(Frozen):

@@ -1,43 +1,51 @@
-"""A campaign in the format of others, by the format's name."""
+"""A campaign in a format of others, by the format's name."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
-from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.formats.csv.csv_write import write_csv
-from modallab.formats.sep005.sep005 import write_sep005
-from modallab.formats.tdms.tdms_write import write_tdms
-from modallab.formats.uff.uff_write import write_uff
+from modallab.formats.format import Format, find_writer
 
-Format = Literal["hdf5", "uff", "csv", "sep005", "tdms"]
+_PARTS = {"records": "time records", "FRFs": "FRFs"}
 
 
-def write_export(campaign: Campaign, out: Path, format_: Format, models: Sequence[ModalModel] = ()) -> tuple[str, ...]:
+def write_export(campaign: Campaign, out: Path, format_: str, models: Sequence[ModalModel] = ()) -> tuple[str, ...]:
     """Write a campaign, and models that were identified from it where the format holds such.
+
+    Args:
+        campaign: records, FRFs and the rig.
+        out: file or folder to write.
+        format_: name of a format that has a writer.
+        models: identified from it.
 
     Returns:
         what had no place in the format, in plain sentences.
 
     Raises:
-        DataError: there is nothing that the format holds.
+        DataError: no such format, or there is nothing that it holds.
         StorageError, DiskFullError: it cannot be written.
     """
-    left_out: list[str] = []
-    if format_ in ("sep005", "tdms"):
-        if not campaign.blocks:
-            raise DataError(f"there are no time records, and {format_} holds nothing else", remedy="export as uff")
-        if campaign.frfs:
-            left_out.append(f"{format_} holds time records only; FRFs were left out")
-    if models and format_ not in ("uff", "csv"):
+    used = find_writer(format_)
+    assert used.write is not None
+    left_out = _without_place(campaign, used)
+    kept = models
+    if models and "modes" not in used.holds:
         left_out.append(f"{format_} has no place for modal models; they were left out")
-    if format_ == "uff":
-        write_uff(campaign, out, models)
-    elif format_ == "csv":
-        write_csv(campaign, out, models)
-    else:
-        {"hdf5": write_campaign, "sep005": write_sep005, "tdms": write_tdms}[format_](campaign, out)
+        kept = ()
+    used.write(campaign, out, kept)
     return tuple(left_out)
+
+
+def _without_place(campaign: Campaign, used: Format) -> list[str]:
+    """What of the campaign the format does not hold.
+
+    Raises:
+        DataError: that is everything there is.
+    """
+    held, others = ([p for p in _PARTS if (p in used.holds) == holds] for holds in (True, False))
+    there = {"records": campaign.blocks, "FRFs": campaign.frfs}
+    if len(held) == 1 and not there[held[0]]:
+        raise DataError(f"there are no {_PARTS[held[0]]}, and {used.name} holds nothing else", remedy="export as uff")
+    return [f"{used.name} holds {_PARTS[held[0]]} only; {_PARTS[p]} were left out" for p in others if held and there[p]]

@@ -1,6 +1,6 @@
 """Recordings of others, of any known kind, as one campaign."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,24 +8,10 @@ from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.check_campaign import check_recordings, check_structure
-from modallab.formats.csv.csv_read import read_csv
 from modallab.formats.error_list import Collected
-from modallab.formats.npy.npy import read_npy
 from modallab.formats.options import ImportOptions
-from modallab.formats.sep005.sep005 import read_sep005
-from modallab.formats.sniff import Kind, sniff
-from modallab.formats.tdms.tdms_records import read_tdms
-from modallab.formats.uff.uff_read import read_uff
-
-_READERS: dict[Kind, Callable[[Path, Rig, ImportOptions], Campaign]] = {
-    "uff": read_uff,
-    "npy": read_npy,
-    "csv": read_csv,
-    "tdms": read_tdms,
-    "sep005": read_sep005,
-}
+from modallab.formats.sniff import sniff
 
 
 def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | None = None) -> Campaign:
@@ -60,8 +46,9 @@ def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | Non
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    kind = sniff(path)
-    return read_campaign(path, rig) if kind == "campaign" else _READERS[kind](path, rig, options)
+    read = sniff(path).read
+    assert read is not None
+    return read(path, rig, options)
 
 
 def _checked(campaign: Campaign) -> Campaign:

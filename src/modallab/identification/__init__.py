@@ -1,1 +1,67 @@
 """Modal parameters from blocks and FRFs: step D of the paper."""
+
+from typing import TYPE_CHECKING
+
+from modallab.core.lazy import lazily
+
+if TYPE_CHECKING:
+    from modallab.identification.estimate import PoleEstimate, estimate_poles
+    from modallab.identification.estimator import Estimator, Order, estimator_names, find_estimator
+    from modallab.identification.frf_model import identify_frf
+    from modallab.identification.impact import default_band, identify_impact
+    from modallab.identification.likelihood.fit import Fit
+    from modallab.identification.model.modal_model import receptance
+    from modallab.identification.options import Options
+    from modallab.identification.selection.criteria import auto_mac, comac, mac, mpc, mpd
+    from modallab.identification.selection.diagram import Diagram, stabilisation_diagram
+    from modallab.identification.sine import identify_sine
+    from modallab.identification.start.mode_indicators import cmif, mif, mmif
+    from modallab.identification.start.stabilisation import OrderPoles, StablePole, Tolerance, stable_poles
+
+__all__ = [
+    "Diagram",
+    "Estimator",
+    "Fit",
+    "Options",
+    "Order",
+    "OrderPoles",
+    "PoleEstimate",
+    "StablePole",
+    "Tolerance",
+    "auto_mac",
+    "cmif",
+    "comac",
+    "default_band",
+    "estimate_poles",
+    "estimator_names",
+    "find_estimator",
+    "identify_frf",
+    "identify_impact",
+    "identify_sine",
+    "mac",
+    "mif",
+    "mmif",
+    "mpc",
+    "mpd",
+    "receptance",
+    "stabilisation_diagram",
+    "stable_poles",
+]
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "estimate": ("PoleEstimate", "estimate_poles"),
+        "estimator": ("Estimator", "Order", "estimator_names", "find_estimator"),
+        "frf_model": ("identify_frf",),
+        "impact": ("default_band", "identify_impact"),
+        "likelihood.fit": ("Fit",),
+        "model.modal_model": ("receptance",),
+        "options": ("Options",),
+        "selection.criteria": ("auto_mac", "comac", "mac", "mpc", "mpd"),
+        "selection.diagram": ("Diagram", "stabilisation_diagram"),
+        "sine": ("identify_sine",),
+        "start.mode_indicators": ("cmif", "mif", "mmif"),
+        "start.stabilisation": ("OrderPoles", "StablePole", "Tolerance", "stable_poles"),
+    },
+)

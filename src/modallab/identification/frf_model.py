@@ -10,18 +10,16 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.estimate import convert
-from modallab.identification.estimators.half_power import reading_near, summed_amplitude
-from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Grid, UnitExcitation
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
 from modallab.identification.likelihood.rows import stack, unstack
 from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
-from modallab.identification.model.modal_model import model_of_fit
-from modallab.identification.model.unrefined import CALLED, without_sigma
+from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
+from modallab.identification.readings import half_power_readings
 from modallab.identification.selection.operator_choice import chosen, start_poles
 
 MANY = 2
@@ -57,7 +55,7 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     poles = start_poles(estimate.poles, estimate.orders, options)
     if poles.size == 0:
         raise IdentificationError(
-            f"no pole of {CALLED[options.method]} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
+            f"no pole of {options.estimator.called} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
             remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
         )
     fit = _refined(used, poles, FIRST_LOOK if options.refined else 0)
@@ -70,9 +68,8 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz", remedy="widen the band"
         )
-    amplitude = summed_amplitude(convert(used, "mobility"))
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
-    read = np.array([reading_near(used.frequency_hz, amplitude, f) for f in found])
+    read = half_power_readings(used, found)
     notes = (
         "Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),

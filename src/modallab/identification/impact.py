@@ -11,15 +11,14 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.identification.block_readings import half_power_readings
-from modallab.identification.estimators.registry import estimate_poles
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
 from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
 from modallab.identification.likelihood.search import NOT_SETTLED
-from modallab.identification.model.modal_model import model_of_fit
-from modallab.identification.model.unrefined import without_sigma
+from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
+from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.confidence import least_strength, strength
 from modallab.identification.selection.operator_choice import chosen, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
@@ -56,7 +55,7 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     if not options.refined:
         fit = as_estimated(unknown, poles, groups, band)
         keep = chosen(fit, band, options, first=True)
-        readings = half_power_readings(fit, groups, rig, band, keep)
+        readings = _readings(fit, groups, rig, band, keep)
         return without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)), fit
     fit, keep, ratio = _searched(unknown, poles, groups, signals, band, options)
     if not np.any(keep):
@@ -67,8 +66,16 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     if not fit.refined.settled:
         notes = (*notes, NOT_SETTLED)
     notes = (*notes, *model_error_notes(ratio))
-    readings = half_power_readings(fit, groups, rig, band, keep)
+    readings = _readings(fit, groups, rig, band, keep)
     return model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method), fit
+
+
+def _readings(
+    fit: Fit, groups: Groups, rig: Rig, band: tuple[float, float], keep: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    measured = impact_frf(groups, rig, band)
+    found = np.sort(fit.point.parameters.omega[keep] / (2 * np.pi))
+    return half_power_readings(measured, found), floor_of_block(fit, measured.frequency_hz, found)
 
 
 def default_band(groups: Groups) -> tuple[float, float]:

@@ -16,14 +16,9 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.estimate import convert, lines, output_quantity
+from modallab.frf.estimate import lines, output_quantity
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.half_power import reading_near, summed_amplitude
-from modallab.identification.estimators.missed_modes import with_missing
-from modallab.identification.estimators.refine_start import polished
-from modallab.identification.estimators.registry import estimate_poles
-from modallab.identification.estimators.stabilisation import Tolerance
-from modallab.identification.estimators.tones import Tone, clock_notes, default_band, fit_tone
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Grid
 from modallab.identification.likelihood.fit import Fit
@@ -32,10 +27,14 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import Parameters, Problem
 from modallab.identification.likelihood.search import FIRST_LOOK, MAX_ITERATIONS, NOT_SETTLED, Effort, search
 from modallab.identification.likelihood.sine_block import tone
-from modallab.identification.model.modal_model import model_of_fit
-from modallab.identification.model.unrefined import without_sigma
+from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
+from modallab.identification.readings import floor_of_steps, half_power_readings
 from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.start.missed_modes import with_missing
+from modallab.identification.start.refine_start import polished
+from modallab.identification.start.stabilisation import Tolerance
+from modallab.identification.start.tones import Tone, clock_notes, default_band, fit_tone
 from modallab.signals.checks import check_test
 
 Real = NDArray[np.float64]
@@ -76,7 +75,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
     if not options.refined:
-        readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
+        readings = _readings(frf, fit, keep)
         model = model_of_fit(fit, keep, rig, "sine", band, readings, clock_notes(used), options.method)
         return without_sigma(model), fit
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
@@ -89,7 +88,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
             remedy="add frequencies near the resonances, or drive harder",
         )
-    readings = _readings(frf, fit.point.parameters.omega[keep] / (2 * np.pi))
+    readings = _readings(frf, fit, keep)
     notes = (*(() if fit.refined.settled else (NOT_SETTLED,)), *clock_notes(used))
     return model_of_fit(fit, keep, rig, "sine", band, readings, notes, options.method), fit
 
@@ -166,16 +165,6 @@ def _refined(
     return Fit(problem, found, (first.block.drive_point,))
 
 
-def _readings(frf: Frf, found_hz: Real) -> tuple[Real, Real]:
-    """Half-power on the stepped FRF; it has no floor from the block, but one from the distance of the frequencies."""
-    mobility = convert(frf, "mobility")
-    amplitude = summed_amplitude(mobility)
-    order = np.sort(found_hz)
-    read = np.array([reading_near(frf.frequency_hz, amplitude, f) for f in order])
-    gaps = np.array([_gap(frf.frequency_hz, f) / (2 * f) for f in order])
-    return read, gaps
-
-
-def _gap(frequency_hz: Real, requested_hz: float) -> float:
-    above = int(np.clip(np.searchsorted(frequency_hz, requested_hz), 1, frequency_hz.size - 1))
-    return float(frequency_hz[above] - frequency_hz[above - 1])
+def _readings(frf: Frf, fit: Fit, keep: NDArray[np.bool_]) -> tuple[Real, Real]:
+    found = np.sort(fit.point.parameters.omega[keep] / (2 * np.pi))
+    return half_power_readings(frf, found), floor_of_steps(frf.frequency_hz, found)

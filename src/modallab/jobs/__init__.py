@@ -1,7 +1,21 @@
 """Durable jobs: a table that is the truth, and a runner that has them computed by Dask."""
 
-from modallab.jobs.job import Job, JobPage, JobState
-from modallab.jobs.jobs import Jobs
-from modallab.jobs.kind import Computed, Kind, Notify
+from typing import TYPE_CHECKING
+
+from modallab.core.lazy import lazily
+
+if TYPE_CHECKING:
+    from modallab.jobs.job import Job, JobPage, JobState
+    from modallab.jobs.jobs import Jobs
+    from modallab.jobs.kind import Computed, Kind, Notify
 
 __all__ = ["Computed", "Job", "JobPage", "JobState", "Jobs", "Kind", "Notify"]
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "job": ("Job", "JobPage", "JobState"),
+        "jobs": ("Jobs",),
+        "kind": ("Computed", "Kind", "Notify"),
+    },
+)

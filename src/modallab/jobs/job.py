@@ -11,6 +11,7 @@ from modallab.core.errors import JobError
 from modallab.core.frozen import Frozen
 
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+"""Of a job; the last three are for good."""
 
 OPEN: frozenset[JobState] = frozenset({"queued", "running"})
 """States a job will leave by itself."""

@@ -13,7 +13,6 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.estimate import impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.tones import fit_tone
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.selection.assumptions import (
@@ -26,6 +25,7 @@ from modallab.identification.selection.assumptions import (
 )
 from modallab.identification.selection.confidence import confidence, least_strength, strength
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
+from modallab.identification.start.tones import fit_tone
 from modallab.signals.hit import find_hit, windowed_force
 from modallab.verification.assessment import Assessment, assessed
 

@@ -4,11 +4,12 @@ from modallab.core.block import Campaign
 from modallab.core.errors import ModallabError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import group_by_point
-from modallab.identification.estimators.registry import estimate_poles
-from modallab.identification.estimators.stabilisation import Tolerance
+from modallab.identification.estimate import estimate_poles
+from modallab.identification.estimator import USUAL, find_estimator
 from modallab.identification.impact import start_frf
 from modallab.identification.selection.diagram import Diagram, stabilisation_diagram
 from modallab.identification.sine import START, highest_order, stepped_start
+from modallab.identification.start.stabilisation import Tolerance
 from modallab.pipelines.identify import Identified, usable
 
 
@@ -17,13 +18,14 @@ def diagram_of(campaign: Campaign, item: Identified, frf: Frf | None = None) -> 
 
     Args:
         campaign: the recordings.
-        item: a test's model; one of peaks is drawn beside the poles of pLSCF.
+        item: a test's model; one of an estimator without orders is drawn beside the poles of the usual one.
         frf: the FRF, if it came as such.
     """
     try:
         seen, order, tolerance = _seen(campaign, item, frf)
-        ordered = "era" if item.model.method == "era" else "plscf"
-        return stabilisation_diagram(seen, estimate_poles(seen, ordered, order, tolerance).orders, tolerance)
+        # What has no orders is drawn beside the poles of one that has.
+        method = item.model.method if find_estimator(item.model.method).order is not None else USUAL
+        return stabilisation_diagram(seen, estimate_poles(seen, method, order, tolerance).orders, tolerance)
     except ModallabError as error:
         return error.what
 

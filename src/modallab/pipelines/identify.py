@@ -13,7 +13,6 @@ from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.peak import identify_peaks
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.options import Options
@@ -134,9 +133,10 @@ def _with_doubts(model: ModalModel, assessment: Assessment) -> ModalModel:
 def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = usable(campaign, blocks)
     groups = group_by_point(signals)
-    if options.as_in_the_paper:
+    own_model = options.own_model
+    if own_model is not None:
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
-        return Identified("impact", _with_notes(identify_peaks(frf, "impact"), notes), None)
+        return Identified("impact", _with_notes(own_model(frf, "impact"), notes), None)
     model, fit = identify_impact(signals, campaign.rig, options)
     assessment = assess_impact(model, fit, groups, campaign.rig)
     reported = _with_doubts(_with_notes(model, notes), assessment)
@@ -145,12 +145,13 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = usable(campaign, blocks)
-    if options.as_in_the_paper:
+    own_model = options.own_model
+    if own_model is not None:
         tones = [fit_tone(s) for s in signals]
         low, high = options.band_hz or (0.0, float("inf"))
         used = [t for t in tones if low <= t.fit.frequency_hz <= high]
         frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
-        return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
+        return Identified("sine", _with_notes(own_model(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
     assessment = assess_sine(model, fit, signals, campaign.rig)
     reported = _with_doubts(_with_notes(model, notes), assessment)
@@ -159,8 +160,9 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     frf = campaign.frfs[index]
-    if options.as_in_the_paper:
-        return Identified("frf", identify_peaks(frf, None), None, index=index)
+    own_model = options.own_model
+    if own_model is not None:
+        return Identified("frf", own_model(frf, None), None, index=index)
     model, fit = identify_frf(frf, campaign.rig, options)
     assessment = assess_frf(model, fit, frf)
     return Identified("frf", _with_doubts(model, assessment), verify_frf(model, frf), assessment, index)

@@ -11,7 +11,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
 from modallab.formats.atomic import replacing
-from modallab.gap.diagnose import diagnose
+from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document

@@ -2,17 +2,26 @@
 
 import json
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field, JsonValue, ValidationError
+from pydantic import AfterValidator, Field, JsonValue, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
-from modallab.core.errors import JobError
+from modallab.core.errors import IdentificationError, JobError
 from modallab.core.frozen import Frozen
-from modallab.core.model import Method
 from modallab.core.units import Test
+from modallab.identification.estimator import USUAL, estimator_names, find_estimator
 from modallab.identification.options import Options
 
 Hertz = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+def _estimator(name: str) -> str:
+    names = [repr(known) for known in estimator_names()]
+    if repr(name) not in names:
+        listed = " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        raise PydanticCustomError("estimator", "Input should be {names}", {"names": listed})
+    return name
 
 
 class IdentifyParameters(Frozen):
@@ -21,16 +30,26 @@ class IdentifyParameters(Frozen):
     Attributes:
         method: the estimator.
         band_hz: (low, high); None for the whole band in which the data have content.
-        max_order: highest polynomial order, or number of states; None for one that suits the data.
+        max_order: highest order of an estimator that has one, within its limits; None for one that suits the data.
         test: only this test.
         refine: whether its poles begin a maximum-likelihood search; None for what is usual with the method.
     """
 
-    method: Method = "plscf"
+    method: Annotated[str, AfterValidator(_estimator)] = USUAL
     band_hz: tuple[Hertz, Hertz] | None = None
-    max_order: Annotated[int, Field(ge=1, le=400)] | None = None
+    max_order: Annotated[int, Field(ge=1)] | None = None
     test: Test | None = None
     refine: bool | None = None
+
+    @model_validator(mode="after")
+    def _check_order(self) -> Self:
+        order = find_estimator(self.method).order
+        if order is not None and self.max_order is not None:
+            try:
+                order.check(self.max_order)
+            except IdentificationError as error:
+                raise PydanticCustomError("max_order", "max_order: {why}", {"why": str(error)}) from error
+        return self
 
     def options(self) -> Options:
         """For the identification."""

@@ -1,8 +1,23 @@
 """Keeps what the device delivered: append-only, never rewritten, safe under kill -9."""
 
-from modallab.storage.campaigns import campaign_of
-from modallab.storage.recorder import Recorder
-from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
-from modallab.storage.store import Store, rig_hash
+from typing import TYPE_CHECKING
+
+from modallab.core.lazy import lazily
+
+if TYPE_CHECKING:
+    from modallab.storage.campaigns import campaign_of
+    from modallab.storage.recorder import Recorder
+    from modallab.storage.records import BlockNote, BlockRecord, Rates, RunRecord
+    from modallab.storage.store import Store, rig_hash
 
 __all__ = ["BlockNote", "BlockRecord", "Rates", "Recorder", "RunRecord", "Store", "campaign_of", "rig_hash"]
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "campaigns": ("campaign_of",),
+        "recorder": ("Recorder",),
+        "records": ("BlockNote", "BlockRecord", "Rates", "RunRecord"),
+        "store": ("Store", "rig_hash"),
+    },
+)

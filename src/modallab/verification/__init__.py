@@ -1,1 +1,38 @@
 """The model against the measurement: regenerated through the same block, compared by FRAC."""
+
+from typing import TYPE_CHECKING
+
+from modallab.core.lazy import lazily
+
+if TYPE_CHECKING:
+    from modallab.verification.assessment import Assessment, assessed
+    from modallab.verification.comparison import Comparison, compare
+    from modallab.verification.pairing import nearest
+    from modallab.verification.reservations import doubts, seen_by_one
+    from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
+
+__all__ = [
+    "Assessment",
+    "Comparison",
+    "assessed",
+    "compare",
+    "doubts",
+    "frac",
+    "nearest",
+    "seen_by_one",
+    "synthesised",
+    "verify_frf",
+    "verify_impact",
+    "verify_sine",
+]
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "assessment": ("Assessment", "assessed"),
+        "comparison": ("Comparison", "compare"),
+        "pairing": ("nearest",),
+        "reservations": ("doubts", "seen_by_one"),
+        "verify": ("frac", "synthesised", "verify_frf", "verify_impact", "verify_sine"),
+    },
+)

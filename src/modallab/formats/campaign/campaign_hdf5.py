@@ -10,13 +10,13 @@ from modallab.core.errors import FormatError, RigError
 from modallab.core.rig import Rig
 from modallab.core.versions import CAMPAIGN_INT16, CAMPAIGN_NATIVE
 from modallab.formats.atomic import replacing
+from modallab.formats.campaign import CAMPAIGN_FILE
 from modallab.formats.campaign import hdf5_version_1 as hdf5_counts
 from modallab.formats.campaign import hdf5_version_2 as hdf5_native
 from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, open_hdf5
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.rig.rig_file import parse_rig, read_rig
 
-CAMPAIGN_FILE = "campaign.h5"
 RIG_FILE = "rig.yaml"
 
 

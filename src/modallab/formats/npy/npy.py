@@ -13,8 +13,6 @@ from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
 from modallab.formats.options import ImportOptions
 
-MAGIC = b"\x93NUMPY"
-
 _LAYOUT = "give an array of floating-point numbers: one row of times in s, then one row per channel in rig order"
 
 

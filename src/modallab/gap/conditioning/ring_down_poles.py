@@ -1,6 +1,7 @@
 """Poles of the ring-down after the hits, without any model of the beam: where the fits begin.
 
-Eigensystem realisation (Juang and Pappa, J. Guidance 8, 1985, 620) on the decays of all accelerometers after hits.
+An eigensystem realization of the decays of all accelerometers after hits. Their inputs are not known, so that the poles
+come from the shift of the observability matrix alone.
 """
 
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Block
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import AFTER, scaled
+from modallab.identification.realization import block_hankel, state_poles
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -37,9 +39,8 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
     dt = decays[0][1]
     n = min(d.shape[1] for d, _ in decays)
     columns = n - ROWS
-    hankel = np.concatenate(
-        [np.concatenate([d[:, i : i + columns] for i in range(ROWS)]) / np.linalg.norm(d) for d, _ in decays], axis=1
-    )
+    hankel = np.concatenate([block_hankel(d[:, None], ROWS, columns) / np.linalg.norm(d) for d, _ in decays], axis=1)
+    # It has far more columns than rows, of which only the left singular vectors are needed.
     values, vectors = np.linalg.eigh(hankel @ hankel.T)
     left = vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0))
     sets = [_poles_of(left[:, :order], len(keep), dt, top_hz) for order in ORDERS]
@@ -62,8 +63,7 @@ def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[
 
 def _poles_of(left: Array, outputs: int, dt: float, top_hz: float) -> Complex:
     shift = np.linalg.lstsq(left[:-outputs], left[outputs:], rcond=None)[0]
-    z = np.linalg.eigvals(shift).astype(np.complex128)
-    poles = np.log(z[np.abs(z) > 1e-6]) / dt
+    poles = state_poles(shift, dt)
     zeta = -poles.real / np.abs(poles)
     good = (poles.imag > 2 * np.pi) & (poles.imag < 2 * np.pi * top_hz) & (zeta > -0.01) & (zeta < 0.3)
     return poles[good].astype(np.complex128)

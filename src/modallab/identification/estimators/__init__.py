@@ -1,1 +1,1 @@
-"""Estimators that give a search its first poles."""
+"""The estimators: each module here is one, and declares itself as `ESTIMATOR`."""

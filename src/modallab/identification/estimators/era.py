@@ -1,8 +1,4 @@
-"""Eigensystem realization algorithm (ERA): poles from the impulse responses of evenly spaced FRFs.
-
-Source: Juang and Pappa, "An eigensystem realization algorithm for modal parameter identification and model reduction",
-J. Guidance 8 (1985).
-"""
+"""Eigensystem realization algorithm (ERA): poles from the impulse responses of evenly spaced FRFs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +6,12 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
-from modallab.identification.estimators.plscf import OrderPoles
+from modallab.identification.estimator import Estimator, Order
+from modallab.identification.realization import block_hankel, state_poles
+from modallab.identification.start.stabilisation import OrderPoles
+
+STATES = 120
+"""Default order, where the lines can carry it."""
 
 
 def era(frf: Frf, max_order: int, rows: int | None = None) -> list[OrderPoles]:
@@ -58,23 +59,35 @@ def _realized(
     markov: NDArray[np.float64], height: int, width: int, max_order: int, dt: float, frf: Frf
 ) -> list[OrderPoles]:
     """Poles of the realizations of rising order, all from one singular value decomposition."""
-    n_out, n_in, _ = markov.shape
-    lag = np.arange(height)[:, None] + np.arange(width)[None, :] + 1
-
-    def hankel(shift: int) -> NDArray[np.float64]:
-        return markov[..., lag + shift].transpose(2, 0, 3, 1).reshape(height * n_out, width * n_in)
-
-    u, values, vh = np.linalg.svd(hankel(0), full_matrices=False)
-    moved = u[:, :max_order].T @ hankel(1) @ vh[:max_order].T
+    u, values, vh = np.linalg.svd(block_hankel(markov, height, width, 1), full_matrices=False)
+    moved = u[:, :max_order].T @ block_hankel(markov, height, width, 2) @ vh[:max_order].T
     enough = int(np.sum(values > 1e-12 * values[0]))
     found: list[OrderPoles] = []
     for order in range(2, min(max_order, enough) + 1, 2):
         root = np.sqrt(values[:order])
-        z = np.linalg.eigvals(moved[:order, :order] / np.outer(root, root)).astype(np.complex128)
-        with np.errstate(divide="ignore"):
-            poles = np.log(z) / dt + frf.damping_shift
-        keep = np.isfinite(poles) & (np.abs(poles) > 2 * np.pi * frf.frequency_hz[0])
+        poles = state_poles(moved[:order, :order] / np.outer(root, root), dt) + frf.damping_shift
+        keep = np.abs(poles) > 2 * np.pi * frf.frequency_hz[0]
         keep &= (poles.imag > 0) & (poles.imag < 2 * np.pi * frf.frequency_hz[-1])
         kept = np.asarray(poles[keep], np.complex128)
         found.append(OrderPoles(order, kept[np.argsort(kept.imag)]))
     return found
+
+
+ESTIMATOR = Estimator(
+    name="era",
+    title="eigensystem realization algorithm (ERA)",
+    called="ERA",
+    description="eigensystem realization of the impulse responses: the poles that hold over rising orders",
+    source="Juang and Pappa, J. Guidance 8 (1985)",
+    grid="even",
+    refined=True,
+    order=Order(
+        meaning="number of states",
+        lowest=2,
+        highest=400,
+        default="120, at most a quarter of the lines",
+        suits=lambda frf: max(2, min(STATES, frf.frequency_hz.size // 4)),
+        modes=lambda _: 0.5,
+        solve=era,
+    ),
+)

@@ -9,8 +9,10 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.frf.estimate import convert
-from modallab.identification.estimators.half_power import find_peaks, summed_amplitude
+from modallab.identification.estimator import Estimator
 from modallab.identification.model.modal_mass import unit_mass_shapes
+from modallab.identification.start.half_power import find_peaks, summed_amplitude
+from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
 
 
 def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> ModalModel:
@@ -66,3 +68,16 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         half_power_floor=floor,
         notes=("Half-power reads the resolution of the block wherever its reading is near the floor beside it.",),
     )
+
+
+ESTIMATOR = Estimator(
+    name="peak",
+    title="peak search and half-power rule",
+    called="the half-power rule",
+    description="peak search and the half-power rule, as in the paper",
+    source='Ewins, "Modal Testing", 2nd ed. (2000), section 4.3',
+    grid="any",
+    refined=False,
+    poles=lambda frf: poles_of_peaks(frf, half_power_pole),
+    model=identify_peaks,
+)

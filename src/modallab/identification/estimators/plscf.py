@@ -6,7 +6,6 @@ Source: Peeters, Van der Auweraer, Guillaume, Leuridan, "The PolyMAX frequency-d
 frequency-domain estimator", IMAC 21 (2003).
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,17 +15,13 @@ from scipy import fft, linalg
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.estimator import Estimator, Order
+from modallab.identification.start.stabilisation import OrderPoles
 
+COLUMNS = 120
+"""Default order: this many polynomial columns, shared among the inputs."""
 EVERY_ORDER_UP_TO = 120
 """Columns up to which every order is solved: the cost grows with their cube, what one more order tells does not."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class OrderPoles:
-    """What one polynomial order found: poles (n,) in rad/s with positive imaginary part, by rising frequency."""
-
-    order: int
-    poles: NDArray[np.complex128]
 
 
 def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
@@ -147,3 +142,23 @@ def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float
     keep = (poles.imag > 2 * np.pi * frf.frequency_hz[0]) & (poles.imag < top) & np.isfinite(poles)
     kept = np.asarray(poles[keep], np.complex128)
     return OrderPoles(order, kept[np.argsort(kept.imag)])
+
+
+ESTIMATOR = Estimator(
+    name="plscf",
+    title="least-squares complex frequency-domain estimator (pLSCF)",
+    called="pLSCF",
+    description="poly-reference LSCF: the poles that hold over rising orders",
+    source="Peeters, Van der Auweraer, Guillaume, Leuridan, Shock and Vibration 11 (2004)",
+    grid="any",
+    refined=True,
+    order=Order(
+        meaning="order",
+        lowest=2,
+        highest=400,
+        default="120 shared among the inputs, at most what half of the lines can carry",
+        suits=lambda frf: max(2, min(COLUMNS // frf.values.shape[1], frf.frequency_hz.size // 2 - 1)),
+        modes=lambda frf: frf.values.shape[1] / 2,
+        solve=plscf,
+    ),
+)

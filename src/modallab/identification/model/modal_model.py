@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
-from modallab.core.model import Method, ModalModel
+from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
+from modallab.identification.estimator import USUAL, find_estimator
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_mass import unit_mass_shapes
@@ -21,7 +22,7 @@ def model_of_fit(
     band_hz: tuple[float, float],
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
-    method: Method = "plscf",
+    method: str = USUAL,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -94,6 +95,24 @@ def _residual_terms(
         for half, power in enumerate((0, 2, 4, 6, 8)):
             terms[powers.index(power)] += (-1) ** half * constant / omega ** (2 + power)
     return tuple(powers), terms
+
+
+def without_sigma(model: ModalModel) -> ModalModel:
+    """The same model, its sigmas unknown: a covariance is that of the maximum of the likelihood and of nothing else."""
+    called = find_estimator(model.method).called
+    return model.model_copy(
+        update={
+            "frequency_sigma_hz": np.full(model.n_modes, np.nan),
+            "damping_sigma": np.full(model.n_modes, np.nan),
+            "modal_constant_sigma": np.full(model.modal_constants.shape, np.nan),
+            "modal_constant_part_sigma": None,
+            "shape_sigma": None,
+            "notes": (
+                *model.notes,
+                f"The poles are those of {called}, not refined: their uncertainty is not known.",
+            ),
+        }
+    )
 
 
 def receptance(model: ModalModel, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
-from modallab.identification.estimators.mode_indicators import cmif, mmif
-from modallab.identification.estimators.plscf import OrderPoles
-from modallab.identification.estimators.stabilisation import Tolerance, stable_poles
+from modallab.identification.estimator import USUAL
+from modallab.identification.start.mode_indicators import cmif, mmif
+from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
 
 Real = NDArray[np.float64]
 
@@ -57,7 +57,9 @@ def stabilisation_diagram(frf: Frf, orders: Sequence[OrderPoles], tolerance: Tol
         IdentificationError: no orders.
     """
     if not orders:
-        raise IdentificationError("there are no orders to draw", remedy="use an estimator with orders: plscf or era")
+        raise IdentificationError(
+            "there are no orders to draw", remedy=f"use an estimator with orders, such as {USUAL}"
+        )
     limits = tolerance or Tolerance()
     # The artificial damping of the FRFs is off the poles already.
     sound = [_sound(o.poles, limits) for o in orders]

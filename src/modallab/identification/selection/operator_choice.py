@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
-from modallab.identification.estimators.plscf import OrderPoles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.options import Options
 from modallab.identification.selection.prune import is_mode
+from modallab.identification.start.stabilisation import OrderPoles
 
 NEAR = 0.02
 """A mode within this share of the frequency that was said is the one that is meant."""

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from modallab.identification.estimators.half_power import reading_near
+from modallab.identification.start.half_power import reading_near
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.digits import short
 from modallab.reporting.figures import style

@@ -4,7 +4,6 @@ from math import isfinite
 
 import numpy as np
 
-from modallab.core.model import Method
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import plain, short
@@ -93,7 +92,7 @@ def _rule(content: ReportContent) -> str:
     )
 
 
-def _mode(mode: Mode, method: Method) -> str:
+def _mode(mode: Mode, method: str) -> str:
     reading, best = _of_block(mode), mode.best
     if reading is None:
         return ""

@@ -3,16 +3,12 @@
 import numpy as np
 
 from modallab.core.model import ModalModel
+from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import about, plain, scientific
 from modallab.reporting.figures.selection import place
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
-
-_METHODS = {
-    "peak": "peak search and half-power rule",
-    "plscf": "least-squares complex frequency-domain estimator (pLSCF)",
-}
 
 
 def section(content: ReportContent) -> Section:
@@ -32,13 +28,18 @@ def section(content: ReportContent) -> Section:
 
 def _model(model: ModalModel) -> list[Markup]:
     low, high = model.band_hz
-    head = f"{(model.test or 'FRFs').capitalize()}: {_METHODS[model.method]}, {about(low)} to {about(high)} Hz"
+    head = f"{(model.test or 'FRFs').capitalize()}: {_method(model.method)}, {about(low)} to {about(high)} Hz"
     folds = [_fold("Modal constants", _constants(model))]
     if model.shapes is not None:
         folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
     if model.residual_powers:
         folds.append(_fold("What modes outside the band add", _residuals(model)))
     return [tag("h3", head), *folds]
+
+
+def _method(name: str) -> str:
+    known = estimator_of(name)
+    return name if known is None else known.title
 
 
 def _fold(summary: str, *tables: Markup) -> Markup:

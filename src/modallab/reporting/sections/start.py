@@ -1,6 +1,7 @@
 """How the modes were found: the stabilisation diagram, the mode indicators, and what was picked."""
 
 from modallab.core.model import ModalModel
+from modallab.identification.estimator import USUAL, Order, estimator_of, find_estimator
 from modallab.identification.selection.diagram import Diagram
 from modallab.reporting.content import Outcome, ReportContent
 from modallab.reporting.digits import counted
@@ -32,7 +33,8 @@ def section(content: ReportContent) -> Section:
 
 
 def _one(outcome: Outcome, model: ModalModel, diagram: Diagram, place: int) -> list[Markup]:
-    name = "number of states" if model.method == "era" else "order"
+    order = _order(model)
+    name = "order" if order is None else order.meaning
     says = _picked(model, diagram)
     figure = plate(
         stabilisation(diagram, model.frequency_hz, name),
@@ -47,8 +49,9 @@ def _one(outcome: Outcome, model: ModalModel, diagram: Diagram, place: int) -> l
 def _picked(model: ModalModel, diagram: Diagram) -> str:
     held = counted(int(diagram.held_hz.size), "pole")
     modes = counted(model.n_modes, "mode")
-    if model.method in ("peak", "circle"):
-        return f"{held} hold over the orders of pLSCF, which are drawn to compare; {modes} were read off the peaks."
+    if _order(model) is None:
+        beside = find_estimator(USUAL).called
+        return f"{held} hold over the orders of {beside}, which are drawn to compare; {modes} were read off the peaks."
     more = int(diagram.held_hz.size) - model.n_modes
     says = f"{held} hold over enough orders; {modes} stand in the model."
     if more > 0:
@@ -56,6 +59,11 @@ def _picked(model: ModalModel, diagram: Diagram) -> str:
     if more < 0:
         return f"{says} The others were found in what these left over, by hand, or share a pole."
     return says
+
+
+def _order(model: ModalModel) -> Order | None:
+    known = estimator_of(model.method)
+    return None if known is None else known.order
 
 
 def _damped(outcome: Outcome) -> str:

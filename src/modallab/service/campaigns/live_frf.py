@@ -5,7 +5,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.estimators.tones import fit_tone
+from modallab.identification.start.tones import fit_tone
 from modallab.service.errors import ConflictError
 from modallab.signals.full_scale import overloaded
 from modallab.signals.scaling import to_signals_of

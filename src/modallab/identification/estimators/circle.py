@@ -13,6 +13,14 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from modallab.core.errors import DataError, IdentificationError
+from modallab.core.frf import Frf
+from modallab.identification.estimator import Estimator
+from modallab.identification.start.half_power import Peak
+from modallab.identification.start.peak_poles import half_power_pole, pole, poles_of_peaks
+
+FALL = 0.4
+"""A circle is fitted to the lines about a peak down to this share of its amplitude: well past half-power."""
+LEAST_LINES = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,3 +97,47 @@ def _circle(values: NDArray[np.complex128]) -> tuple[complex, float]:
     x, y, rest = np.linalg.lstsq(basis / [scale, scale, 1], np.abs(values) ** 2 / scale, rcond=None)[0]
     centre = complex(x, y)
     return centre, float(np.sqrt(max(rest * scale + abs(centre) ** 2, 0)))
+
+
+def _circle_pole(mobility: Frf, peak: Peak) -> complex:
+    """From the FRF that is loudest at the peak; where its lines stand on no circle, what half-power reads."""
+    size = np.abs(mobility.values[..., peak.line])
+    o, i = np.unravel_index(int(np.argmax(size)), size.shape)
+    values = mobility.values[o, i]
+    lines = _about(np.abs(values), peak.line)
+    try:
+        found = circle_fit(mobility.frequency_hz[lines], values[lines])
+    except (DataError, IdentificationError):
+        return half_power_pole(mobility, peak)
+    f = mobility.frequency_hz
+    beside = f[max(peak.line - 1, 0)] <= found.frequency_hz <= f[min(peak.line + 1, f.size - 1)]
+    # Lines far apart make a circle of noise and neighbours, whose resonance lies anywhere but at the peak.
+    sound = beside and found.damping_ratio > 0
+    return pole(found.frequency_hz, found.damping_ratio) if sound else half_power_pole(mobility, peak)
+
+
+def _about(amplitude: NDArray[np.float64], line: int) -> slice:
+    """The lines about a peak: down to a share of it, five at least."""
+    low = high = line
+    limit = FALL * amplitude[line]
+    while low > 0 and (amplitude[low - 1] > limit or line - low < LEAST_LINES // 2):
+        if amplitude[low - 1] > amplitude[low] and line - low >= LEAST_LINES // 2:
+            break
+        low -= 1
+    while high < amplitude.size - 1 and (amplitude[high + 1] > limit or high - line < LEAST_LINES // 2):
+        if amplitude[high + 1] > amplitude[high] and high - line >= LEAST_LINES // 2:
+            break
+        high += 1
+    return slice(low, high + 1)
+
+
+ESTIMATOR = Estimator(
+    name="circle",
+    title="circle fit",
+    called="the circle fit",
+    description="a circle through the lines about each peak",
+    source='Kennedy and Pancu (1947); Ewins, "Modal Testing", 2nd ed. (2000), section 4.3',
+    grid="any",
+    refined=False,
+    poles=lambda frf: poles_of_peaks(frf, _circle_pole),
+)

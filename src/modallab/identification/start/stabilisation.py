@@ -6,7 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.estimators.plscf import OrderPoles
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderPoles:
+    """What one polynomial order found: poles (n,) in rad/s with positive imaginary part, by rising frequency."""
+
+    order: int
+    poles: NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from scipy import signal
 
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
-from modallab.identification.estimators.mode_indicators import cmif
+from modallab.identification.start.mode_indicators import cmif
 
 MOST_PEAKS = 15
 """Peaks of the CMIF in one band."""

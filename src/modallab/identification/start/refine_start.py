@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.frf import Frf
-from modallab.identification.estimators.missed_modes import GAIN, misfit
 from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.start.missed_modes import GAIN, misfit
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

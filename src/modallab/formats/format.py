@@ -1,0 +1,114 @@
+"""What a format of recordings declares of itself, and where those there are can be found.
+
+Each module of `modallab.formats.known` is one format. Its name is that of the file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from modallab.core.discovery import declaration, declared_names
+from modallab.core.errors import ConfigurationError, DataError
+from modallab.formats import known
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from modallab.core.block import Campaign
+    from modallab.core.model import ModalModel
+    from modallab.core.rig import Rig
+    from modallab.formats.options import ImportOptions
+
+Part = Literal["records", "FRFs", "modes"]
+Option = Literal["test", "rate_hz", "drive_point", "volts"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Format:
+    """A format of recordings: a reader, a writer, or both.
+
+    Attributes:
+        name: that of its file; the command line calls it so.
+        title: as a sentence names it, such as "UFF 58 or 58b".
+        description: what such a file is, in one line.
+        endings: of its files, in lower case, with the dot.
+        is_no: what a file with such an ending is said not to be if its content is of another kind.
+        holds: what it has a place for.
+        asks: what the user must say where a file does not, as fields of `ImportOptions`.
+        priority: formats are tried in this order, the smallest first; no two have the same.
+        certain: whether the content alone tells the format. One that is not certain is tried after all that are, and
+            never for a file whose ending is that of another format.
+        fits: whether a file is of this format, by its first 4096 bytes and its name.
+        inside: the file by which a folder is taken for one of this format; "" if none is.
+        read: a campaign of one file, on a rig, with what the user says of it.
+        write: a campaign into a file or folder, with the models identified from it.
+    """
+
+    name: str = ""
+    title: str = ""
+    description: str = ""
+    endings: tuple[str, ...] = ()
+    is_no: str = ""
+    holds: tuple[Part, ...] = ()
+    asks: tuple[Option, ...] = ()
+    priority: int = 0
+    certain: bool = True
+    fits: Callable[[bytes, Path], bool] | None = None
+    inside: str = ""
+    read: Callable[[Path, Rig, ImportOptions], Campaign] | None = None
+    write: Callable[[Campaign, Path, Sequence[ModalModel]], None] | None = None
+
+    def __post_init__(self) -> None:
+        """Reject a declaration that lacks something.
+
+        Raises:
+            ConfigurationError: says what is missing.
+        """
+        missing = [n for n in ("name", "title", "description", "is_no") if not getattr(self, n).strip()]
+        missing += ["what it holds"] if not self.holds else []
+        missing += ["endings, each in lower case with its dot"] if not _endings(self.endings) else []
+        missing += ["a reader or a writer"] if self.read is None and self.write is None else []
+        if (self.read is None) != (self.fits is None) or (self.read is not None and self.priority < 1):
+            missing.append("a reader together with what fits it, and a priority from 1 on")
+        if missing:
+            raise ConfigurationError(
+                f"the format {self.name!r} does not declare {', '.join(missing)}",
+                remedy="complete its declaration; modallab.formats.format.Format says what each part is",
+            )
+
+
+def all_formats() -> tuple[Format, ...]:
+    """The formats there are, by name.
+
+    Raises:
+        ConfigurationError: a file declares nothing, or not all.
+    """
+    return tuple(declaration(known, name, "FORMAT", Format) for name in declared_names(known))
+
+
+def readers() -> tuple[Format, ...]:
+    """The formats that can be read, in the order in which they are tried."""
+    return tuple(sorted((f for f in all_formats() if f.read is not None), key=lambda f: (f.priority, f.name)))
+
+
+def writers() -> tuple[Format, ...]:
+    """The formats that can be written, by name."""
+    return tuple(f for f in all_formats() if f.write is not None)
+
+
+def find_writer(name: str) -> Format:
+    """The format of this name.
+
+    Raises:
+        DataError: there is none, or it is only read; names those that are written.
+    """
+    found = {f.name: f for f in writers()}
+    if name not in found:
+        raise DataError(f"{name!r} is no format to write", remedy=f"ask for one of {', '.join(found)}")
+    return found[name]
+
+
+def _endings(endings: tuple[str, ...]) -> bool:
+    return bool(endings) and all(e.startswith(".") and e == e.lower() and len(e) > 1 for e in endings)

@@ -1,0 +1,86 @@
+"""The first poles of an identification, by whichever estimator is asked for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_frf
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import Frf
+from modallab.identification.estimator import Order, find_estimator
+from modallab.identification.start.bands import Band, split_bands
+from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
+
+Complex = NDArray[np.complex128]
+
+CROWDED = 0.4
+"""Where stable poles take up this share of what the highest order can hold, the range is cut into bands."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PoleEstimate:
+    """What an estimator found.
+
+    Attributes:
+        poles: (poles,) rad/s with positive imaginary part, those that are taken for modes.
+        orders: all poles by rising order; none for estimators that have no order.
+    """
+
+    poles: Complex
+    orders: tuple[OrderPoles, ...] = ()
+
+
+def estimate_poles(
+    frf: Frf, method: str, max_order: int | None = None, tolerance: Tolerance | None = None
+) -> PoleEstimate:
+    """Poles of FRFs by one of the estimators.
+
+    Args:
+        frf: any quantity; a damping shift is taken off the poles again.
+        method: name of an estimator. One with orders gives the poles that are stable over rising ones.
+        max_order: highest order; None for one that the lines can carry, and for bands of their own where the range
+            holds many modes.
+        tolerance: when poles of two orders are the same.
+
+    Raises:
+        DataError: the FRF is not finite, has no phase, or its lines do not suit the estimator.
+        IdentificationError: no such estimator, or the lines cannot carry the order.
+    """
+    used = find_estimator(method)
+    if max_order is not None and max_order < 1:
+        raise IdentificationError(f"order {max_order} holds no mode", remedy="ask for an order of at least 2")
+    check_frf(frf.frequency_hz, frf.values, frf.outputs, even=used.grid == "even")
+    if used.poles is not None:
+        return PoleEstimate(used.poles(frf))
+    assert used.order is not None
+    return _of_orders(frf, used.order, max_order, tolerance)
+
+
+def _of_orders(frf: Frf, order: Order, max_order: int | None, tolerance: Tolerance | None) -> PoleEstimate:
+    orders = order.solve(frf, max_order or order.suits(frf))
+    whole = PoleEstimate(_stable(orders, tolerance), tuple(orders))
+    if max_order is not None or whole.poles.size < CROWDED * orders[-1].order * order.modes(frf):
+        return whole
+    bands = split_bands(frf)
+    return whole if len(bands) == 1 else _joined([_in_band(frf, band, order, tolerance) for band in bands])
+
+
+def _in_band(frf: Frf, band: Band, order: Order, tolerance: Tolerance | None) -> PoleEstimate:
+    inside = band.cut(frf)
+    orders = order.solve(inside, order.suits(inside))
+    own = tuple(OrderPoles(o.order, band.own(o.poles)) for o in orders)
+    return PoleEstimate(band.own(_stable(orders, tolerance)), own)
+
+
+def _joined(parts: Sequence[PoleEstimate]) -> PoleEstimate:
+    every = sorted({o.order for part in parts for o in part.orders})
+    orders = [
+        OrderPoles(n, np.concatenate([o.poles for part in parts for o in part.orders if o.order == n])) for n in every
+    ]
+    return PoleEstimate(np.concatenate([part.poles for part in parts]), tuple(orders))
+
+
+def _stable(orders: Sequence[OrderPoles], tolerance: Tolerance | None) -> Complex:
+    return np.array([p.pole for p in stable_poles(orders, tolerance)], dtype=np.complex128)

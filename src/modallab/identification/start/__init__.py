@@ -1,0 +1,1 @@
+"""Where a search for modes begins: peaks, bands, indicators, poles that hold, tones of a sine test."""
