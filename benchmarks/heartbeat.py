@@ -2,7 +2,7 @@
 
 Beside the service, processes that never rest, and a client that asks all the time. A false alarm aborts the run.
 
-    python benchmarks/silence.py --busy 8 --minutes 5
+    python benchmarks/heartbeat.py --busy 8 --minutes 5
 """
 
 import argparse
