@@ -3,9 +3,9 @@
     python docs/reference/check_words.py
 
 A word counts wherever it stands by itself or as a part of a name, split at underscores and capitals: of a retired `old`
-the names `old_count` and `lastOld` and the words "an old one" are found, "older" is not. Rules for names look at names of
-the code, of files and of JSON fields only; a test's name is a sentence. Prints `file:line: word -> say instead` for each
-and ends with 1 if there is any.
+the names `old_count` and `lastOld` and the words "an old one" are found, "older" is not. Rules for names look only at
+names of the code, of files and of JSON fields; a test's name is a sentence. Prints `file:line: word -> say instead` for
+each and ends with 1 if there is any.
 """
 
 import ast

@@ -134,7 +134,7 @@ class OpenDaqBench:
                 time.sleep(POLL_S)
         samples, self._left = self._left[:, :count].copy(), self._left[:, count:]
         first, self._position = self._position, self._position + count
-        return Chunk(first, samples, self._out_of_band(samples))
+        return Chunk(first, samples, self._at_full_scale(samples))
 
     def play(self, burst: Burst) -> int:
         """Rejected: these devices have no output."""
@@ -146,7 +146,7 @@ class OpenDaqBench:
         )
 
     def prompt_hit(self, point: int) -> None:
-        """Whoever strikes is told by the page; the point must be one of the rig."""
+        """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
     def zero(self) -> None:
@@ -206,7 +206,7 @@ class OpenDaqBench:
             )
         return symbol
 
-    def _out_of_band(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         limits = [device.signals[0].descriptor.value_range for device in self._channels]
         highest = np.array([np.inf if r is None else float(r.high_value) for r in limits])
         lowest = np.array([-np.inf if r is None else float(r.low_value) for r in limits])

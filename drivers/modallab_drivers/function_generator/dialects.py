@@ -15,12 +15,12 @@ class Setting:
     """One setting.
 
     Attributes:
-        tell: what sets it, with the value in braces.
+        command: what sets it, with the value in braces.
         ask: what asks for it.
         key: what stands before its value in an answer of many pairs; empty: the answer is the value.
     """
 
-    notify: str
+    command: str
     ask: str
     key: str = ""
 

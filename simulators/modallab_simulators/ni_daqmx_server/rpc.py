@@ -61,8 +61,8 @@ class _Calls(grpc.GenericRpcHandler):
         if not method.startswith(SERVICE) or request is None:
             return None
         if name == "RegisterEveryNSamplesEvent":
-            reported = partial(_every_n_samples, self._system)
-            return grpc.unary_stream_rpc_method_handler(reported, request.FromString, _encode)
+            stream = partial(_every_n_samples, self._system)
+            return grpc.unary_stream_rpc_method_handler(stream, request.FromString, _encode)
         answer = _answerer(self._system, name)
         if answer is None:
             return None

@@ -52,7 +52,7 @@ def _retention(arguments: argparse.Namespace) -> int:
 
 
 def _require_data(folder: Path) -> None:
-    # A store makes the folder it is given; a command that was told a wrong one must not.
+    # A store makes the folder it is given; a command that was given a wrong one must not.
     if not ((folder / DATABASE).is_file() or (folder / ADDRESS).is_file()):
         raise StorageError("is no data folder", where=str(folder), remedy=f"name a folder with {DATABASE} or {ADDRESS}")
 

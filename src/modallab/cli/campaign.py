@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     url = arguments.bench or rig.bench
     if not url:
         raise RigError("names no bench", where=str(arguments.rig), remedy="give --bench ADDRESS, or a field bench")
-    # Told to end, it leaves the bench as Ctrl-C does: at rest.
+    # Ordered to end, it leaves the bench as Ctrl-C does: at rest.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     console = Console()
     runs = _record(console, rig, url, read_plans(arguments.plan), arguments)

@@ -44,7 +44,7 @@ def _add_restore(commands: _Commands) -> None:
 
 
 def _add_retention(commands: _Commands) -> None:
-    command = commands.add_parser("retention", help="list samples that may go, and delete them if told so")
+    command = commands.add_parser("retention", help="list samples that may go, and delete them on request")
     command.add_argument("data", type=Path, metavar="DATA")
     command.add_argument("--older-than", type=float, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")

@@ -18,7 +18,7 @@ OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "work
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serve until told to leave."""
+    """Serve until asked to leave."""
     given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS if getattr(arguments, name) is not None}
     settings = Settings(**given)
     set_up(settings.log_level)

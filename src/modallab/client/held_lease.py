@@ -48,6 +48,6 @@ class HeldLease:
                 # No answer is no rejection: a busy service may give one yet, before the lease is over.
                 continue
             except Exception as error:
-                # The next command says so too; a thread has nobody to tell.
+                # The next command says so too; a thread has nobody to report it to.
                 self.lost = error
                 return

@@ -1,4 +1,4 @@
-"""What kind a file is of: by its content first, by its ending where the content does not tell."""
+"""What kind a file is of: by its content first, by its ending where the content does not show it."""
 
 from pathlib import Path
 from typing import Literal

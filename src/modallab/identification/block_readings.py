@@ -40,5 +40,5 @@ def _floor(fit: Fit, frequency_hz: NDArray[np.float64], requested_hz: float) -> 
     residue = 1 / (2j * 2 * np.pi * requested_hz)
     response = residue * bare.forced(pole)[0][0] - residue * bare.forced(pole.conj())[0][0]
     force = bare.static(-1)
-    quiet = np.any(force == 0)
-    return float("nan") if quiet else reading_near(frequency_hz, np.abs(response / force), requested_hz)
+    unforced = np.any(force == 0)
+    return float("nan") if unforced else reading_near(frequency_hz, np.abs(response / force), requested_hz)

@@ -28,7 +28,7 @@ def ask(
         SchedulerLostError: `alive` says so meanwhile, or there was no answer for `patience_s`.
         OSError: the connection broke.
     """
-    # Its types do not tell which loop it runs on.
+    # Its types do not say which loop it runs on.
     loop: Any = client.loop
     asked = asyncio.run_coroutine_threadsafe(question, loop.asyncio_loop)
     end = time.monotonic() + patience_s

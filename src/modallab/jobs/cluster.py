@@ -25,7 +25,7 @@ _CONFIG = {
     "distributed.admin.large-graph-warning-threshold": "2 GiB",
     "distributed.comm.timeouts.connect": "5s",
     "distributed.comm.retry.count": 1,
-    # A task whose worker died goes to another one, once; a second death is told to the table, which counts.
+    # A task whose worker died goes to another one, once; a second death is reported to the table, which counts.
     "distributed.scheduler.allowed-failures": 1,
 }
 
@@ -101,7 +101,7 @@ class Cluster:
     def close(self) -> None:
         """Leave, and end what was started here."""
         if self._own is not None and _process(self._own).pid is None:
-            # Nobody is there to be told, and Dask would try until its patience is over.
+            # Nobody is there to answer, and Dask would try until its patience is over.
             self._own.shutdown_scheduler = False
             # Nor do its workers have anything to bring any more; Dask would wait four seconds for what they compute.
             for name, pid in self.processes.items():
@@ -144,11 +144,11 @@ def _local(workers: int) -> SpecCluster:
     one_thread = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     options = {"host": HOST, "nthreads": 1, "dashboard": False, "silence_logs": logging.CRITICAL, "env": one_thread}
     # The level is what Dask wants here, whatever its types say.
-    quiet: Any = logging.CRITICAL
+    critical: Any = logging.CRITICAL
     return SpecCluster(
         scheduler={"cls": SchedulerProcess, "options": {"settings": _CONFIG}},
         workers={n: {"cls": Nanny, "options": options} for n in range(workers)},
-        silence_logs=quiet,
+        silence_logs=critical,
     )
 
 

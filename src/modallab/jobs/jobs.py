@@ -119,7 +119,7 @@ class Jobs:
         return self.get(job)
 
     def release(self, owner: str) -> int:
-        """Let others take the jobs of a runner that is known to be dead, without waiting for its silence to be long.
+        """Let others take the jobs of a runner that is known to be dead, without waiting for its time-out.
 
         Returns:
             how many it held. What it might still bring is not taken.

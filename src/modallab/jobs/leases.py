@@ -18,7 +18,7 @@ LEASE_S = 15.0
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A job under lease. `fence` tells this attempt from all others."""
+    """A job under lease. `fence` distinguishes this attempt from all others."""
 
     job: Job
     fence: int
@@ -42,7 +42,7 @@ class Leases:
         """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
-        Silence is timed from call to call, so this is to be called now and then, also with no room for more.
+        Time-outs are counted from call to call, so this is to be called now and then, also with no room for more.
         """
         waiting, timed_out = self._look()
         if limit < 1 or not (waiting or timed_out):

@@ -12,7 +12,7 @@ class Watch:
 
     No clock on the wall is asked, neither the machine's nor the database's: a clock that is set ends no lease and
     prolongs none. Between two looks at most a part of the lease is counted, so that a watcher that slept, or a database
-    that answered nobody, is not taken for the silence of a holder.
+    that answered nobody, is not taken for the time-out of a holder.
     """
 
     def __init__(self, lease_s: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -23,7 +23,7 @@ class Watch:
         self._timeout_s: dict[str, float] = {}
 
     def look(self, held: Mapping[str, Mark]) -> dict[str, Mark]:
-        """Note what is held now; those of them that have been silent for longer than the lease, with their marks."""
+        """Note what is held now; those of them without a sign of life for longer than the lease, with their marks."""
         now = self._clock()
         passed = min(now - self._looked_s, self._lease_s / 5)
         self._looked_s = now

@@ -2,7 +2,7 @@
 
 from sqlalchemy import DDL, Table, event
 
-_REFUSE = """
+_REJECT = """
 CREATE OR REPLACE FUNCTION modallab_append_only() RETURNS trigger AS $$
 BEGIN RAISE EXCEPTION '%% are append-only', TG_TABLE_NAME USING ERRCODE = 'integrity_constraint_violation'; END
 $$ LANGUAGE plpgsql"""
@@ -13,7 +13,7 @@ def append_only(*tables: Table) -> None:
     for table in tables:
         for verb in ("UPDATE", "DELETE"):
             _sqlite(table, verb)
-        event.listen(table, "after_create", DDL(_REFUSE).execute_if(dialect="postgresql"))
+        event.listen(table, "after_create", DDL(_REJECT).execute_if(dialect="postgresql"))
         event.listen(table, "after_create", DDL(_trigger(table)).execute_if(dialect="postgresql"))
 
 

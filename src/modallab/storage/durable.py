@@ -50,7 +50,7 @@ def require_space(folder: Path, need_bytes: int) -> None:
 
 
 def require_local(folder: Path) -> None:
-    """Reject a folder on a network share, as far as the system tells.
+    """Reject a folder on a network share, as far as the system reports it.
 
     Raises:
         StorageError: the folder is on a share.

@@ -1,4 +1,4 @@
-"""A lock that dies with its process, so that a run left behind by a crash can be told from one that is going on."""
+"""A lock that dies with its process, which distinguishes a run left behind by a crash from one that is going on."""
 
 import os
 import sys

@@ -42,7 +42,7 @@ def _channel(effect: Effect) -> int:
 
 def _clamp_rotation(twin: Twin, e: Effect, rig: Rig) -> Twin:
     s = twin.structure
-    # What is soft beside the root that the rig file tells of: one spring behind the other.
+    # What is soft beside the root that the rig file states: one spring behind the other.
     added = s.bending_stiffness / s.length_m / e.parameters["k_rot"]
     return replace(twin, structure=replace(s, root_rotation=s.root_rotation + added))
 

@@ -31,7 +31,7 @@ Request = Repeat | Drop
 
 @dataclass(slots=True)
 class Excitation:
-    """Whether a burst may be on, as the test says it: what a silence then means is another matter than at rest."""
+    """Whether a burst may be on, as the test says it: a time-out then is another matter than at rest."""
 
     on: bool = False
 

@@ -45,7 +45,7 @@ def require_legal(current: RunState, requested: RunState) -> None:
 
 
 class Lifecycle:
-    """Where one run stands: each step is checked, committed, then told."""
+    """Where one run stands: each step is checked, committed, then reported."""
 
     def __init__(self, recorder: Recorder, emit: Emit) -> None:
         self.state: RunState = "created"

@@ -46,7 +46,7 @@ class Settling:
         return float(np.linalg.norm(self.ratio))
 
     def verdict(self, limit: float) -> Settled:
-        """Whether the decays are below `limit`; unknown where the fit cannot tell it."""
+        """Whether the decays are below `limit`; unknown where the fit cannot resolve it."""
         spread = float(np.linalg.norm(self.sigma))
         if self.total - 2 * spread > limit:
             return "no"

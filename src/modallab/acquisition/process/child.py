@@ -26,7 +26,7 @@ BROKEN_FILE_EXIT = 3
 def serve(
     connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None, supervision: str = ""
 ) -> None:
-    """Open the bench, bring its output to zero, and run plans until told to leave or until the owner is gone.
+    """Open the bench, bring its output to zero, and run plans until it is asked to leave or the owner is gone.
 
     Args:
         connection: to the owner.
@@ -34,7 +34,7 @@ def serve(
         rig: what stands on it.
         folder: where the recordings go.
         life_line: to the supervisor, if there is one.
-        supervision: what ends the output should this process die, in words; told before anything is driven.
+        supervision: what ends the output should this process die, in words; reported before anything is driven.
     """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -58,7 +58,7 @@ class RunControls(ABC):
         """`paused -> acquiring`: the beam is waited for, then the test goes on; it also takes back a pause to come.
 
         Raises:
-            IllegalTransitionError: the run neither is paused nor was told to.
+            IllegalTransitionError: the run is neither paused nor about to be.
         """
         if not (self._pausing and self._view.state == "acquiring"):
             require_legal("armed" if self._view.state == "paused" else "created", "acquiring")
@@ -117,7 +117,7 @@ class RunControls(ABC):
 
     @abstractmethod
     def _send(self, command: Command) -> None:
-        """Tell the process.
+        """Send a command to the process.
 
         Raises:
             BenchError: it died.

@@ -54,7 +54,7 @@ class LifeLine:
             self._say(sign)
 
     def idle(self) -> None:
-        """No test is on: silence means nothing."""
+        """No test is on: a missing sign of life means nothing."""
         self._said_s = 0.0
         self._say("idle")
 
@@ -177,7 +177,7 @@ def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_f
 
 
 def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: TripLatch) -> Callable[[], None] | None:
-    """Wait until one of the two is gone, or told to leave; returns what is left to do once the output is at 0 V."""
+    """Wait until one of the two is gone, or asked to leave; returns what is left to do once the output is at 0 V."""
     heard_s = time.monotonic()
     sign: Sign = "idle"
     while True:

@@ -122,7 +122,7 @@ class RigProcess(RunControls):
         until `reset_trip`. It is not a safety-rated stop.
 
         Raises:
-            BenchError: the supervisor or the process could not be told; the rig is tripped all the same.
+            BenchError: the supervisor or the process could not be reached; the rig is tripped all the same.
             StorageError: the trip could not be written; the output is at 0 V all the same.
         """
         try:
@@ -136,7 +136,7 @@ class RigProcess(RunControls):
 
     @property
     def trip(self) -> Trip | None:
-        """What has tripped the rig: an emergency stop, or its process' silence or death while it drove; None if not."""
+        """What has tripped the rig: an emergency stop, a time-out or a death of its process while it drove; None if not."""
         return self.latch.read()
 
     def reset_trip(self) -> Trip | None:

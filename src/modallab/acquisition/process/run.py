@@ -25,7 +25,7 @@ from modallab.core.rig import Rig
 from modallab.storage import Recorder, Store
 
 Order = Literal["stop", "abort", "emergency", "lost"]
-"""How a running test may be told to end; `lost`: whoever asked for the run is gone."""
+"""How a running test may be ordered to end; `lost`: whoever asked for the run is gone."""
 
 Control = Callable[[], Order | None]
 Live = Callable[[LiveSamples], None]
@@ -39,7 +39,7 @@ MEMORY_BLOCKS = 6
 
 
 class OrderedEndError(Exception):
-    """The run was told to end; not an error of the run."""
+    """The run's end was ordered; not an error of the run."""
 
     def __init__(self, order: Order) -> None:
         super().__init__(order)
@@ -73,13 +73,13 @@ def run_plan(
         chunk_s: how much to read at once; nothing that is recorded depends on it.
         requests: what else is requested of the test while it runs.
         latch: of the emergency stop; without one there is none.
-        supervision: what ends the output should this process die; told before anything is driven.
-        excitation: is told whether a burst may be on.
+        supervision: what ends the output should this process die; reported before anything is driven.
+        excitation: is kept informed whether a burst may be on.
         live: takes a look at the samples as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
-        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was told.
+        ModallabError: what ended the run early, after the output was brought to zero and `Failed` was reported.
     """
     life = Lifecycle(recorder, emit)
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
@@ -145,7 +145,7 @@ class Setup:
         """Look, before every read, whether the run shall go on.
 
         Raises:
-            OrderedEndError: it was told to end.
+            OrderedEndError: its end was ordered.
             TrippedError: somebody else has brought the output to 0 V.
         """
         order = self.control()
@@ -181,8 +181,8 @@ def _work(setup: Setup) -> None:
 
 def _what_ends_it(plan: SinePlan, supervision: str) -> str:
     longest = longest_burst_s(plan)
-    reported = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
-    return f"{reported}; {supervision}" if supervision else reported
+    notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
+    return f"{notice}; {supervision}" if supervision else notice
 
 
 def _drop_left(setup: Setup) -> None:

@@ -1,4 +1,4 @@
-"""Runs, their blocks, and what an operator may tell a run."""
+"""Runs, their blocks, and the commands an operator may send to a run."""
 
 from typing import Annotated, Literal
 

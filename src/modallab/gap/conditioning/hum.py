@@ -147,6 +147,6 @@ def _drive_hz(block: Block, t: Array) -> float:
 
 
 def _heard_samples(block: Block) -> int:
-    """Samples from which the hum is told: of a hit those before it, where they suffice."""
+    """Samples from which the hum is read: of a hit those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[0]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples

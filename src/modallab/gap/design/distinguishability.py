@@ -1,4 +1,4 @@
-"""Which effects a campaign cannot tell apart, before any data: cosines between their signatures."""
+"""Which effects a campaign cannot distinguish, before any data: cosines between their signatures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -147,17 +147,19 @@ def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) ->
     kinds = {p.kind for p in plans}
     said: list[str] = []
     if "sine" not in kinds:
-        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be told.")
+        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be examined.")
     if "impact" not in kinds:
         said.append("Add an impact test: free decays give the poles without the shaker.")
     points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
     if "impact" in kinds and len(points) < 3:
-        said.append("Strike at three points or more: residues at several points tell masses from springs and the root.")
+        said.append(
+            "Strike at three points or more: residues at several points separate masses from springs and the root."
+        )
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
         said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}
     if frozenset({"added_mass", "sensor_mass"}) in pairs:
-        said.append("Repeat the hits with one accelerometer only: that tells the sensors' mass from another.")
+        said.append("Repeat the hits with one accelerometer only: that separates the sensors' mass from another.")
     if any("force_gain" in pair for pair in pairs):
         said.append("Strike a free known mass: that calibrates the hammer apart from the beam's density.")
     return said

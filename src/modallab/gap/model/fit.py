@@ -32,7 +32,7 @@ class Problem:
         free: the nuisances.
         candidates: effects whose numbers are free.
         floor: relative error of the model that is forgiven, for the first steps of a fit.
-        course: course of a drift, where it is known; see `Twin`.
+        drift_curve: share of a drift over the campaign, where it is known; see `Twin`.
         held: Young's modulus, thickness and density, in deviations of their priors, where a fit of a wrong model stays.
     """
 

@@ -90,7 +90,7 @@ def _step(
 def _scale(problem: Problem, normal: Array) -> Array:
     """What damps a step: the curvature along each axis, which for the beam are those that the data part.
 
-    Frequencies tell E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
+    Frequencies determine E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
     the rotary inertia only. Damped along E, t and rho, a fit would creep along that valley and seem to have ended.
     """
     axes = np.eye(len(normal))

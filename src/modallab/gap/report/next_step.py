@@ -1,4 +1,4 @@
-"""The experiment that would tell apart what this campaign cannot."""
+"""The experiment that would distinguish what this campaign cannot."""
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Verdict
@@ -8,7 +8,7 @@ SEPARATES: dict[frozenset[str], str] = {
     frozenset({"added_mass", "sensor_mass"}): "Take all accelerometers but one off and repeat the hits: if the "
     "frequencies rise alike, it is the sensors.",
     frozenset({"added_mass", "clamp_rotation"}): "Screw a known mass to the free end and repeat the hits.",
-    frozenset({"clamp_rotation", "stiffness_loss"}): "Strike close to the clamp: the slope there tells a soft root.",
+    frozenset({"clamp_rotation", "stiffness_loss"}): "Strike close to the clamp: the slope there shows a soft root.",
     frozenset({"gain_error", "position_error"}): "Exchange the suspect accelerometer with its neighbour and repeat.",
     frozenset({"shaker_mass", "stinger_moment"}): "Repeat the sines with the shaker at another point.",
     frozenset({"shaker_mass", "added_mass"}): "Take the shaker off and repeat the hits.",
@@ -42,4 +42,4 @@ def _for_unknown(campaign: Campaign) -> str:
         return "Repeat the sines at a second level: does the bench answer in proportion to the force?"
     if len(points) < 3:
         return "Strike at more points: a gap in the beam changes the poles, one at the point of the hit does not."
-    return "Repeat the sines at a third level, and the first hits at the end: level and time tell most effects apart."
+    return "Repeat the sines at a third level, and the first hits at the end: level and time distinguish most effects."

@@ -137,7 +137,7 @@ class Screen:
         return np.concatenate([self.u, [size.coordinate(scale.value(times))], place])
 
     def _far(self, problem: Problem, candidate: Candidate) -> tuple[Begin, ...]:
-        """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down tell of."""
+        """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down show."""
         free, former = problem.free, self.u[self.priors :]
         begins: list[Array] = []
         nears = [self.u]

@@ -142,7 +142,7 @@ def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Rea
 
 
 def response_misfit(fit: Fit) -> Real:
-    """Share (outputs,) of the measured response's energy that the model leaves over."""
+    """Share (outputs,) of the measured response's energy that the model does not explain."""
     left = np.sum([energy(g.residual) for g in fit.point.groups], axis=0)
     there = np.sum([energy(stack(b.response)) for b in fit.problem.blocks], axis=0)
     return left / np.maximum(there, np.finfo(float).tiny)

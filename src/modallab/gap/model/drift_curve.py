@@ -1,4 +1,4 @@
-"""The course of a drift: a bench does not warm at an even pace, and need not."""
+"""The curve of a drift over the campaign: a bench does not warm at an even pace, and need not."""
 
 from dataclasses import replace
 
