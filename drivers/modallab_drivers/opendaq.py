@@ -184,18 +184,18 @@ class OpenDaqBench:
         self._reader = None
 
     def _fitting_channels(self) -> Sequence[Any]:
-        requested = len(self._rig.channels)
-        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < requested:
+        needed = len(self._rig.channels)
+        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < needed:
             # The reference device has as many channels as one asks for.
-            self._device.set_property_value(_COUNT, requested)
+            self._device.set_property_value(_COUNT, needed)
         channels = list(self._device.channels_recursive)
-        if len(channels) < requested:
+        if len(channels) < needed:
             raise ConfigurationError(
-                f"channels: the rig has {requested}, the device {len(channels)}",
+                f"channels: the rig has {needed}, the device {len(channels)}",
                 where=self._url,
                 remedy="leave channels of the rig file out, or use a larger device",
             )
-        return channels[:requested]
+        return channels[:needed]
 
     def _unit(self, channel: Channel, device: Any) -> str:
         unit = device.signals[0].descriptor.unit

@@ -216,10 +216,10 @@ def _parse(url: str) -> tuple[Path, float]:
 
 
 def _same_channels(recorded: Rig, rig: Rig, url: str) -> None:
-    had, requested = [c.name for c in recorded.channels], [c.name for c in rig.channels]
-    if had != requested:
+    had, expected = [c.name for c in recorded.channels], [c.name for c in rig.channels]
+    if had != expected:
         raise ConfigurationError(
-            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(requested)}",
+            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(expected)}",
             where=f"{url}, rig file field channels",
             remedy="replay it with the rig it was recorded on",
         )

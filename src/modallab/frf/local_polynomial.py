@@ -24,7 +24,7 @@ def local_polynomial_frf(
 
     Args:
         force: (blocks, inputs, lines) spectra of adjacent DFT lines, without any window in time. They must be rough: a
-            random force, or several. A single hit's spectrum is as smooth as its transient: the two cannot be separated.
+            random force, or several. A single hit's spectrum is as smooth as its transient: they do not separate.
         response: (blocks, outputs, lines), of the same blocks.
         order: of the polynomials in the line.
         poles: order of the denominator; 0 for polynomials alone, which noise cannot bias.

@@ -21,8 +21,8 @@ def half_power_readings(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """What the half-power rule reads for each kept mode, and what it would read without any damping, each (kept,)."""
     measured = convert(impact_frf(groups, rig, band), "mobility")
-    requested = fit.point.parameters.omega[keep] / (2 * np.pi)
-    order = np.sort(requested)
+    mode_hz = fit.point.parameters.omega[keep] / (2 * np.pi)
+    order = np.sort(mode_hz)
     amplitude = summed_amplitude(measured)
     read = np.array([reading_near(measured.frequency_hz, amplitude, f) for f in order])
     floor = np.array([_floor(fit, measured.frequency_hz, f) for f in order])

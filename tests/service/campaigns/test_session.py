@@ -42,7 +42,7 @@ def test_the_demos_campaign_has_15_good_hits_and_24_sine_blocks(link_rig: Rig, t
     assert campaign.rig == link_rig
 
 
-def test_a_plan_that_fails_ends_the_visit_and_what_was_recorded_stays(link_rig: Rig, tmp_path: Path) -> None:
+def test_a_plan_that_fails_ends_the_session_and_what_was_recorded_stays(link_rig: Rig, tmp_path: Path) -> None:
     plans = (ImpactPlan(points=(10,), hits=1), SinePlan(levels_v={"low": 99.0}))
     with pytest.raises(PlanError, match="99 V"):
         record_campaign("sim://cantilever?seed=1", link_rig, plans, tmp_path, lambda _: None)
@@ -52,7 +52,7 @@ def test_a_plan_that_fails_ends_the_visit_and_what_was_recorded_stays(link_rig: 
         assert len(store.blocks(done.id)) == 1
 
 
-def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_tell_whether_it_settled(
+def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_see_whether_it_settled(
     link_rig: Rig, tmp_path: Path
 ) -> None:
     # 1.6 % of damping: after 2.5 s a decay of the first mode is left that 6 s more take away.

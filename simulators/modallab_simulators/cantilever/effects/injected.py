@@ -1,4 +1,4 @@
-"""The effects of one bench, checked against its rig and told as text."""
+"""The effects of one bench, checked against its rig and reported as text."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -39,7 +39,7 @@ class Injected:
 
 
 def reported(effect: Effect) -> dict[str, object]:
-    """An effect as a campaign's truth tells it."""
+    """An effect as a campaign's truth states it."""
     options = OPTIONS.get(effect.effect, ())
     return {
         "effect": effect.effect,

@@ -96,7 +96,7 @@ class SineTest:
         context, stream = self.context, self.context.stream
         context.pause_if_requested(self.watch)
         rest = self._wait_until_settled(step)
-        # What was requested in the rest comes before the burst.
+        # What was requested during the wait comes before the burst.
         context.pause_if_requested(self.watch)
         burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
         context.excitation.on = True

@@ -136,7 +136,7 @@ class RigProcess(RunControls):
 
     @property
     def trip(self) -> Trip | None:
-        """What has tripped the rig: an emergency stop, a time-out or a death of its process while it drove; None if not."""
+        """What has tripped the rig: emergency stop, or time-out or death of its process in a burst; None if not."""
         return self.latch.read()
 
     def reset_trip(self) -> Trip | None:

@@ -25,7 +25,7 @@ class RunView:
         done: good hits, or frequencies, so far.
         total: how many are requested.
         what: what was done last, or is waited for.
-        requested: the hit that is waited for.
+        requested: the hit that is being waited for.
         rejected: hits rejected so far.
         blocks: names of the blocks that count, in order.
         last_block: name of the last block that was kept, whether it counts or not.

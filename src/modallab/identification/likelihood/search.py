@@ -164,7 +164,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
 
 
 def covariance_of(matrix: Real) -> Real:
-    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even where some are undetermined."""
+    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even if some are undetermined."""
     # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))
