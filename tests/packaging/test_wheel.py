@@ -48,7 +48,7 @@ def test_it_holds_every_file_of_the_three_packages_and_no_other(unpacked: Path) 
     }
     there = {file.relative_to(unpacked).as_posix() for file in unpacked.rglob("*") if file.is_file()}
     assert {name for name in there if ".dist-info/" not in name} == here
-    assert {"modallab/campaign/link_rig.yaml", "modallab/figures/report.css", "modallab/figures/motion.js"} <= there
+    assert {"modallab/service/link_rig.yaml", "modallab/reporting/report.css", "modallab/reporting/motion.js"} <= there
 
 
 def test_its_entry_points_are_those_of_the_project(unpacked: Path, project: Mapping[str, dict]) -> None:
