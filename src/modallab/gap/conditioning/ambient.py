@@ -1,4 +1,10 @@
-"""What the accelerometers read without a force: ringing from before a hit, and a floor that shakes."""
+"""What the accelerometers read without a force: ringing from before a hit, and a floor that shakes.
+
+A line's power of Gaussian noise is exponentially distributed, so its median is ln 2 times its mean; Hann-windowed
+spectra as in Welch, IEEE Trans. Audio Electroacoust. 15 (1967), 70. Decays are linear least squares of exponentials at
+known poles, and their shapes the first left singular vector over the hits (Golub and Van Loan, Matrix Computations,
+2013).
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,9 @@
-"""The noise of each row of the converter, from the records themselves."""
+"""The noise of each row of the converter, from the records themselves.
+
+Spectra under a Hann window (Welch, IEEE Trans. Audio Electroacoust. 15, 1967, 70), whose lines hold exponentially
+distributed powers for Gaussian noise (Bendat and Piersol, Random Data, 2010); a converter's rounding has the variance
+step^2 / 12 (Bennett, Bell Syst. Tech. J. 27, 1948, 446).
+"""
 
 from collections.abc import Sequence
 

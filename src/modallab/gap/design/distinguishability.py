@@ -1,4 +1,9 @@
-"""Which effects a campaign cannot distinguish, before any data: cosines between their signatures."""
+"""Which effects a campaign cannot distinguish, before any data: cosines between their signatures.
+
+Signatures are differences of the residuals in noise units, the nuisances projected out (orthogonal projection: Bjorck,
+Numerical Methods for Least Squares Problems, 1996), their priors one row each. Two that point the same way cannot be
+separated by any fit: collinearity as in Brun, Reichert and Kunsch, Water Resour. Res. 37 (2001), 1015.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

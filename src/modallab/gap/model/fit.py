@@ -1,4 +1,9 @@
-"""What is fitted: the twin's free numbers to the reduced data, in noise units, priors included."""
+"""What is fitted: the twin's free numbers to the reduced data, in noise units, priors included.
+
+The most probable numbers under Gaussian noise and Gaussian priors (Tarantola, Inverse Problem Theory, 2005). A relative
+error of the model, `floor`, is added to the noise in quadrature, as a discrepancy of the model (Kennedy and O'Hagan, J.
+R. Stat. Soc. B 63, 2001, 425), and lowered as the fit goes on.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -100,9 +105,9 @@ class Fit:
 
     Attributes:
         problem: what was fitted.
-        u: the free numbers.
-        cost: squares of residuals and of priors.
-        residual: in noise units.
+        u: (u,) the free numbers.
+        cost: sum of the squares of residuals and of priors.
+        residual: (residuals,) in noise units, 0 where not used.
         normal: (u, u) curvature, priors included.
     """
 

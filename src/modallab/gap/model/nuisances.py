@@ -1,4 +1,8 @@
-"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft."""
+"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft.
+
+Priors are log-normal for what is positive: u deviations multiply a number by exp(u tolerance). Frequencies of the bare
+cantilever by Blevins, Formulas for Dynamics, Acoustics and Vibration, 2016.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,8 @@
-"""Effects that no force predicts: read off the records themselves."""
+"""Effects that no force predicts: read off the records themselves.
+
+Variances add: a row's own noise is what it shows less the rounding, step^2 / 12. The base's motion is the response over
+the beam's transmission from its base (`modallab.twin.base_motion`), median over the channels.
+"""
 
 from typing import Any
 

@@ -1,4 +1,9 @@
-"""Where the gap lies, from tests on the residual alone: no effect is named here."""
+"""Where the gap lies, from tests on the residual alone: no effect is named here.
+
+Harmonics under a sine and an FRF that depends on the level show a nonlinearity (Worden and Tomlinson, Nonlinearity in
+Structural Dynamics, 2001, ch. 2). The factors common to all channels are linear least squares, line by line; a delay is
+a phase in proportion to frequency.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -111,7 +116,10 @@ def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -
 
 
 def lateness(base: Fit) -> float:
-    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1."""
+    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1.
+
+    The coefficient of determination of a regression of phase on frequency through 0, weighted by the response.
+    """
     seen, y, hz = _in_noise(base)
     weight = np.sum(np.abs(y) ** 2, axis=0)
     factor = np.sum(y.conj() * seen, axis=0) / np.maximum(weight, 1e-300)

@@ -1,4 +1,8 @@
-"""What a search works on, and its fits: short ones to compare, long ones to believe."""
+"""What a search works on, and its fits: short ones to compare, long ones to believe.
+
+Fits begin with a large model error forgiven and end with none, so that they pass the shallow minima of the full problem
+(graduated non-convexity: Blake and Zisserman, Visual Reconstruction, 1987).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,8 @@
-"""One round of a search: every candidate is screened, the likely are fitted, the best to the end."""
+"""One round of a search: every candidate is screened, the likely are fitted, the best to the end.
+
+Many candidates get a short look, fewer a longer one, the best all of it: successive halving (Jamieson and Talwalkar,
+AISTATS 2016, 240).
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
