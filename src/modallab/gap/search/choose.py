@@ -117,8 +117,8 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     1989), and 3 k a price for each effect as in information criteria (Schwarz, Ann. Stat. 6, 1978, 461; Burnham and
     Anderson, Model Selection and Multimodel Inference, 2002), here a constant. The temperature T = 2 + 100 x the excess
     of the best explanation flattens the weights, as in temperature scaling (Guo, Pleiss, Sun and Weinberger, "On
-    calibration of modern neural networks", ICML 2017): where the best explanation stays above the floor the model itself
-    is wrong by that much, so that margins count for less. The constants 2, 100 and 3 are this project's own.
+    calibration of modern neural networks", ICML 2017): where the best explanation stays above the floor, the model
+    itself is wrong by that much, so that margins count for less. The constants 2, 100 and 3 are this project's own.
     """
     fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
     for fit in choice.rivals:

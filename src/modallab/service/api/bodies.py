@@ -12,9 +12,11 @@ from modallab.core.documents.runs import Command, RunNew, Verdict
 
 NewCampaign = Annotated[
     CampaignNew,
-    Body(openapi_examples={"visit": Example(value={"name": "first visit", "rig": "link", "note": "new clamp"})}),
+    Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
-ChangedCampaign = Annotated[CampaignChange, Body(openapi_examples={"rename": Example(value={"name": "second visit"})})]
+ChangedCampaign = Annotated[
+    CampaignChange, Body(openapi_examples={"rename": Example(value={"name": "second session"})})
+]
 NewLease = Annotated[
     LeaseNew, Body(openapi_examples={"for ten minutes": Example(value={"operator": "Ada", "ttl_s": 600})})
 ]
@@ -42,6 +44,8 @@ Judgement = Annotated[
 ]
 NewJob = Annotated[
     JobNew | None,
-    Body(openapi_examples={"with its settings": Example(value={"parameters": {"title": "Report of the first visit"}})}),
+    Body(
+        openapi_examples={"with its settings": Example(value={"parameters": {"title": "Report of the first session"}})}
+    ),
 ]
 Reason = Annotated[StopReason | None, Body(openapi_examples={"why": Example(value={"reason": "loose cable"})})]

@@ -59,7 +59,7 @@ class LocalCampaign:
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
 
     def run(self, plan: Plan, notify: Callable[[EventView], None]) -> str:
-        """Run a plan to its end; `tell` gets every event of it. Returns the run's name.
+        """Run a plan to its end; `notify` gets every event of it. Returns the run's name.
 
         Raises:
             ModallabError: it could not be begun, or ended early; what was acknowledged is kept.
@@ -79,7 +79,7 @@ class LocalCampaign:
             ended = ended or self._has_ended()
 
     def command(self, run: str, command: Command) -> None:
-        """Tell the active run something. Raises as `Control`."""
+        """Send a command to the active run. Raises as `Control`."""
         self._controllers.command(self._rig, run, command, self._lease.id)
 
     def emergency_stop(self, reason: str) -> None:

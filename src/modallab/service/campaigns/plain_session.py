@@ -23,7 +23,7 @@ def record_campaign(
         plans: what to do, in this order. A sine test that lengthens its bursts until they have settled, and names no
             modes, takes those of the impact test before it.
         data_folder: where the recordings are kept.
-        tell: called with every event, as it comes.
+        notify: called with every event, as it comes.
 
     Raises:
         ModallabError: what ended a run early; the output is at zero and all acknowledged blocks are in the folder.

@@ -1,4 +1,4 @@
-"""Runs whose end nobody told: the recorder died, or the service did before it heard. Told once, and never resumed."""
+"""Runs whose end nobody reported: the recorder or the service died before. Reported once, and never resumed."""
 
 import time
 from collections.abc import Callable
@@ -26,7 +26,7 @@ class Recovery:
 
         Args:
             diary: where it writes.
-            ended: called with the name of every run whose end is told here.
+            ended: called with the name of every run whose end is reported here.
             look_s: between two looks at least.
 
         Raises:
@@ -39,7 +39,7 @@ class Recovery:
         self._looked_s = float("-inf")
 
     def look(self) -> None:
-        """Mark what is there to be marked, and tell what is there to be told.
+        """Mark what is there to be marked, and report what is there to be reported.
 
         Raises:
             StorageError: it could not be kept; the next look tries again.
@@ -50,7 +50,7 @@ class Recovery:
         self._looked_s = now
         self._unreported |= set(self._diary.store.recover())
         for run in sorted(self._unreported):
-            # Who follows a run hears of its recorder's death at the same moment, and tells it himself.
+            # Who follows a run hears of its recorder's death at the same moment, and reports it.
             if self._diary.ends.left_alone(run):
                 self._notify(run)
 

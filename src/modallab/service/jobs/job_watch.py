@@ -1,4 +1,4 @@
-"""Tells in the log of events how jobs go on."""
+"""Reports in the log of events how jobs go on."""
 
 import time
 
@@ -15,7 +15,7 @@ PAGE = 100
 
 
 class JobWatch:
-    """Looks at the open jobs, and tells what has changed since."""
+    """Looks at the open jobs, and reports what has changed since."""
 
     def __init__(self, engine: Engine, jobs: Jobs, log: EventLog) -> None:
         self._engine = engine

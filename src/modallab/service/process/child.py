@@ -20,7 +20,7 @@ LEAVE_S = 10.0
 
 
 class Child:
-    """One such process. `started` is called with this end of its pipe each time; None through it tells it to leave."""
+    """One such process. `started` is called with this end of its pipe each time; None through it asks it to leave."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Child:
             self._start()
 
     def close(self) -> None:
-        """Tell it to leave, and wait for it."""
+        """Ask it to leave, and wait for it."""
         if self._connection is not None:
             with suppress(OSError):
                 self._connection.send(None)

@@ -1,16 +1,16 @@
-"""How long a process has been silent, distinguished from a machine that lets nobody speak."""
+"""How long a process has given no sign of life, distinguished from a machine that lets no process run."""
 
 import time
 from collections.abc import Callable
 
 AT_MOST = 5.0
-"""However busy the machine: so many times the silence that is allowed, by the clock, is too long."""
+"""However busy the machine: so many times the time-out, by the clock, is too long."""
 
 
 class HeartbeatTimer:
-    """Times the silence of another process.
+    """Times how long another process has given no sign of life.
 
-    On a busy machine a living process was seen to be silent for two seconds. Whoever listens was kept waiting as well,
+    On a busy machine a living process gave no sign of life for two seconds. Whoever listens was kept waiting as well
     then; so between two looks at most one long look's time is counted. And a process that has used the processor since
     the last look is not frozen, though it did not get to speak: that time is not counted either.
     """
@@ -19,7 +19,7 @@ class HeartbeatTimer:
         """Begin.
 
         Args:
-            allowed_s: a counted silence longer than this is too long.
+            allowed_s: a counted time longer than this is too long.
             look_s: between two looks, if nobody is kept waiting.
             clock: monotonic, in seconds.
         """
@@ -32,7 +32,7 @@ class HeartbeatTimer:
         self.counted_s = 0.0
 
     def look(self, heard_s: float, used_s: float) -> bool:
-        """Look again. Whether the other has been silent for too long.
+        """Look again. Whether the other has given no sign of life for too long.
 
         Args:
             heard_s: when it was heard last.

@@ -13,14 +13,14 @@ LOOK_S = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Computing:
-    """What the process tells: the name its jobs are held under, and the processes that it has started, by name."""
+    """What the process reports: the name its jobs are held under, and the processes that it has started, by name."""
 
     owner: str
     processes: dict[str, int]
 
 
 def run_jobs(connection: Connection, settings: Settings) -> None:
-    """Compute jobs until the supervisor is gone or says so; it is told who holds them, and by which processes."""
+    """Compute jobs until the supervisor is gone or says so; it is informed who holds them, by which processes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     set_up(settings.log_level)
     # Imported here: the supervisor, which is the same program, needs none of it.

@@ -1,4 +1,4 @@
-"""What the service is told of other machines: the database's server, and the scheduler with its certificates."""
+"""What the service knows of other machines: the database's server, and the scheduler with its certificates."""
 
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ def settle_database(settings: Settings) -> None:
     """Have the data folder name the database of the settings, if it names none yet; what it names is what counts.
 
     Raises:
-        ServiceError: it names another one, or the setting is no address. No password is told.
+        ServiceError: it names another one, or the setting is no address. No password is shown.
         FormatError: it has a catalogue of its own.
     """
     if settings.database is None:

@@ -177,19 +177,19 @@ class Supervisor:
     def _guard(self) -> None:
         """The heartbeat, which waits for nothing."""
         tripped = False
-        silence = HeartbeatTimer(self._settings.timeout_s, BEAT_LOOK_S)
+        timer = HeartbeatTimer(self._settings.timeout_s, BEAT_LOOK_S)
         while not self._closing.wait(BEAT_LOOK_S):
-            trouble = self._trouble(silence)
+            trouble = self._trouble(timer)
             if trouble and not tripped:
                 self._trip(trouble)
             tripped = bool(trouble)
 
-    def _trouble(self, silence: HeartbeatTimer) -> str:
+    def _trouble(self, timer: HeartbeatTimer) -> str:
         counter = self._counter
         if counter is None or not counter.began:
             return ""
-        timed_out = silence.look(counter.heard_s, self._api.used_s)
-        # Started anew it may be back within the second that silence is given: its end alone is reason enough.
+        timed_out = timer.look(counter.heard_s, self._api.used_s)
+        # Started anew it may be back within the time-out: its end alone is reason enough.
         return counter.gone or (
             f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
         )

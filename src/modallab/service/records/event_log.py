@@ -28,7 +28,7 @@ class Topic:
 
 
 class EventLog:
-    """Appends and reads events. A full disk delays them and never stops who tells them."""
+    """Appends and reads events. A full disk delays them and never stops who reports them."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine

@@ -110,7 +110,7 @@ class ActiveRun:
             self._keep_code(event.code)
 
     def _ended_by(self, error: ModallabError) -> None:
-        # A process that was killed told nobody how its run ended; its owner has marked it since.
+        # A process that was killed reported to nobody how its run ended; its owner has marked it since.
         if not self.run or self.state in ENDED:
             return
         reason = error.what

@@ -1,4 +1,4 @@
-"""What an operator may tell a run that is going on."""
+"""The commands an operator may send to a run that is going on."""
 
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.core.documents.runs import Abort, Command, Drop, Pause, Repeat, Resume

@@ -72,7 +72,7 @@ class Control(Protocol):
         ...
 
     def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
-        """Tell an active run something.
+        """Send a command to an active run.
 
         Raises:
             LeaseNeededError, IllegalTransitionError, ConflictError.

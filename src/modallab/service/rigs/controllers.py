@@ -38,7 +38,7 @@ class Controllers:
         return controller.start(order, lease.operator)
 
     def command(self, rig: str, run: str, command: Command, lease: str | None) -> None:
-        """Tell an active run something. Raises as `Control`."""
+        """Send a command to an active run. Raises as `Control`."""
         controller = self._controller(rig)
         controller.command(run, command, self._leases.require(rig, lease).operator)
 

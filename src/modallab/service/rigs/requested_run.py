@@ -10,7 +10,7 @@ from modallab.service.rigs.control import StartRun
 
 
 class RequestedRun:
-    """An order, and whose it is. Nobody would know of a run that begins when its asker was told that it did not."""
+    """An order, and whose it is. Nobody would know of a run that begins when its asker was answered that it did not."""
 
     def __init__(self, order: StartRun, operator: str) -> None:
         self.order = order

@@ -1,4 +1,4 @@
-"""Who tells that a run has ended: one of those who may find it out, once."""
+"""Who reports that a run has ended: one of those who may find it out, once."""
 
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -14,7 +14,7 @@ class Followed(Protocol):
 
 
 class Ends:
-    """Runs that are followed, and runs whose end was told. From any thread."""
+    """Runs that are followed, and runs whose end was reported. From any thread."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -23,7 +23,7 @@ class Ends:
 
     @contextmanager
     def following(self, active: Followed) -> Generator[None]:
-        """While this lasts, who follows the run tells its end, and nobody else."""
+        """While this lasts, who follows the run reports its end, and nobody else."""
         with self._lock:
             self._followed.append(active)
         try:
@@ -33,7 +33,7 @@ class Ends:
                 self._followed.remove(active)
 
     def notify(self, run: str) -> bool:
-        """Whether this end is to be told: nobody has."""
+        """Whether this end is to be reported: nobody has."""
         with self._lock:
             new = run not in self._reported
             self._reported.add(run)
