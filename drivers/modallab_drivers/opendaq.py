@@ -137,7 +137,7 @@ class OpenDaqBench:
         return Chunk(first, samples, self._at_full_scale(samples))
 
     def play(self, burst: Burst) -> int:
-        """Rejected: these devices have no output."""
+        """Always rejected: these devices have no output."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"the device has no output; a burst of {burst.frequency_hz:g} Hz was asked for",

@@ -134,7 +134,7 @@ class ReplayBench:
         return chunk
 
     def play(self, burst: Burst) -> int:
-        """Rejected: what was recorded can't be driven."""
+        """Always rejected: a recording cannot be driven."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"a replay has no output; a burst of {burst.frequency_hz:g} Hz was asked for",

@@ -9,7 +9,7 @@ $$ LANGUAGE plpgsql"""
 
 
 def append_only(*tables: Table) -> None:
-    """Have every database that gets these tables reject to update or delete their rows."""
+    """Have every database that gets these tables reject updates and deletions of their rows."""
     for table in tables:
         for verb in ("UPDATE", "DELETE"):
             _sqlite(table, verb)

@@ -17,7 +17,7 @@ def planned_blocks(plan: Plan) -> int:
 
 
 def require_room(folder: Path, plan: Plan, block_bytes: int) -> None:
-    """Reject to begin a run that cannot end.
+    """Reject a run for which there is too little room.
 
     Args:
         folder: of the samples.

@@ -7,7 +7,7 @@ from lab import Lab
 
 from modallab.service.api.problem_kinds import KINDS, OF_ERROR
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 COMMITTED = ROOT / "docs" / "reference" / "openapi.json"
 
 

@@ -40,6 +40,6 @@ def test_settings_come_from_the_environment_and_are_checked(monkeypatch: pytest.
 
 
 def test_every_setting_is_in_the_reference() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
     missing = [name for name in Settings.model_fields if f"| `MODALLAB_{name.upper()}` |" not in text]
     assert not missing

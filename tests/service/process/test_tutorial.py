@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from service_process import ServiceProcess
 
-PAGE = Path(__file__).parents[2] / "docs" / "tutorial" / "rest-service.md"
+PAGE = Path(__file__).parents[3] / "docs" / "tutorial" / "rest-service.md"
 TRUE_HZ = (4.754950, 30.593408, 87.146358)
 
 

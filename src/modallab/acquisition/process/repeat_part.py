@@ -52,7 +52,7 @@ def require_step(plan: Plan, frequency_hz: float, level: str = "") -> SinePlan:
 
 
 def require_recorded(plan: SinePlan, frequency_hz: float, level: str, blocks: Collection[str]) -> None:
-    """Reject to repeat what has not been recorded yet.
+    """Reject a repetition of what has not been recorded yet.
 
     Args:
         plan: of the run.

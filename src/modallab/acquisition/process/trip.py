@@ -104,7 +104,7 @@ class TripLatch:
         return trip
 
     def require_reset(self) -> None:
-        """Reject to go on while it is tripped.
+        """Raise while it is tripped.
 
         Raises:
             TrippedError: with what tripped it, and when.

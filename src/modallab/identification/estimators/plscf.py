@@ -18,7 +18,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 
 EVERY_ORDER_UP_TO = 120
-"""Columns up to which every order is solved: the cost grows with their cube, what one more order tells does not."""
+"""Columns up to which every order is solved: the cost grows with their cube, what one more order shows does not."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
