@@ -18,6 +18,7 @@ check: $(VENV)/.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 	$(BIN)/basedpyright
+	$(BIN)/python docs/reference/check_words.py
 
 $(VENV)/.ready: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("modallab needs Python 3.11 or newer, this is " + sys.version) if sys.version_info < (3, 11) else None'

@@ -140,7 +140,7 @@ def wait_until(happened: Callable[[], object], patience_s: float = 120.0) -> Non
 
 
 def one_by_one(victim: str, kills: int, kill: Callable[[], float]) -> list[float]:
-    """What every kill took, in s; each is told as it comes, so that a run that is ended early is not for nothing."""
+    """What every kill took, in s; each is printed as it comes, so that a run that is ended early is not for nothing."""
     took: list[float] = []
     for n in range(1, kills + 1):
         took.append(kill())

@@ -15,7 +15,7 @@ from modallab.bench.protocol import Bench, Burst, Request
 from modallab.formats.rig.rig_file import parse_rig
 from modallab_simulators.cantilever import open_bench
 
-LocalSession = Callable[[Bench, float], None]
+Procedure = Callable[[Bench, float, float], None]
 
 
 def read(bench: Bench, rate_hz: float, seconds: float) -> None:
@@ -49,7 +49,7 @@ def sine(bench: Bench, rate_hz: float, seconds: float) -> None:
         read(bench, rate_hz, 21)
 
 
-VISITS: dict[str, tuple[LocalSession, Request]] = {
+PROCEDURES: dict[str, tuple[Procedure, Request]] = {
     "at rest": (rest, Request("impact", 2000.0)),
     "ringing": (ring, Request("impact", 2000.0)),
     "impact test": (impact, Request("impact", 2000.0)),
@@ -60,16 +60,16 @@ VISITS: dict[str, tuple[LocalSession, Request]] = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=420.0, help="bench time a visit")
+    parser.add_argument("--seconds", type=float, default=420.0, help="bench time a procedure")
     seconds = parser.parse_args().seconds
     path = files("modallab.cli") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
-    for name, (session, request) in VISITS.items():
+    for name, (procedure, request) in PROCEDURES.items():
         bench = open_bench("sim://cantilever?seed=1", rig)
         bench.configure(request)
         bench.start()
         began = time.process_time()
-        session(bench, request.rate_hz, seconds)
+        procedure(bench, request.rate_hz, seconds)
         print(f"{name:12} {request.rate_hz:6.0f} Hz  {seconds / (time.process_time() - began):7.0f} times real time")
         bench.close()
 

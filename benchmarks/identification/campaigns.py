@@ -3,7 +3,7 @@
     OPENBLAS_NUM_THREADS=1 python benchmarks/identification/campaigns.py FOLDER --out results.jsonl [--only-clean]
 
 Each subfolder holds a campaign, its rig file and a `truth.yaml` with `effects`, `true_E`, `true_thickness`, `true_rho`
-(SI) and `true_zeta`, of as many modes as are told. A campaign without effects is a plain cantilever with rotary
+(SI) and `true_zeta`, of as many modes as are stated. A campaign without effects is a plain cantilever with rotary
 inertia, so its frequencies are known in closed form. Campaigns that stand in the file of results are not run again.
 One process runs all.
 """
@@ -43,7 +43,7 @@ def identified(folder: Path) -> dict:
 
 
 def errors(folder: Path, models: dict) -> list[dict]:
-    """Each true mode in a test's band: relative errors of f and zeta, and both in sigmas; zeta as far as it is told."""
+    """Each true mode in a test's band: relative errors of f and zeta, and both in sigmas; zeta if stated."""
     truth = yaml.safe_load((folder / "truth.yaml").read_text())
     length = yaml.safe_load((folder / "rig.yaml").read_text())["beam"]["length_m"]
     frequency = rayleigh_hz(MODES, length, truth["true_thickness"], truth["true_E"], truth["true_rho"])
@@ -106,7 +106,7 @@ def _cells(rows: list[dict]) -> str:
 
 
 def _figures(rows: list[dict], name: str) -> tuple[str, str, str, str]:
-    """Worst error in percent, share inside 95 %, rms and mean in sigmas; dashes where no truth is told."""
+    """Worst error in percent, share inside 95 %, rms and mean in sigmas; dashes where no truth is stated."""
     sigmas = np.array([r[f"{name}_sigmas"] for r in rows if name in r])
     if not sigmas.size:
         return ("-", "-", "-", "-")

@@ -134,10 +134,10 @@ class OpenDaqBench:
                 time.sleep(POLL_S)
         samples, self._left = self._left[:, :count].copy(), self._left[:, count:]
         first, self._position = self._position, self._position + count
-        return Chunk(first, samples, self._out_of_band(samples))
+        return Chunk(first, samples, self._at_full_scale(samples))
 
     def play(self, burst: Burst) -> int:
-        """Rejected: these devices have no output."""
+        """Always rejected: these devices have no output."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"the device has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
@@ -146,7 +146,7 @@ class OpenDaqBench:
         )
 
     def prompt_hit(self, point: int) -> None:
-        """Whoever strikes is told by the page; the point must be one of the rig."""
+        """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
     def zero(self) -> None:
@@ -184,18 +184,18 @@ class OpenDaqBench:
         self._reader = None
 
     def _fitting_channels(self) -> Sequence[Any]:
-        requested = len(self._rig.channels)
-        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < requested:
+        needed = len(self._rig.channels)
+        if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < needed:
             # The reference device has as many channels as one asks for.
-            self._device.set_property_value(_COUNT, requested)
+            self._device.set_property_value(_COUNT, needed)
         channels = list(self._device.channels_recursive)
-        if len(channels) < requested:
+        if len(channels) < needed:
             raise ConfigurationError(
-                f"channels: the rig has {requested}, the device {len(channels)}",
+                f"channels: the rig has {needed}, the device {len(channels)}",
                 where=self._url,
                 remedy="leave channels of the rig file out, or use a larger device",
             )
-        return channels[:requested]
+        return channels[:needed]
 
     def _unit(self, channel: Channel, device: Any) -> str:
         unit = device.signals[0].descriptor.unit
@@ -206,7 +206,7 @@ class OpenDaqBench:
             )
         return symbol
 
-    def _out_of_band(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         limits = [device.signals[0].descriptor.value_range for device in self._channels]
         highest = np.array([np.inf if r is None else float(r.high_value) for r in limits])
         lowest = np.array([-np.inf if r is None else float(r.low_value) for r in limits])

@@ -49,12 +49,12 @@ def require_burst(burst: Burst, rate_hz: float, range_v: float, limits: Limits |
     if not all(isfinite(t) and t >= 0 for t in times) or burst.duration_s == 0:
         problems.append(f"ramp_s = {burst.ramp_s}, hold_s = {burst.hold_s}; allowed: from 0, not both 0")
     elif limits is not None:
-        problems += _out_of_band(burst, limits)
+        problems += _over_limits(burst, limits)
     if problems:
         raise ConfigurationError("; ".join(problems), where=where, remedy="change the plan or the rig file's limits")
 
 
-def _out_of_band(burst: Burst, limits: Limits) -> list[str]:
+def _over_limits(burst: Burst, limits: Limits) -> list[str]:
     slew = 2 * pi * burst.frequency_hz * burst.amplitude_v
     found = [
         ("limits.drive_v", burst.amplitude_v, limits.drive_v, "V"),

@@ -134,7 +134,7 @@ class ReplayBench:
         return chunk
 
     def play(self, burst: Burst) -> int:
-        """Rejected: what was recorded can't be driven."""
+        """Always rejected: a recording cannot be driven."""
         self._require("running", to="play")
         raise UnsupportedError(
             f"a replay has no output; a burst of {burst.frequency_hz:g} Hz was asked for",
@@ -216,10 +216,10 @@ def _parse(url: str) -> tuple[Path, float]:
 
 
 def _same_channels(recorded: Rig, rig: Rig, url: str) -> None:
-    had, requested = [c.name for c in recorded.channels], [c.name for c in rig.channels]
-    if had != requested:
+    had, expected = [c.name for c in recorded.channels], [c.name for c in rig.channels]
+    if had != expected:
         raise ConfigurationError(
-            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(requested)}",
+            f"the recording's channels are {', '.join(had)}; the rig's are {', '.join(expected)}",
             where=f"{url}, rig file field channels",
             remedy="replay it with the rig it was recorded on",
         )

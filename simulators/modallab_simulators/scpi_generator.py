@@ -1,7 +1,7 @@
 """A sine generator that speaks SCPI over a pseudo-terminal, on the clock of a simulated bench.
 
 Four makers' languages are understood, each strictly: what is wrong goes into the error queue. As the real ones do, it
-clips and applies what is out of range, and shows twice too little voltage when it is told of a 50 ohm load that is
+clips and applies what is out of range, and shows twice too little voltage when it is set for a 50 ohm load that is
 not there.
 """
 
@@ -176,7 +176,7 @@ class ScpiGenerator:
         self._errors.clear()
         if everything:
             self._settings = _Settings()
-            self._quiet()
+            self._off()
 
     def _headers(self, text: str) -> str | None:
         if text.endswith("?"):
@@ -281,15 +281,15 @@ class ScpiGenerator:
 
     def _apply(self, name: str) -> None:
         if name == "output" and self._settings.words["output"] == "OFF":
-            self._quiet()
+            self._off()
         elif name == "amplitude" and self._burst is not None:
             self._put(replace(self._burst, amplitude_v=self._amplitude_v))
 
     @property
     def _amplitude_v(self) -> float:
-        # The shown voltage is that at the load it was told of; at an open end there is twice as much.
-        reported = self._settings.numbers["load"]
-        return self._settings.numbers["amplitude"] / 2 * (1.0 if np.isinf(reported) else (reported + 50) / reported)
+        # The shown voltage is that at the load it was set for; at an open end there is twice as much.
+        load = self._settings.numbers["load"]
+        return self._settings.numbers["amplitude"] / 2 * (1.0 if np.isinf(load) else (load + 50) / load)
 
     def _fire(self) -> None:
         words, numbers = self._settings.words, self._settings.numbers
@@ -304,7 +304,7 @@ class ScpiGenerator:
         self._line.put(self._clock.now() + LATENCY_S, burst)
         self._changed()
 
-    def _quiet(self) -> None:
+    def _off(self) -> None:
         self._burst = None
         self._line.put(self._clock.now() + LATENCY_S, Hold(0.0))
         self._changed()

@@ -52,7 +52,7 @@ class Strike:
 
 @dataclass
 class ScriptedBench:
-    """Delivers what it was told to. `done` holds the calls that touch the output, in order.
+    """Delivers what it was set to. `done` holds the calls that touch the output, in order.
 
     Attributes:
         strikes: one per prompt; the last is repeated.

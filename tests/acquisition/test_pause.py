@@ -77,9 +77,9 @@ def test_a_run_pauses_at_a_boundary_with_the_output_at_zero_and_goes_on(
     bench = kind()
     operator, name = run(bench, plan, store, Pauses)
     assert operator.states == ["created", "arming", "armed", "acquiring", "paused", "acquiring", "processing", "done"]
-    requested = 4 if isinstance(plan, ImpactPlan) else 2
-    assert len(store.blocks(name)) == requested
-    assert len({b.name for b in store.blocks(name)}) == requested
+    expected = 4 if isinstance(plan, ImpactPlan) else 2
+    assert len(store.blocks(name)) == expected
+    assert len({b.name for b in store.blocks(name)}) == expected
 
 
 def test_between_pause_and_going_on_the_output_is_at_zero(store: Store) -> None:

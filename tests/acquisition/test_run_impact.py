@@ -78,7 +78,7 @@ def test_on_the_cantilever_blocks_do_not_depend_on_it_either(store: Store, link_
     assert recorded(0.0371) == recorded(0.5)
 
 
-def test_events_tell_the_run_in_order(store: Store) -> None:
+def test_events_report_the_run_in_order(store: Store) -> None:
     events: list[Event] = []
     record(ScriptedBench(), scripted_rig(), PLAN.model_copy(update={"points": (1,)}), store, events.append)
     assert kinds(events) == [

@@ -97,7 +97,7 @@ def test_a_limit_beyond_the_range_trips_at_the_end_of_the_range(store: Store) ->
 
 
 @pytest.mark.parametrize(("order", "state", "valid"), [("stop", "done", True), ("abort", "aborted", False)])
-def test_told_to_end_in_a_burst_it_zeroes_first(store: Store, order: Order, state: str, valid: bool) -> None:
+def test_ordered_to_end_in_a_burst_it_zeroes_first(store: Store, order: Order, state: str, valid: bool) -> None:
     bench = ScriptedBench()
     run = record(bench, RIG, PLAN, store, lambda _: None, lambda: order if bench.done.count("play") == 3 else None)
     assert bench.done[-3:] == ["play", "zero", "stop"]
@@ -136,7 +136,7 @@ class StubbornBench(ScriptedBench):
             raise DeviceGoneError("no answer", where="scripted://", remedy="plug it in")
 
 
-def test_a_bench_that_cannot_be_zeroed_is_still_stopped_and_the_first_error_told(store: Store) -> None:
+def test_a_bench_that_cannot_be_zeroed_is_still_stopped_and_the_first_error_reported(store: Store) -> None:
     bench = StubbornBench(gone_at=12500)
     with pytest.raises(DeviceGoneError, match="the device is gone"):
         record(bench, RIG, PLAN, store, lambda _: None)

@@ -31,17 +31,17 @@ def test_the_table_speaks_of_every_state_once() -> None:
 
 
 @given(states, states)
-def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, requested: RunState) -> None:
-    if requested in TRANSITIONS[current]:
-        require_legal(current, requested)
+def test_a_step_is_legal_exactly_if_the_table_has_it(current: RunState, target: RunState) -> None:
+    if target in TRANSITIONS[current]:
+        require_legal(current, target)
     else:
         with pytest.raises(IllegalTransitionError) as caught:
-            require_legal(current, requested)
+            require_legal(current, target)
         assert all(state in caught.value.remedy for state in TRANSITIONS[current])
 
 
 @given(st.lists(states, max_size=30))
-def test_every_walk_is_told_as_committed_and_ends_through_stopping_or_processing(walk: list[RunState]) -> None:
+def test_every_walk_is_reported_as_committed_and_ends_through_stopping_or_processing(walk: list[RunState]) -> None:
     repository, reported = CampaignRepository(), []
     life = Lifecycle(repository, reported.append)  # pyright: ignore[reportArgumentType]
     for state in walk:

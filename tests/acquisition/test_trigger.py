@@ -11,7 +11,7 @@ LEVEL, HYSTERESIS = 2.0, 1.0
 signals = st.lists(st.sampled_from([-1.0, 0.0, 0.9, 1.0, 1.5, 2.0, 2.5, 9.0]), min_size=1, max_size=60)
 
 
-def by_the_book(signal: list[float]) -> int | None:
+def by_definition(signal: list[float]) -> int | None:
     low = False
     for n, value in enumerate(signal):
         if low and value >= LEVEL:
@@ -29,7 +29,7 @@ def test_the_same_sample_for_any_chunks(signal: list[float], chunks: list[int]) 
         at = trigger.scan(chunk)
         found = None if at is None else start + at
         start += len(chunk)
-    assert found == by_the_book(signal)
+    assert found == by_definition(signal)
 
 
 def test_a_force_that_is_high_from_the_start_must_fall_first() -> None:

@@ -126,7 +126,8 @@ def test_a_latch_of_an_earlier_version_is_read(tmp_path: Path) -> None:
     latch = TripLatch(tmp_path, "sim://cantilever")
     latch.trip("time-out", "no sign of life for 1 s")
     (path,) = (tmp_path / "trips").iterdir()
-    path.write_text(path.read_text("utf-8").replace('"time-out"', '"silence"'), "utf-8")
+    renamed = '"silence"'
+    path.write_text(path.read_text("utf-8").replace('"time-out"', renamed), "utf-8")
     found = latch.read()
     assert found is not None
     assert found.cause == "time-out"

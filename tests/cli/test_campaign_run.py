@@ -27,8 +27,8 @@ def command(tmp_path: Path) -> Iterator[list[str]]:
     signal.signal(signal.SIGTERM, before)
 
 
-def test_a_visit_from_the_terminal(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file, report = tmp_path / "visit.h5", tmp_path / "visit.html"
+def test_a_session_from_the_terminal(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, report = tmp_path / "session.h5", tmp_path / "session.html"
     requests = ["--bench", BENCH, "--name", "first", "--operator", "Ada", "--out", str(file), "--report", str(report)]
     assert main([*command, *requests]) == 0
     said = capsys.readouterr().out
@@ -47,7 +47,7 @@ def test_a_visit_from_the_terminal(command: list[str], tmp_path: Path, capsys: p
         np.testing.assert_array_equal(written.samples, kept.samples)
 
 
-def test_a_plan_the_rig_cannot_do_is_told_before_anything_moves(
+def test_a_plan_the_rig_cannot_do_is_rejected_before_anything_moves(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "plan.yaml").write_text("- {kind: impact, points: [99], hits: 2}\n", encoding="utf-8")

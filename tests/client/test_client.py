@@ -24,9 +24,9 @@ def test_lists_are_read_to_their_end(client: Client) -> None:
     assert client.campaign(made[0]).operator == "Ada"
 
 
-def test_a_visit_by_the_client_alone(client: Client) -> None:
+def test_a_session_by_the_client_alone(client: Client) -> None:
     assert client.wait_until_idle(RIG, 240.0).can_drive
-    campaign = client.create_campaign("visit", RIG).id
+    campaign = client.create_campaign("session", RIG).id
     with client.lease(RIG, "Ada", ttl_s=600) as lease:
         run = client.start_run(campaign, ImpactPlan(points=(10, 3), hits=2), lease).id
         states = [event.content["state"] for event in client.follow(run) if event.kind == "state"]
@@ -48,7 +48,7 @@ def test_a_visit_by_the_client_alone(client: Client) -> None:
     assert client.rig(RIG).lease is None
 
 
-def test_a_wrong_token_is_told(lab: Lab) -> None:
+def test_a_wrong_token_is_reported(lab: Lab) -> None:
     with Client(lab.url, "not the token at all") as stranger, pytest.raises(ServiceProblemError) as reported:
         stranger.rigs()
     assert reported.value.problem.code == "token-needed"

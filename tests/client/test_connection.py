@@ -105,7 +105,7 @@ def test_samples_that_arrive_damaged_are_not_given_out() -> None:
             client.samples("r", 1)
 
 
-def test_what_is_no_problem_of_the_service_is_told_with_its_status() -> None:
+def test_what_is_no_problem_of_the_service_is_reported_with_its_status() -> None:
     with served(says(502, b"<h1>Bad Gateway</h1>")) as (client, _), pytest.raises(ServiceProblemError) as reported:
         client.rigs()
     assert reported.value.problem.status == 502

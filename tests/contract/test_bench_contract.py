@@ -177,7 +177,7 @@ def test_a_bench_that_drives_plays_a_burst_that_ends_by_itself(bench: Bench, rig
     delivery = bench.configure(Request("sine", 1000.0))
     bench.start()
     row, scale = rig.force_channel.index, delivery.scale[rig.force_channel.index]
-    quiet = (bench.read(200, TIMEOUT_S).samples[row] * scale).std()
+    before = (bench.read(200, TIMEOUT_S).samples[row] * scale).std()
     burst = Burst(20.0, 0.5, 0.1, 1.0)
     if not bench.info.can_drive:
         assert_output_rejected(bench, burst)
@@ -190,7 +190,7 @@ def test_a_bench_that_drives_plays_a_burst_that_ends_by_itself(bench: Bench, rig
     rise, fall = begin - 200, begin - 200 + round(burst.duration_s * delivery.rate_hz)
     margin = round(0.1 * delivery.rate_hz)
     during = force[rise + margin : fall - margin].std()
-    assert during > 20 * quiet
+    assert during > 20 * before
     assert force[fall + margin :].std() < 0.1 * during
 
 

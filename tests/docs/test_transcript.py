@@ -22,7 +22,7 @@ def test_an_ellipsis_stands_for_any_words() -> None:
     assert difference(["first", "...", "last"], ["first", "a"]) != ""
 
 
-def test_what_is_missing_or_left_over_is_named() -> None:
+def test_what_is_missing_or_too_much_is_named() -> None:
     assert "second" in difference(["first", "second"], ["first"])
     assert "second" in difference(["first"], ["first", "second"])
 

@@ -104,7 +104,7 @@ def off(model: ModalModel, system: Modes) -> np.ndarray:
 
 
 def impact_errors(seed: int) -> list[np.ndarray]:
-    """Errors of the models of DC-coupled channels, and of AC-coupled ones with the corner told and not told."""
+    """Errors of the models of DC-coupled channels, and of AC-coupled ones with the corner stated and not stated."""
     rng = np.random.default_rng(seed)
     system = modes(rng)
     blocks = impact_blocks(system, rng, hits=3)
@@ -151,7 +151,7 @@ def settled_blocks(system: Modes, frequencies: np.ndarray, corner_hz: float) -> 
 
 
 def test_the_sine_model_is_that_of_dc_coupled_channels() -> None:
-    # Three points tell three modes apart; five take four times as long to identify, and say the same.
+    # Three points distinguish three modes; five take four times as long to identify, and say the same.
     system = modes(np.random.default_rng(5), n_points=3)
     frequencies = np.array([5, 6, 7, 8, 30, 56, 58, 60, 62, 64, 120, 156, 160, 164, 168]) / 1.024
 

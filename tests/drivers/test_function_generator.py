@@ -136,7 +136,7 @@ def test_a_value_that_was_clipped_is_seen_and_the_output_is_off(instrument: Inst
     assert instrument.line.at(instrument.clock.time_s + 0.01) == 0.0
 
 
-def test_what_is_out_of_range_is_told_by_the_error_queue(keysight: Instrument, rig: Rig):
+def test_what_is_out_of_range_is_reported_by_the_error_queue(keysight: Instrument, rig: Rig):
     generator = open_generator(keysight.rig(rig))
     with pytest.raises(ConfigurationError, match="clipped"):
         generator.set("frequency", 1e9)
@@ -183,12 +183,12 @@ def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
         bench.configure(Request("sine", RATE_HZ))
         bench.start()
         row = rig.force_channel.index
-        quiet = bench.read(500, 1.0).samples[row].std()
+        before = bench.read(500, 1.0).samples[row].std()
         begin = bench.play(Burst(20.0, 0.5, 0.2, 1.0))
         chunk = bench.read(3000, 5.0)
         on = chunk.samples[row, begin - 500 + 300 : begin - 500 + 1100].std()
-        assert on > 100 * quiet
-        assert chunk.samples[row, -1000:].std() < 3 * quiet
+        assert on > 100 * before
+        assert chunk.samples[row, -1000:].std() < 3 * before
         # A second handle ends a burst the first one plays.
         bench.play(Burst(20.0, 0.5, 0.2, 30.0))
         bench.read(1000, 5.0)

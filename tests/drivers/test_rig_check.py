@@ -41,9 +41,9 @@ def test_a_good_bench_at_rest_is_good(rig: Rig):
 
 def test_more_noise_than_believed_is_to_look_at(rig: Rig):
     assert rig.converter is not None
-    quiet = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": 2e-5})})
+    optimistic = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": 2e-5})})
     bench = open_bench(SIM, rig)
-    assert set(verdicts(check_idle(bench, quiet, 1.0), "noise").values()) == {"look"}
+    assert set(verdicts(check_idle(bench, optimistic, 1.0), "noise").values()) == {"look"}
     bench.close()
 
 

@@ -95,7 +95,7 @@ def test_a_death_while_it_drove_trips_the_rig(paced: NiServer, rig: Rig, tmp_pat
         assert later.reset_trip() is not None
 
 
-def test_an_acquisition_that_falls_silent_for_a_second_is_brought_to_zero_and_trips_the_rig(
+def test_an_acquisition_without_a_sign_of_life_for_a_second_is_brought_to_zero_and_trips_the_rig(
     paced: NiServer, rig: Rig, tmp_path: Path
 ):
     ended_by: list[ModallabError] = []
@@ -109,14 +109,14 @@ def test_an_acquisition_that_falls_silent_for_a_second_is_brought_to_zero_and_tr
     try:
         assert wait_for_volts(paced, on=False) < TIMEOUT_S + BEAT_S + LIMIT_S
         trip = waited_for_trip(process)
-        assert trip.cause == "silence"
+        assert trip.cause == "time-out"
     finally:
         os.kill(pid, signal.SIGCONT)
     # When it comes to itself again, it finds the rig tripped, and drives nothing.
     runner.join(PATIENCE_S)
     (error,) = ended_by
     assert isinstance(error, TrippedError)
-    with pytest.raises(TrippedError, match="silence"):
+    with pytest.raises(TrippedError, match="time-out"):
         list(process.run(PLAN))
     assert wait_for_volts(paced, on=False) < LIMIT_S
     process.reset_trip()

@@ -148,13 +148,13 @@ def test_a_newer_version_is_rejected_by_name(tmp_path: Path) -> None:
     assert "update modallab" in message
 
 
-def test_foreign_hdf5_is_told_so(tmp_path: Path) -> None:
+def test_foreign_hdf5_is_rejected_by_name(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "c.h5", "w") as target:
         target["x"] = np.arange(3)
     assert "is HDF5, but no campaign" in rejected(FormatError, tmp_path / "c.h5")
 
 
-def test_what_is_no_file_is_told_so(tmp_path: Path) -> None:
+def test_what_is_no_file_is_rejected_by_name(tmp_path: Path) -> None:
     (tmp_path / "empty.h5").touch()
     (tmp_path / "text.h5").write_text("time,force\n")
     assert "is empty" in rejected(FormatError, tmp_path / "empty.h5")
@@ -260,7 +260,7 @@ def test_writing_that_fails_leaves_the_old_file_and_nothing_else(
     assert [file.name for file in tmp_path.iterdir()] == ["c.h5"]
 
 
-def test_a_full_disk_is_told_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_reported_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(_: Path, content: memoryview) -> int:
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -270,7 +270,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_is_missing_or_a_file_of_the_same_name_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_is_missing_or_a_file_of_the_same_name_is_reported(tmp_path: Path) -> None:
     (tmp_path / "folder.h5").mkdir()
     for target in (tmp_path / "nowhere" / "c.h5", tmp_path / "folder.h5"):
         with pytest.raises(StorageError, match="cannot be written"):

@@ -57,12 +57,12 @@ def test_a_dead_channel_is_named_with_its_value(samples: NDArray[np.float64]) ->
     assert "channel a02 is dead: all 256 samples are 0.25" in rejected(check_signals, samples, NAMES, PLACE)
 
 
-def test_zeros_everywhere_are_told_as_such() -> None:
+def test_zeros_everywhere_are_reported_as_such() -> None:
     message = rejected(check_signals, np.zeros((4, 256), np.int16), NAMES, PLACE)
     assert "every channel is zero (force, a01, a02, a03): nothing was recorded" in message
 
 
-def test_a_light_sensor_below_one_count_in_a_quiet_record_is_not_dead() -> None:
+def test_a_light_sensor_below_one_count_in_a_record_of_little_motion_is_not_dead() -> None:
     counts = np.random.default_rng(2).integers(-1, 2, size=(4, 256)).astype(np.int16)
     counts[0] = 500 * np.sin(np.arange(256))
     counts[1] = 0
@@ -150,7 +150,7 @@ def test_times_that_are_none_are_rejected(times: NDArray[np.float64], words: str
     assert words in rejected(check_time, times, PLACE)
 
 
-def test_times_with_too_few_digits_are_told_as_such() -> None:
+def test_times_with_too_few_digits_are_reported_as_such() -> None:
     times = np.round(np.arange(100) / 25600, 3)
     assert "written too coarsely" in rejected(check_time, times, PLACE, resolution_s=0.5e-3)
 

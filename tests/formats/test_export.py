@@ -331,7 +331,7 @@ def test_a_table_of_csv_is_plain_numbers_with_units(tmp_path: Path) -> None:
     np.testing.assert_array_equal(table[:, 1] + 1j * table[:, 2], frf().values[0, 0])
 
 
-def test_what_has_no_place_is_told(tmp_path: Path) -> None:
+def test_what_has_no_place_is_reported(tmp_path: Path) -> None:
     both = replace(session(), frfs=(frf(),))
     reported = write_export(both, tmp_path / "c.tdms", "tdms", [model()])
     assert reported == (

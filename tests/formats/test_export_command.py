@@ -45,7 +45,7 @@ def test_a_run_of_a_data_folder_is_exported(tmp_path: Path) -> None:
     assert [block.name for block in read_campaign(out).blocks] == ["impact_p01_1", "impact_p01_3"]
 
 
-def test_what_cannot_be_exported_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_exported_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", str(tmp_path / "no"), "--format", "uff", "--out", str(tmp_path / "x")]) == 2
     models = tmp_path / "models.json"
     models.write_text("{}")

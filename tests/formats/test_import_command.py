@@ -22,7 +22,7 @@ def good() -> np.ndarray:
     return np.vstack([times(), hit(2)])
 
 
-def test_what_was_read_is_told_and_written(
+def test_what_was_read_is_reported_and_written(
     tmp_path: Path, good: np.ndarray, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sources = [save(tmp_path, good, f"hit_{k}.npy") for k in (1, 2, 3)]

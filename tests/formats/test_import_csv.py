@@ -69,7 +69,7 @@ def test_every_usual_encoding_is_read(tmp_path: Path, encoding: str) -> None:
     assert block.units[0] == "N"
 
 
-def test_columns_are_told_by_name_and_units_by_brackets(tmp_path: Path) -> None:
+def test_columns_are_known_by_name_and_units_by_brackets(tmp_path: Path) -> None:
     order = [4, 0, 3, 1, 2]
     text = "a03 [g],Time (ms),a02 (mm/s^2),force [V],a01\n" + rows((GOOD * [1, 1, 1, 1, 1])[:, order])
     path = write(tmp_path, text)
@@ -142,14 +142,14 @@ def test_bad_tables_are_rejected_by_name(tmp_path: Path, kind: type[ModallabErro
     assert words in rejected(kind, write(tmp_path, text))
 
 
-def test_a_file_cut_off_within_a_line_is_told(tmp_path: Path) -> None:
+def test_a_file_cut_off_within_a_line_is_reported(tmp_path: Path) -> None:
     whole = HEADER + "\n" + rows(GOOD, "%.6e")
     for keep in range(len(whole) // 2, len(whole) // 2 + 80):
         if whole[keep - 1 : keep] != "\n" and whole[keep] != "\n":
             assert "is cut off" in rejected(FormatError, write(tmp_path, whole[:keep]))
 
 
-def test_bytes_that_are_no_text_are_told(tmp_path: Path) -> None:
+def test_bytes_that_are_no_text_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "hit_1.csv"
     path.write_bytes(b"time,force\n\x00\x01\x02")
     assert "is no text" in rejected(FormatError, path)

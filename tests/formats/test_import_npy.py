@@ -100,13 +100,13 @@ def test_objects_are_never_unpickled(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("keep", [7, 60, 1000])
-def test_a_file_cut_off_is_told(tmp_path: Path, keep: int) -> None:
+def test_a_file_cut_off_is_reported(tmp_path: Path, keep: int) -> None:
     path = save(tmp_path, GOOD)
     path.write_bytes(path.read_bytes()[:keep])
     assert "is no whole NPY file" in rejected(FormatError, path)
 
 
-def test_bytes_too_many_are_told(tmp_path: Path) -> None:
+def test_bytes_too_many_are_reported(tmp_path: Path) -> None:
     path = save(tmp_path, GOOD)
     path.write_bytes(path.read_bytes() + b"\0" * 8)
     assert "bytes where its header says" in rejected(FormatError, path)

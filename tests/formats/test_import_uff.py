@@ -64,7 +64,7 @@ def test_an_analysers_text_file_reads_as_written() -> None:
     assert (len(function.values), function.unit, function.names[0]) == (603, "Pa", "Mic 01")
 
 
-def test_what_is_measured_without_force_or_on_no_channel_is_told() -> None:
+def test_what_is_measured_without_force_or_on_no_channel_is_reported() -> None:
     assert "no time record for channel force beside sets 1, 2" in rejected(
         DataError, DATA / "analyser_58b.uff", plain_rig("1+Z", "2+Z")
     )
@@ -234,7 +234,7 @@ def test_bad_time_records_are_rejected_by_name(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["analyser_58.uff", "analyser_58b.uff"])
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.7, 0.995])
-def test_a_file_cut_off_is_told(tmp_path: Path, name: str, share: float) -> None:
+def test_a_file_cut_off_is_reported(tmp_path: Path, name: str, share: float) -> None:
     raw = (DATA / name).read_bytes()
     path = tmp_path / "cut.uff"
     path.write_bytes(raw[: int(share * len(raw))])
@@ -249,13 +249,13 @@ def test_values_that_are_missing_within_a_set_are_counted(tmp_path: Path) -> Non
     assert "set 1 is cut off or damaged: 483 of 603 values are there" in rejected(FormatError, path)
 
 
-def test_ordinates_of_an_unknown_type_are_told(tmp_path: Path) -> None:
+def test_ordinates_of_an_unknown_type_are_reported(tmp_path: Path) -> None:
     path = write_uff(tmp_path / "a.uff", *frf_sets(), binary=True)
     path.write_bytes(path.read_bytes().replace(b"         6        64", b"         3        64", 1))
     assert "set 1 has ordinates of type 3; the format knows 2, 4, 5 and 6" in rejected(FormatError, path)
 
 
-def test_a_universal_file_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_universal_file_that_is_none_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "report.uff"
     path.write_text("Measurement report\n")
     assert "is no universal file: it does not begin with a line '    -1'" in rejected(FormatError, path)

@@ -62,8 +62,8 @@ def test_the_real_hits_are_one_campaign_of_five_blocks(tmp_path: Path) -> None:
         np.save(paths[-1], np.vstack([time_s, b.samples * b.scale[:, None]]))
     read = import_sources(paths, plain_rig())
     assert [b.rate_hz for b in read.blocks] == [25600.0] * 5
-    for got, requested in zip(read.blocks, original.blocks, strict=True):
-        np.testing.assert_array_equal(got.samples, requested.samples * requested.scale[:, None])
+    for got, expected in zip(read.blocks, original.blocks, strict=True):
+        np.testing.assert_array_equal(got.samples, expected.samples * expected.scale[:, None])
 
 
 def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_the_content_decides_what_a_file_is_not_its_ending(tmp_path: Path) -> No
         ("a.npz", b"PK\x03\x04\x14\x00", "is of no known kind"),
     ],
 )
-def test_files_of_no_known_kind_are_told(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+def test_files_of_no_known_kind_are_reported(tmp_path: Path, name: str, content: bytes, words: str) -> None:
     (tmp_path / name).write_bytes(content)
     with pytest.raises(FormatError) as caught:
         import_sources([tmp_path / name], RIG)
@@ -95,7 +95,7 @@ def test_files_of_no_known_kind_are_told(tmp_path: Path, name: str, content: byt
     assert caught.value.remedy
 
 
-def test_a_folder_or_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_folder_or_a_missing_file_is_reported(tmp_path: Path) -> None:
     for path, words in (
         (tmp_path, "is a folder, without campaign.h5"),
         (tmp_path / "no.npy", "cannot be read: No such"),

@@ -139,7 +139,7 @@ def test_a_key_that_stands_twice_is_an_error() -> None:
         ("[" * 1500, "is not YAML: nested too deeply"),
     ],
 )
-def test_what_is_no_rig_at_all_is_told_so(text: str, words: str) -> None:
+def test_what_is_no_rig_at_all_is_rejected(text: str, words: str) -> None:
     assert words in rejection(text)
 
 

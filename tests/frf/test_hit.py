@@ -35,7 +35,7 @@ def test_a_double_hit_stays_whole():
     assert kept[140] == pytest.approx(30.0, abs=0.1)
 
 
-def test_outside_the_hit_is_silence_and_inside_nothing_but_the_offset_changes():
+def test_outside_the_hit_is_zero_and_inside_nothing_but_the_offset_changes():
     raw = force((100, 80.0))
     hit = find_hit(raw)
     kept = windowed_force(raw, hit)

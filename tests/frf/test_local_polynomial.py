@@ -43,7 +43,7 @@ def test_a_ring_down_that_the_block_cuts_off_hardly_bends_it():
     assert 10 * _error(found, true) < _error(plain[:, None], true)
 
 
-def test_two_references_at_once_are_told_apart():
+def test_two_references_at_once_are_distinguished():
     force, response, true = _records(4, 2)
     found, _ = local_polynomial_frf(force, response)
     assert found.shape == (2, 2, LINES.size)
@@ -53,7 +53,7 @@ def test_two_references_at_once_are_told_apart():
     assert 10 * _error(found, true) < _error(plain, true)
 
 
-def test_the_noise_left_over_is_the_noise_there_is():
+def test_the_residual_noise_is_the_noise_there_is():
     force, _, _ = _records(4, 1)
     rng = np.random.default_rng(1)
     noise = 3.0 / np.sqrt(2) * (rng.standard_normal((4, 2, LINES.size)) + 1j * rng.standard_normal((4, 2, LINES.size)))
@@ -66,13 +66,13 @@ def test_the_noise_left_over_is_the_noise_there_is():
     [
         (lambda f, y: (f[:, 0], y), "belong together"),
         (lambda f, y: (f, y * np.nan), "NaN"),
-        (lambda f, y: (f[..., :6], y[..., :6]), "cannot tell"),
-        (lambda f, y: (np.concatenate([f, f], axis=1), y), "told from one another"),
-        (lambda f, y: (np.ones_like(f), y), "told from one another"),
+        (lambda f, y: (f[..., :6], y[..., :6]), "cannot determine"),
+        (lambda f, y: (np.concatenate([f, f], axis=1), y), "distinguished from one another"),
+        (lambda f, y: (np.ones_like(f), y), "distinguished from one another"),
     ],
     ids=["shape", "nan", "few lines", "the same force twice", "as smooth as the transient"],
 )
-def test_what_it_cannot_tell_apart_is_rejected(change, says):
+def test_what_it_cannot_distinguish_is_rejected(change, says):
     force, response, _ = _records(4, 1)
     with pytest.raises(DataError, match=says):
         local_polynomial_frf(*change(force, response))

@@ -90,12 +90,12 @@ def test_pooling_makes_the_circles_of_few_blocks_much_smaller():
         (lambda f, y: (f[:2], y[:2]), "2 blocks"),
         (lambda f, y: (f * np.nan, y), "NaN"),
         (lambda f, y: (f, y[:, :, :-1]), "belong together"),
-        (lambda f, y: (f[:, :1] * np.ones((1, 2, 1)), y), "told from one another"),
-        (lambda f, y: (f * 0, y), "silent"),
+        (lambda f, y: (f[:, :1] * np.ones((1, 2, 1)), y), "distinguished from one another"),
+        (lambda f, y: (f * 0, y), "are zero"),
         (lambda f, y: (f[..., :0], y[..., :0]), "belong together"),
         (lambda f, y: (f[0], y[0]), "belong together"),
     ],
-    ids=["few blocks", "NaN", "lines", "one force twice", "silent", "empty", "axes"],
+    ids=["few blocks", "NaN", "lines", "one force twice", "zero", "empty", "axes"],
 )
 def test_what_gives_no_frf_is_rejected(change, says):
     force, response, _ = spectra(6)

@@ -71,7 +71,7 @@ def test_what_no_sine_can_be_fitted_to_is_rejected(values, rate, frequency, says
             fit(values, rate, frequency)
 
 
-def test_silence_has_no_amplitude_and_keeps_its_frequency():
+def test_zeros_have_no_amplitude_and_keep_their_frequency():
     fit = fit_frequency(np.zeros((1, N)), RATE, 20.0)
     assert fit.amplitude[0] == 0
     assert fit.frequency_hz == 20.0

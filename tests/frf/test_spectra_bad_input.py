@@ -109,12 +109,12 @@ def test_lags_that_no_converter_has_are_rejected(lags):
     rejected(aligned, ROWS, RATE, lags)
 
 
-@pytest.mark.parametrize("requested", [np.nan, np.inf, -5.0, 0.0, 500.0, 600.0])
-def test_a_frequency_that_cannot_be_in_the_record_is_rejected(requested):
+@pytest.mark.parametrize("bad_hz", [np.nan, np.inf, -5.0, 0.0, 500.0, 600.0])
+def test_a_frequency_that_cannot_be_in_the_record_is_rejected(bad_hz):
     for call in (fit_at, fit_frequency):
-        rejected(call, ROWS, RATE, requested)
-    rejected(strongest_near, ROWS[0], RATE, requested)
-    rejected(uncoupled, ROWS, RATE, rig(), requested)
+        rejected(call, ROWS, RATE, bad_hz)
+    rejected(strongest_near, ROWS[0], RATE, bad_hz)
+    rejected(uncoupled, ROWS, RATE, rig(), bad_hz)
 
 
 def test_a_fit_without_a_step_is_rejected():
@@ -197,7 +197,7 @@ def test_a_block_whose_parts_do_not_fit_is_rejected(call, bad):
     assert "record r" in str(rejected(call, BAD_BLOCKS[bad], direct))
 
 
-def test_a_channel_turned_by_its_scale_reaches_the_rail_at_the_same_volts():
+def test_a_channel_turned_by_its_scale_reaches_full_scale_at_the_same_volts():
     full = replace(BLOCK, samples=np.where(COUNTS == 5, 10_000, COUNTS).astype(np.int32))
     assert overloaded(full, rig()) == overloaded(replace(full, scale=-full.scale), rig()) == ("a02",)
 
@@ -244,6 +244,6 @@ def test_sine_blocks_that_make_no_stepped_test_are_rejected(stepped):
     rejected(stepped_frf, [], [], bench.rig(5))
 
 
-def test_a_quiet_level_needs_a_hit(stepped):
+def test_the_pre_trigger_level_needs_a_hit(stepped):
     with pytest.raises(DataError):
         pre_trigger_level(stepped[0][0])

@@ -50,7 +50,7 @@ def test_counts_at_the_types_end_are_an_overload(peak, found):
     assert overloaded(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == found
 
 
-def test_engineering_units_have_no_rail():
+def test_engineering_units_have_no_full_scale():
     samples = np.zeros((3, 64))
     samples[1, 7] = 1e9
     assert overloaded(bench.block("r", "impact", 0, 1000.0, samples, 1), bench.rig(2)) == ()

@@ -35,7 +35,7 @@ def test_overlap_makes_more_of_one_record():
     assert over.averages > 1.7 * apart.averages
 
 
-def test_two_forces_in_one_long_record_are_told_apart():
+def test_two_forces_in_one_long_record_are_distinguished():
     rng = np.random.default_rng(3)
     force = rng.standard_normal((2, 2**15))
     b, a = signal.butter(2, 0.3)

@@ -1,4 +1,4 @@
-"""What a plan can tell apart, before any data."""
+"""What a plan can distinguish, before any data."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def test_hits_alone_cannot_see_the_shaker(rig: Rig) -> None:
     assert any("sine" in line for line in advice(found, [ImpactPlan(points=(6, 10, 3))]))
 
 
-def test_more_points_tell_more_apart(rig: Rig) -> None:
+def test_more_points_distinguish_more(rig: Rig) -> None:
     one, three = (distinguishability(rig, [ImpactPlan(points=p)]) for p in ((10,), (6, 10, 3)))
     pair = [one.effects.index(n) for n in ("added_mass", "sensor_mass")]
     assert three.cosine[pair[0], pair[1]] <= one.cosine[pair[0], pair[1]] + 0.02

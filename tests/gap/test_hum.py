@@ -80,7 +80,7 @@ def test_hum_stands_elsewhere_where_the_converters_clock_is_off(clock: float) ->
     assert found is not None
     assert (found.hz, found.seen_hz) == (50.0, pytest.approx(50.0 / (1 + clock), abs=0.01))
     assert found.volts == pytest.approx(each, rel=2e-3)
-    # Also from the records whose drive stands beside it; within half a line no block tells the two apart.
+    # Also from the records whose drive stands beside it; within half a line no block separates the two.
     t = np.arange(N) / (RATE * (1 + clock))
     for block in blocks:
         if abs(block.frequency_hz - 50.0) < 0.5:

@@ -68,7 +68,7 @@ class Lab:
         """The rig's lease."""
         return self.service.leases.take(RIG, operator, 600.0)
 
-    def campaign(self, name: str = "a visit") -> str:
+    def campaign(self, name: str = "a session") -> str:
         """A new campaign's id."""
         return self.service.repository.create(CampaignNew(name=name, rig=RIG), "Ada").id
 

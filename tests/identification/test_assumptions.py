@@ -40,7 +40,7 @@ def test_a_frequency_that_moved_by_half_its_width_is_seen(verdict):
 
 def test_noise_of_a_known_variance_is_no_change():
     one, other = (measured(seed=s) for s in (1, 2))
-    # The noise is 1 % of the loudest FRFs' level, and so a tenth of the quietest's.
+    # The noise is 1 % of the loudest FRFs' level, and so a tenth of the weakest's.
     assert not linearity(one, other).holds
     variance = np.full(one.values.shape, 1e-4 * np.mean(np.abs(measured().values) ** 2))
     assert linearity(replace(one, variance=variance), replace(other, variance=variance)).holds

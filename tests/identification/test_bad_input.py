@@ -126,8 +126,8 @@ def test_records_that_cannot_be_are_rejected(identify, hits, sines):
     nothing = replace(good[0], responses=good[0].responses * np.nan)
     cut = replace(good[0], responses=good[0].responses[:, :-5])
     backward = replace(good[0], rate_hz=-good[0].rate_hz)
-    timed_out = replace(good[0], force=np.zeros_like(good[0].force))
-    for bad in ([], [nothing], [cut], [backward], [timed_out]):
+    without_force = replace(good[0], force=np.zeros_like(good[0].force))
+    for bad in ([], [nothing], [cut], [backward], [without_force]):
         with pytest.raises(ModallabError):
             identify(bad, RIG, Options())
 
@@ -173,11 +173,11 @@ def test_orders_that_the_lines_cannot_carry_are_rejected(method, order):
         identify_frf(GOOD, RIG, Options(method=method, max_order=order))
 
 
-@pytest.mark.parametrize("requested", [np.nan, -4.0, 0.0, np.inf, 500.0])
+@pytest.mark.parametrize("bad_hz", [np.nan, -4.0, 0.0, np.inf, 500.0])
 @pytest.mark.parametrize("how", ["pick_hz", "drop_hz"])
-def test_modes_by_hand_where_none_can_be_are_rejected(how, requested):
+def test_modes_by_hand_where_none_can_be_are_rejected(how, bad_hz):
     with pytest.raises(ModallabError):
-        identify_frf(GOOD, RIG, Options(**{how: (requested,)}))
+        identify_frf(GOOD, RIG, Options(**{how: (bad_hz,)}))
 
 
 SHAPES = PHI + 0j
@@ -235,9 +235,9 @@ def test_curves_that_make_no_circle_are_rejected(bad):
 def test_a_line_or_a_frequency_that_is_not_there_is_rejected():
     with pytest.raises(ModallabError):
         half_power.half_power(LINES, AMPLITUDE, 99)
-    for requested in (np.nan, np.inf):
+    for bad_hz in (np.nan, np.inf):
         with pytest.raises(ModallabError):
-            half_power.reading_near(LINES, AMPLITUDE, requested)
+            half_power.reading_near(LINES, AMPLITUDE, bad_hz)
 
 
 SPECTRA = np.ones((3, 40), complex), np.ones((3, 2, 40), complex)
@@ -295,7 +295,7 @@ def test_constants_that_cannot_be_are_rejected():
         unit_mass_shapes(good, np.ones((1, 3, 2)), (1, 2), (1, 2))
 
 
-def test_a_matrix_without_columns_to_tell_apart_is_rejected():
+def test_a_matrix_without_columns_to_distinguish_is_rejected():
     for bad in (np.full((9, 2), np.nan), np.ones((2, 9)), np.ones(4), np.ones((0, 0))):
         with pytest.raises(ModallabError):
             orthonormal(bad)

@@ -31,9 +31,9 @@ def test_a_dropped_mode_is_gone_and_the_others_stay():
 
 def test_picked_modes_are_the_model():
     system, rig, signals = recorded()
-    requested = tuple(float(f) * 1.005 for f in system.frequency_hz[:3])
+    picked_hz = tuple(float(f) * 1.005 for f in system.frequency_hz[:3])
     model = identify_impact(
-        signals, rig, Options(pick_hz=requested, band_hz=(3.0, float(system.frequency_hz[2]) * 1.5))
+        signals, rig, Options(pick_hz=picked_hz, band_hz=(3.0, float(system.frequency_hz[2]) * 1.5))
     )[0]
     np.testing.assert_allclose(model.frequency_hz, system.frequency_hz[:3], rtol=1e-4)
 
@@ -56,7 +56,7 @@ def test_a_chain_on_two_clocks_gives_no_more_modes_than_there_are():
     model = identify_impact([replace(s) for s in stretched], rig, Options())[0]
     near = [np.min(np.abs(system.frequency_hz * 1.015 / f - 1)) < 0.01 for f in model.frequency_hz]
     assert all(near)
-    assert any("leaves over" in note for note in model.notes)
+    assert any("residual is" in note for note in model.notes)
 
 
 def test_confidence_grows_with_the_strength_and_falls_with_the_misfit():

@@ -75,7 +75,7 @@ def test_the_normal_equations_are_those_of_the_projected_slopes():
 
 
 def test_a_noisy_force_does_not_bias_what_the_responses_know_well():
-    """Ten times the force noise with quiet responses: the errors stay within the stated sigmas."""
+    """Ten times the force noise with responses of little noise: the errors stay within the stated sigmas."""
     normalised = []
     for seed in range(3):
         system, model, _ = fitted(seed, hits=4, noise=0.003, force_noise=0.15)

@@ -88,9 +88,9 @@ def test_samples_in_integers_or_floats_give_the_same_model():
 def test_a_block_without_a_hit_is_rejected():
     rng = np.random.default_rng(7)
     rig = bench.rig(5)
-    timed_out = bench.block("quiet", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
+    still = bench.block("still", "impact", 0, 2000.0, 0.03 * rng.standard_normal((6, 2048)), 5)
     with pytest.raises(DataError, match="no hit"):
-        identify_impact(to_signals_of([timed_out], rig), rig, Options())
+        identify_impact(to_signals_of([still], rig), rig, Options())
 
 
 def test_no_mode_is_found_in_noise():
@@ -156,8 +156,8 @@ def test_what_no_linear_modes_explain_is_said():
     good = to_signals_of(bench.impact_blocks(system, rng, hits=3), rig)
     model, fit = identify_impact(good, rig, Options(band_hz=(2.9, 400.0)))
     assert model_error(fit, good) == pytest.approx(1, abs=0.1)
-    assert not any("silence" in note for note in model.notes)
+    assert not any("pre-trigger noise" in note for note in model.notes)
     bent = with_responses(good, lambda y: y + 0.002 * y**2)
     model, fit = identify_impact(bent, rig, Options(band_hz=(2.9, 400.0)))
     assert model_error(fit, bent) > 1.1
-    assert any("silence" in note for note in model.notes)
+    assert any("pre-trigger noise" in note for note in model.notes)

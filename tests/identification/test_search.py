@@ -14,7 +14,7 @@ def test_the_covariance_is_the_inverse_whatever_the_units():
 
 
 @pytest.mark.parametrize("rounding", [0.0, -1e-17, 1e-17])
-def test_what_cannot_be_told_apart_is_not_called_known(rounding):
+def test_what_cannot_be_distinguished_is_not_called_known(rounding):
     """A pseudoinverse would say that the difference of two equal columns is known without error."""
     matrix = np.array([[1.0, 1.0, 0.0], [1.0, 1.0 + rounding, 0.0], [0.0, 0.0, 4.0]])
     found = covariance_of(matrix)

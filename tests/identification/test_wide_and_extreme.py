@@ -73,7 +73,7 @@ def test_hits_on_a_structure_hardly_or_heavily_damped(zeta):
 
 
 @pytest.mark.parametrize("references", [2, 3])
-def test_repeated_roots_are_as_many_modes_as_references_can_tell(references):
+def test_repeated_roots_are_as_many_modes_as_references_can_distinguish(references):
     """As many modes on one pole as there are forces, and a force more than modes."""
     for modes in {2, references}:
         truth_hz = [30.0, *[60.0] * modes, 95.0]

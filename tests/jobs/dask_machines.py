@@ -43,8 +43,8 @@ class Machines:
         line = [sys.executable, "-m", f"distributed.cli.{command}", *arguments, *self._tls]
         # Workers import the kinds by name, as they do on a machine where modallab is installed.
         environment = os.environ | {"PYTHONPATH": HERE, "OPENBLAS_NUM_THREADS": "1"}
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        process = subprocess.Popen(line, env=environment, cwd=self._folder, **quiet)
+        no_output = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        process = subprocess.Popen(line, env=environment, cwd=self._folder, **no_output)
         self._all.append(process)
         return process
 

@@ -16,7 +16,7 @@ def square(payload: Any, notify: Notify) -> Computed:
 
 
 def wait(payload: Any, notify: Notify) -> Computed:
-    """Works for a while in steps, telling; then says which process it was."""
+    """Works for a while in steps, notifying; then says which process it was."""
     steps = payload["steps"]
     for step in range(steps):
         notify(step / steps)

@@ -201,8 +201,8 @@ def _processes(commands: list[tuple[list[str], dict[str, str]]], folder: Path) -
     try:
         for (program, *rest), environment in commands:
             env = os.environ | environment | {"PYTHONPATH": HERE}
-            quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-            started.append(subprocess.Popen([PROGRAMS / program, *rest], env=env, cwd=folder, **quiet))
+            no_output = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+            started.append(subprocess.Popen([PROGRAMS / program, *rest], env=env, cwd=folder, **no_output))
             time.sleep(0.1)
         yield
     finally:

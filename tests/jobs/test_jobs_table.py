@@ -102,18 +102,18 @@ def test_the_jobs_of_a_dead_runner_are_taken_by_another_and_the_fence_keeps_the_
 
 
 def test_attempts_run_out(jobs: Jobs, engine: Engine) -> None:
-    timed_out = jobs.submit("identify", {"x": 1}, [])
+    abandoned = jobs.submit("identify", {"x": 1}, [])
     assert _take(engine).job.attempts == 1
     for attempt in range(2, MAX_ATTEMPTS + 1):
         assert [taken.job.attempts for taken in _take_over(engine, "one")] == [attempt]
     assert _take_over(engine, "one") == []
-    assert jobs.get(timed_out.id).state == "failed"
-    assert "given up after 3 attempts" in str(jobs.get(timed_out.id).error)
+    assert jobs.get(abandoned.id).state == "failed"
+    assert "given up after 3 attempts" in str(jobs.get(abandoned.id).error)
 
-    reported = jobs.submit("identify", {"x": 2}, [])
+    given_back = jobs.submit("identify", {"x": 2}, [])
     for _ in range(MAX_ATTEMPTS):
         Leases(engine, "one").give_back(_take(engine), "a worker was lost", counts=True)
-    assert "because a worker was lost" in str(jobs.get(reported.id).error)
+    assert "because a worker was lost" in str(jobs.get(given_back.id).error)
 
 
 def test_an_orderly_stop_is_no_attempt(jobs: Jobs, engine: Engine) -> None:
@@ -153,7 +153,7 @@ def test_pages_hold_every_job_once_the_newest_first(jobs: Jobs, engine: Engine) 
         jobs.list(limit=0)
 
 
-def test_what_cannot_be_kept_or_found_is_told(jobs: Jobs) -> None:
+def test_what_cannot_be_kept_or_found_is_reported(jobs: Jobs) -> None:
     for bad in (float("nan"), float("inf"), {1, 2}):
         with pytest.raises(JobError, match="cannot be kept"):
             jobs.submit("identify", {"x": bad}, [])

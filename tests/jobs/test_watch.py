@@ -12,7 +12,7 @@ from modallab.jobs.leases import Leases, Taken, Watch
 
 
 class Clock:
-    """Goes on when it is told to."""
+    """Goes on when it is made to."""
 
     now_s = 0.0
 
@@ -30,7 +30,7 @@ def engine(each_engine: Engine) -> Engine:
     return each_engine
 
 
-def test_silence_is_counted_from_the_first_look_on(clock: Clock) -> None:
+def test_a_time_out_is_counted_from_the_first_look_on(clock: Clock) -> None:
     watch = Watch(10.0, clock)
     clock.now_s = 100.0
     assert watch.look({"a": (1, 7.0)}) == {}
@@ -66,7 +66,7 @@ def test_a_job_that_comes_back_is_a_new_one(clock: Clock) -> None:
         assert watch.look(held) == {}
 
 
-def test_of_two_who_saw_the_same_silence_one_takes_the_job(engine: Engine) -> None:
+def test_of_two_who_saw_the_same_time_out_one_takes_the_job(engine: Engine) -> None:
     job = Jobs(engine).submit("identify", {}, [])
     (dead,) = Leases(engine, "dead").take(["identify"], 1)
     heirs = [Leases(engine, name, lease_s=0.001) for name in ("one", "two")]

@@ -17,7 +17,7 @@ def until(said: Callable[[], bool], patience_s: float = PATIENCE_S) -> None:
         time.sleep(0.02)
 
 
-def ended(jobs: Jobs, *requested: Job, patience_s: float = PATIENCE_S) -> list[Job]:
+def ended(jobs: Jobs, *listed: Job, patience_s: float = PATIENCE_S) -> list[Job]:
     """The jobs, once all have ended."""
-    until(lambda: all(jobs.get(job.id).ended for job in requested), patience_s)
-    return [jobs.get(job.id) for job in requested]
+    until(lambda: all(jobs.get(job.id).ended for job in listed), patience_s)
+    return [jobs.get(job.id) for job in listed]

@@ -41,8 +41,8 @@ def test_the_page_loads_nothing_from_anywhere(page, parsed):
 def test_every_link_inside_the_page_has_its_target_once(parsed):
     ids = [a["id"] for _, a in parsed.tags if "id" in a]
     assert len(ids) == len(set(ids))
-    requested = {a["href"][1:] for _, a in parsed.tags if a.get("href", "").startswith("#")}
-    assert requested <= set(ids)
+    linked = {a["href"][1:] for _, a in parsed.tags if a.get("href", "").startswith("#")}
+    assert linked <= set(ids)
     used = set(re.findall(r"url\(#([^)]+)\)", str(parsed.tags)))
     assert used <= set(ids)
 
@@ -273,7 +273,7 @@ def test_nothing_but_a_rig_still_makes_a_page(content):
     assert set(parsed.sections) >= {"absent", "rig"}
 
 
-def test_a_failed_identification_is_told_with_its_reason(content):
+def test_a_failed_identification_is_reported_with_its_reason(content):
     failed = Outcome("impact", missing="The impact test could not be identified: the force channel is dead.")
     parsed = Page(render(replace(content, outcomes=(failed,))))
     assert "the force channel is dead" in parsed.sections["absent"]

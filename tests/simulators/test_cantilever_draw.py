@@ -49,7 +49,7 @@ def test_the_clock_is_off_by_up_to_20_ppm():
     assert 10e-6 < np.abs(clocks).max() <= 20e-6
 
 
-def test_facts_tell_the_truth_of_the_demonstration_bench(rig: Rig):
+def test_facts_state_the_truth_of_the_demonstration_bench(rig: Rig):
     facts = open_bench("sim://cantilever?seed=4", rig).info.facts
     f = json.loads(facts["frequency_hz"])
     np.testing.assert_allclose(f[:3], [4.8, 30.9, 87.8], rtol=0.04)

@@ -1,4 +1,4 @@
-"""The generator, its clock and the way it falls silent."""
+"""The generator, its clock and the way it is switched off."""
 
 import json
 import math
@@ -58,7 +58,7 @@ def test_the_force_begins_where_play_says_and_ends_with_the_burst(running: Runni
     np.testing.assert_allclose(force[begin - 333 + times], expected, atol=6 * NOISE_N)
 
 
-def test_zero_silences_the_shaker_at_once(running: Running):
+def test_zero_stops_the_shaker_at_once(running: Running):
     bench = running("seed=2", "sine", 1000.0)
     bench.play(BURST)
     bench.read(600, 1.0)
@@ -101,7 +101,7 @@ def test_the_generators_clock_is_off_by_what_the_facts_say(running: Running):
     assert minimize_scalar(power, bounds=(-40, 40), method="bounded").x == pytest.approx(ppm, abs=0.5)
 
 
-def test_steady_response_is_that_of_the_modes_the_facts_tell(running: Running, rig: Rig):
+def test_steady_response_is_that_of_the_modes_the_facts_state(running: Running, rig: Rig):
     bench = running("seed=8&zeta=0.01", "sine", 1000.0)
     facts = {k: np.array(json.loads(v)) for k, v in bench.info.facts.items() if v.startswith("[")}
     ppm = float(bench.info.facts["generator_ppm"])

@@ -15,7 +15,7 @@ Running = Callable[..., Bench]
 
 
 def run(bench: Bench, sizes: list[int]) -> np.ndarray:
-    """The same visit, read in pieces of the given sizes: a burst, a cut, two hits, at fixed sample counts."""
+    """The same session, read in pieces of the given sizes: a burst, a cut, two hits, at fixed sample counts."""
     calls = {
         500: lambda: bench.prompt_hit(6),
         1300: lambda: bench.play(Burst(31.0, 0.3, 0.1, 2.0)),
@@ -40,7 +40,7 @@ def test_samples_do_not_depend_on_how_they_are_read(running: Running):
         np.testing.assert_array_equal(run(running("seed=11"), sizes), whole)
 
 
-def test_seeds_tell_benches_apart_and_starts_too(running: Running):
+def test_seeds_distinguish_benches_and_starts_too(running: Running):
     bench = running("seed=11")
     first = run(bench, [500])
     bench.stop()
@@ -61,7 +61,7 @@ def test_noise_and_quantisation(running: Running):
     assert np.abs(lagged).max() < 0.03
 
 
-def test_the_rail_clips_and_is_told(running: Running):
+def test_full_scale_clips_and_is_flagged(running: Running):
     bench = running("seed=1&n_per_v=20", "sine", 1000.0)
     bench.read(500, 1.0)
     bench.play(Burst(20.0, 9.0, 0.1, 2.0))

@@ -125,15 +125,15 @@ def test_free_decay_is_exact():
     assert math.log(energy[0] / energy[1]) / 2 / (6 * 417 / 2000) == pytest.approx(-modes.poles[0].real, rel=0.01)
 
 
-def test_driven_and_silent_ways_agree():
+def test_driven_and_free_ways_agree():
     modes = basis(2000.0, 0.005)
     structure = Structure(modes, OUTPUTS, 2000.0, 4)
     rng = np.random.default_rng(3)
     state = rng.standard_normal(len(modes.omega)) + 1j * rng.standard_normal(len(modes.omega))
-    timed_out, after = structure.advance(state.copy(), [])
+    free, after = structure.advance(state.copy(), [])
     _, count = structure.times(0)
     driven, after_driven = structure.advance(state.copy(), [Drive(float(X[3]), np.zeros(count))])
-    np.testing.assert_allclose(driven, timed_out, rtol=0, atol=1e-11 * np.abs(timed_out).max())
+    np.testing.assert_allclose(driven, free, rtol=0, atol=1e-11 * np.abs(free).max())
     np.testing.assert_allclose(after_driven, after, rtol=1e-11)
 
 

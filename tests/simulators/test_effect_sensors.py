@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from quiet_bench import RATE_HZ, driven, quiet_rig, resting, struck, tone
+from noiseless_bench import RATE_HZ, driven, noiseless_rig, resting, struck, tone
 
 from modallab.bench.protocol import Request
 from modallab_simulators.cantilever import open_bench
@@ -43,7 +43,7 @@ def test_force_gain_scales_what_the_force_channel_reads_and_nothing_else():
 
 
 def test_position_error_shows_the_motion_farther_from_the_clamp():
-    rig = quiet_rig()
+    rig = noiseless_rig()
     dx = rig.x_of(7) - rig.x_of(6)
     found = struck(f"position_error,channel=a06,dx={dx}")
     np.testing.assert_allclose(found[6], found[7], atol=1e-7 * np.abs(found).max())
@@ -52,7 +52,7 @@ def test_position_error_shows_the_motion_farther_from_the_clamp():
 
 
 def test_noisy_channel():
-    rig = quiet_rig()
+    rig = noiseless_rig()
     rig = rig.model_copy(update={"converter": rig.converter.model_copy(update={"noise_rms_v": NOISE_V})})
     bench = open_bench("sim://cantilever?effect=noisy_channel,channel=4,factor=30", rig)
     scale = bench.configure(Request("impact", RATE_HZ)).scale
@@ -148,7 +148,7 @@ def test_mains_hum_is_there_without_excitation_and_grows_by_the_row():
 
 
 def test_hit_position_moves_the_hit_and_leaves_the_shaker():
-    rig = quiet_rig()
+    rig = noiseless_rig()
     dx = rig.x_of(4) - rig.x_of(3)
     np.testing.assert_allclose(struck(f"hit_position,dx={dx}", point=3)[1:], moved(point=4)[1:], atol=1e-6)
     np.testing.assert_array_equal(driven(f"hit_position,dx={dx}"), driven())

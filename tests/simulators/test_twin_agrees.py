@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from quiet_bench import quiet_rig
+from noiseless_bench import noiseless_rig
 
 from modallab.core.block import Block
 from modallab.core.effects import Effect, catalogue
@@ -23,7 +23,7 @@ from modallab.twin.structure import MODES, Structure
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
 
-RIG = rigidly_clamped(quiet_rig())
+RIG = rigidly_clamped(noiseless_rig())
 SEED = 5
 ORDER = 40
 LINES = (6, 33)

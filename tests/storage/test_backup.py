@@ -1,4 +1,4 @@
-"""A backup is whole, of one moment, and can be gone on with; retention deletes what it was told and remembers it."""
+"""A backup is whole, of one moment, and can be gone on with; retention deletes what was asked for and remembers it."""
 
 import os
 import threading
@@ -146,7 +146,7 @@ def test_a_backup_is_never_written_over_anything(store: Store, tmp_path: Path, m
         back_up(store, tmp_path / "backup")
 
 
-def test_retention_takes_invalid_runs_only_unless_it_is_told(store: Store) -> None:
+def test_retention_takes_invalid_runs_only_unless_it_is_asked_to(store: Store) -> None:
     good, aborted, failed = (_record(store, 1), _record(store, 2, "aborted", valid=False), _record(store, 3, "failed"))
     with begin(store) as active:
         active.record(noise(1), BlockNote("b", "impact", 0))
@@ -154,7 +154,7 @@ def test_retention_takes_invalid_runs_only_unless_it_is_told(store: Store) -> No
             "default": Rule(),
             "failed too": Rule(also_valid=True),
             "all that ended": Rule(states=("done", "failed", "aborted"), also_valid=True),
-            "valid, untold": Rule(states=("done",)),
+            "valid, not asked for": Rule(states=("done",)),
             "old": Rule(older_than=timedelta(days=1), states=("done", "aborted"), also_valid=True),
         }
         found = {name: {item.run.id for item in find_removable(store, rule)} for name, rule in rules.items()}
@@ -164,7 +164,7 @@ def test_retention_takes_invalid_runs_only_unless_it_is_told(store: Store) -> No
         "default": {aborted},
         "failed too": {aborted, failed},
         "all that ended": {good, aborted, failed},
-        "valid, untold": set(),
+        "valid, not asked for": set(),
         "old": set(),
     }
     later = datetime.now(UTC) + timedelta(days=2)

@@ -30,7 +30,7 @@ def test_a_folder_goes_to_a_backup_and_to_a_server(
     assert main(["backup", str(data), "--out", str(tmp_path / "backup")]) == 2
 
 
-def test_retention_lists_first_and_deletes_when_told(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_retention_lists_first_and_deletes_on_request(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = sorted((data / "runs").glob("*.h5"))
     assert main(["retention", str(data)]) == 0
     said = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""What hardly stands out, and what one sensor sees alone, is told; a mode of the structure is not."""
+"""What hardly stands out, and what one sensor sees alone, is reported; a mode of the structure is not."""
 
 import numpy as np
 import pytest
@@ -31,14 +31,14 @@ def test_confidence_that_is_not_known_raises_none_either():
 
 
 @pytest.mark.parametrize(("weak", "says"), [((1,), "The mode at 30 Hz is"), ((0, 2), "The modes at 5, 80 Hz are")])
-def test_a_mode_that_hardly_stands_out_is_told_by_its_frequency(weak, says):
+def test_a_mode_that_hardly_stands_out_is_reported_by_its_frequency(weak, says):
     confidence = SURE.copy()
     confidence[list(weak)] = 0.07
     (sentence,) = doubts(from_two_points(SHAPES), confidence)
     assert sentence.startswith(says)
 
 
-def test_a_mode_that_one_sensor_has_to_itself_is_told_with_the_sensor():
+def test_a_mode_that_one_sensor_has_to_itself_is_reported_with_the_sensor():
     shapes = SHAPES.copy()
     shapes[1] *= np.where(np.arange(6) == 3, 1.0, 1e-3)
     (sentence,) = doubts(from_two_points(shapes), SURE)
@@ -56,5 +56,5 @@ def test_a_part_that_moves_by_itself_and_is_driven_itself_is_a_mode():
     assert doubts(driven.model_copy(update={"modal_constants": constants}), SURE) == ()
 
 
-def test_few_sensors_cannot_tell_who_is_alone():
+def test_few_sensors_cannot_show_who_is_alone():
     assert seen_by_one(model(SHAPES[:, :3], points=(1, 2, 3))).tolist() == [-1, -1, -1]

@@ -15,12 +15,12 @@ class Setting:
     """One setting.
 
     Attributes:
-        tell: what sets it, with the value in braces.
+        command: what sets it, with the value in braces.
         ask: what asks for it.
         key: what stands before its value in an answer of many pairs; empty: the answer is the value.
     """
 
-    notify: str
+    command: str
     ask: str
     key: str = ""
 
@@ -123,9 +123,9 @@ _SAME = {"1": "ON", "0": "OFF", "SINE": "SIN", "9.9E+37": "INF", "+9.9E+37": "IN
 number: Callable[[str], float] = lambda text: inf if _SAME.get(text.upper()) == "INF" else float(text)  # noqa: E731
 
 
-def agrees(requested: float | str, found: str) -> bool:
+def agrees(set_value: float | str, found: str) -> bool:
     """Whether what is read back is what was set, in whatever form."""
-    if isinstance(requested, str):
-        return _SAME.get(requested.upper(), requested.upper()) == _SAME.get(found.upper(), found.upper())
+    if isinstance(set_value, str):
+        return _SAME.get(set_value.upper(), set_value.upper()) == _SAME.get(found.upper(), found.upper())
     value = number(found)
-    return not isinf(value) and abs(value - requested) <= 1e-6 * abs(requested) + 1e-9
+    return not isinf(value) and abs(value - set_value) <= 1e-6 * abs(set_value) + 1e-9

@@ -16,7 +16,7 @@ MIN_STEPS = 4
 
 
 def open_generator(rig: Rig) -> "Generator":
-    """The generator the rig file names, quiet.
+    """The generator the rig file names, its output off.
 
     Raises:
         ConfigurationError: a field of the rig file that does not fit the instrument.
@@ -58,10 +58,10 @@ def emergency_off(excitation: Excitation) -> None:
 def _switch_off(line: SerialLine, language: Language) -> None:
     # A line that is closed, or an error that is raised, must not overtake what was said last: so an answer is awaited.
     setting = language.settings["output"]
-    line.notify(setting.notify.format("OFF"))
+    line.send(setting.command.format("OFF"))
     if not agrees("OFF", setting.read(line.ask(setting.ask))):
         raise DeviceGoneError(
-            "the output was told to switch off and is still on", where=line.port, remedy="switch the amplifier off"
+            "the output was switched off and is still on", where=line.port, remedy="switch the amplifier off"
         )
 
 
@@ -105,7 +105,7 @@ class Generator:
         self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
         self.set("amplitude", self._language.lowest_vpp)
         self.set("output", "ON")
-        self._line.notify(self._language.trigger)
+        self._line.send(self._language.trigger)
         self._require_no_error("trigger")
         self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
 
@@ -146,7 +146,7 @@ class Generator:
             ConfigurationError: it was rejected, or another value was applied; the output is off.
         """
         setting = self._language.settings[name]
-        self._line.notify(setting.notify.format(value if isinstance(value, str) else f"{value:.9g}"))
+        self._line.send(setting.command.format(value if isinstance(value, str) else f"{value:.9g}"))
         try:
             found = setting.read(self._line.ask(setting.ask))
             good = agrees(value, found)
@@ -187,9 +187,9 @@ class Generator:
         return found
 
     def _rejected(self, what: str, errors: list[str]) -> BenchError:
-        reported = f"; it reports {', '.join(errors)}" if errors else ""
+        errors_said = f"; it reports {', '.join(errors)}" if errors else ""
         return ConfigurationError(
-            f"{what}{reported}", where=f"generator on {self._line.port}", remedy="ask for what the instrument can do"
+            f"{what}{errors_said}", where=f"generator on {self._line.port}", remedy="ask for what the instrument can do"
         )
 
 

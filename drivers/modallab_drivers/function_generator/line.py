@@ -27,7 +27,7 @@ class SerialLine:
     def _where(self) -> str:
         return f"generator on {self.port} (rig file field excitation.output)"
 
-    def notify(self, text: str) -> None:
+    def send(self, text: str) -> None:
         """Send a line.
 
         Raises:
@@ -44,7 +44,7 @@ class SerialLine:
         Raises:
             DeviceGoneError: the line is dead, or nothing came in time.
         """
-        self.notify(text)
+        self.send(text)
         try:
             answer = self._serial.read_until(b"\n")
         except (serial.SerialException, OSError) as error:

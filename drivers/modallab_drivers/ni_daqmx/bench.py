@@ -118,7 +118,7 @@ class NiBench:
                 self._shaker.look_after(self._position)
             samples = pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis=1)
             self._inputs.require_sensors()
-            return Chunk(first, samples, self._out_of_band(samples) | self._inputs.overloaded())
+            return Chunk(first, samples, self._at_full_scale(samples) | self._inputs.overloaded())
 
     def arm(self, trigger: ReferenceTrigger) -> None:
         """Let the device wait for a crossing."""
@@ -147,7 +147,7 @@ class NiBench:
         assert self._inputs is not None
         with self._losses():
             samples = self._record.take(timeout_s)
-            return Chunk(0, samples, self._out_of_band(samples) | self._inputs.overloaded())
+            return Chunk(0, samples, self._at_full_scale(samples) | self._inputs.overloaded())
 
     def play(self, burst: Burst) -> int:
         """Start a burst; the place of its rise counts the converter's own delay."""
@@ -158,7 +158,7 @@ class NiBench:
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
     def prompt_hit(self, point: int) -> None:
-        """Whoever strikes is told by the page; the point must be one of the rig."""
+        """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
     def sensed_sensitivities(self) -> dict[str, float]:
@@ -221,7 +221,7 @@ class NiBench:
             raise
         return self._inputs
 
-    def _out_of_band(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
         peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit

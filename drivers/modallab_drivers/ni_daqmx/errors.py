@@ -23,7 +23,7 @@ RESERVED = -50103
 DUPLICATE = -200089
 UNSUPPORTED_HERE = -200452
 
-_LOST = "start again: what comes is a new stretch; record at a lower rate or on a quieter machine if it happens often"
+_LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
 _CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
 _BUSY = (

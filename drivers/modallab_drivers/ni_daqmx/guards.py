@@ -45,7 +45,7 @@ class Watchdog:
                 raise OutputLostError(
                     "the watchdog has expired: nothing was read for longer than it allows; the output is held at 0 V",
                     where=self._where,
-                    remedy="allow it longer, or use a quieter machine",
+                    remedy="allow it longer, or use a less busy machine",
                 )
             self._task.reset_timer()
 

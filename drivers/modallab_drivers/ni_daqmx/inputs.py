@@ -28,7 +28,7 @@ _UNSUPPORTED = (UNSUPPORTED_HERE, -200077, -200197)
 
 
 def session_name(device: str) -> str:
-    """Name under which a server knows the input task: what a killed client leaves behind can be told by it."""
+    """Name under which a server knows the input task: what a killed client leaves behind is recognised by it."""
     return f"modallab-inputs-{device}"
 
 
@@ -211,10 +211,10 @@ class Inputs:
             except nidaqmx.errors.DaqError:
                 delays.append(0.0)
         if max(delays) - min(delays) > 0.1 / self.rate_hz:
-            reported = ", ".join(f"{p.channel.name} {1e3 * d:.3g} ms" for p, d in zip(self._plugs, delays, strict=True))
+            listed = ", ".join(f"{p.channel.name} {1e3 * d:.3g} ms" for p, d in zip(self._plugs, delays, strict=True))
             self.close()
             raise ConfigurationError(
-                f"modules of different delay in one task: {reported}",
+                f"modules of different delay in one task: {listed}",
                 where=f"{self._where}, rig file field channels[].input",
                 remedy="put all channels on modules of one kind",
             )

@@ -66,16 +66,16 @@ def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str,
     if rig.shaker_point is None or (excitation is not None and excitation.kind != "analog-output"):
         return None
     ranges = {name: device.output_range_v for device in devices for name in device.outputs}
-    requested = excitation.output if excitation is not None else ""
-    if requested and requested not in ranges:
+    wired = excitation.output if excitation is not None else ""
+    if wired and wired not in ranges:
         raise ConfigurationError(
-            f"excitation.output: found {requested!r}; allowed: {_listed(list(ranges))}",
+            f"excitation.output: found {wired!r}; allowed: {_listed(list(ranges))}",
             where=where,
             remedy="mend this field of the rig file",
         )
     if not ranges:
         return None
-    name = requested or next(iter(ranges))
+    name = wired or next(iter(ranges))
     if rig.limits is not None and rig.limits.drive_v > ranges[name]:
         raise ConfigurationError(
             f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V",

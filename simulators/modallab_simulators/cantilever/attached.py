@@ -22,8 +22,8 @@ from modallab_simulators.cantilever.modes import Modes
 Floats = NDArray[np.float64]
 
 KEPT = 80
-BEYOND = 160
-"""Modes of the bare structure that are kept, and up to which those beyond are summed."""
+SUMMED = 160
+"""Modes of the bare structure that are kept, and up to which those above are summed."""
 
 _NOTHING = 1e-9
 
@@ -147,13 +147,13 @@ class AttachedModes:
         return self._of_each(KEPT)
 
     @cached_property
-    def _out_of_band(self) -> Floats:
-        """What the modes beyond do at each attachment, over omega^2, (attachments, modes)."""
-        return self._of_each(BEYOND)[:, KEPT:] / self._bare.omega(BEYOND)[KEPT:] ** 2
+    def _residual(self) -> Floats:
+        """What the modes above the kept ones do at each attachment, over omega^2, (attachments, modes)."""
+        return self._of_each(SUMMED)[:, KEPT:] / self._bare.omega(SUMMED)[KEPT:] ** 2
 
     @property
     def _residual_moment(self) -> Floats:
-        return self._out_of_band @ self._bare.participation(BEYOND)[KEPT:]
+        return self._residual @ self._bare.participation(SUMMED)[KEPT:]
 
     def _basis(self, x_m: Floats, order: int) -> Floats:
         """The Ritz vectors at some points, (points, vectors)."""
@@ -194,11 +194,11 @@ class AttachedModes:
         n = last + len(self._absorbers)
         mass, stiffness = np.eye(n), np.zeros((n, n))
         stiffness[:KEPT, :KEPT] = np.diag(self._bare.omega(KEPT) ** 2)
-        out_of_band = slice(KEPT + shifts, last)
-        mass[out_of_band, out_of_band] = self._out_of_band @ self._out_of_band.T
-        stiffness[out_of_band, out_of_band] = self._rows[:, out_of_band]
+        residual = slice(KEPT + shifts, last)
+        mass[residual, residual] = self._residual @ self._residual.T
+        stiffness[residual, residual] = self._rows[:, residual]
         if shifts:
             mass[KEPT, KEPT], stiffness[KEPT, KEPT] = self._bare.total_mass_kg, self._root
             mass[KEPT, :KEPT] = mass[:KEPT, KEPT] = self._bare.participation(KEPT)
-            mass[KEPT, out_of_band] = mass[out_of_band, KEPT] = self._residual_moment
+            mass[KEPT, residual] = mass[residual, KEPT] = self._residual_moment
         return mass, stiffness

@@ -98,10 +98,10 @@ class ModalBasis:
 
     def base_remainder(self, x_m: Floats) -> Floats:
         """Of the modes beyond, up to three times as many."""
-        return _base_out_of_band(self.beam, x_m, len(self.omega))
+        return _base_remainder(self.beam, x_m, len(self.omega))
 
 
-def _base_out_of_band(modes: Modes, x_m: Floats, kept: int) -> Floats:
+def _base_remainder(modes: Modes, x_m: Floats, kept: int) -> Floats:
     count = min(3 * kept, max(80, kept))
     share = -modes.participation(count) / modes.omega(count) ** 2
     return modes.shapes(x_m, count)[:, kept:] @ share[kept:]

@@ -11,11 +11,11 @@ from modallab.core.errors import BenchTimeoutError, ConfigurationError, Unsuppor
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.channels import outputs_of
+from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import BLOCK
-from modallab_simulators.cantilever.session import EVERYDAY, LocalSession
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
@@ -40,12 +40,12 @@ class CantileverBench:
         url: its address.
         rig: what stands there.
         settings: what the address says.
-        visit: the circumstances.
+        circumstances: how the bench is met.
     """
 
-    def __init__(self, url: str, rig: Rig, settings: Settings, session: LocalSession = EVERYDAY) -> None:
+    def __init__(self, url: str, rig: Rig, settings: Settings, circumstances: Circumstances = EVERYDAY) -> None:
         self._rig, self._settings = rig, settings
-        self._truth = draw_truth(settings, rig, session)
+        self._truth = draw_truth(settings, rig, circumstances)
         self._rows = len(outputs_of(rig, self._truth.effects.altered.chain))
         self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
         self._info = BenchInfo(
@@ -56,8 +56,8 @@ class CantileverBench:
             facts=self._truth.facts(),
         )
         self._state: State = "open"
-        self._starts = self._swings = session.first_start
-        self._session = session
+        self._starts = self._swings = circumstances.first_start
+        self._circumstances = circumstances
         self._hit_s = 0.0
         self._age_s = 0.0
 
@@ -144,7 +144,7 @@ class CantileverBench:
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
         start = self._stream.position + ceil(LATENCY_S * self._rate)
         start_s = start / self._site.rate_hz + later_s
-        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._session.straight_ramp))
+        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._circumstances.straight_ramp))
         self._stream.changed()
         return start + self._site.structure.latency
 
@@ -188,14 +188,14 @@ class CantileverBench:
 
     @property
     def _clock(self) -> float:
-        return (1 + self._truth.clock) / self._session.stretch - 1
+        return (1 + self._truth.clock) / self._circumstances.stretch - 1
 
     def _drawn_swing(self) -> Swing:
         """The next swing; how long the operator waits is counted in samples of the converter."""
         settings = self._settings
         rng = generator(settings.seed, Stream.HITS, self._swings)
         swing = draw_swing(rng, settings.bad_hits, settings.place_m, settings.peak_n, settings.reaction_s)
-        return swing.stretched(self._rate / self._site.rate_hz, self._session.stretch)
+        return swing.stretched(self._rate / self._site.rate_hz, self._circumstances.stretch)
 
     def _with_knock(self, hit: Hit) -> list[Hit]:
         """The hit, and before it what it finds still ringing: a knock the transducer does not feel."""

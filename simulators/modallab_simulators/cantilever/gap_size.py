@@ -34,8 +34,8 @@ class Ruler:
         self._seed, self._noise_v = seed, converter.noise_rms_v
         self._floor_v = hypot(converter.noise_rms_v, converter.volts_per_count / sqrt(12))
         # Without noise, and with counts too fine to matter, nothing but the effects makes the difference.
-        quiet = converter.model_copy(update={"noise_rms_v": 0.0, "bits": 30})
-        self._rig = rig.model_copy(update={"converter": quiet})
+        noiseless = converter.model_copy(update={"noise_rms_v": 0.0, "bits": 30})
+        self._rig = rig.model_copy(update={"converter": noiseless})
         self._sound: Campaign | None = None
 
     def gap(self, effects: Sequence[Effect]) -> float:

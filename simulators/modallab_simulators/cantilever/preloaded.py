@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from modallab_simulators.cantilever.attached import BEYOND
+from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
@@ -47,26 +47,26 @@ class PreloadedModes:
 
     def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
         """Displacement or slope of the modes, (points, count)."""
-        return self._bare.shapes(x_m, BEYOND, order) @ self._solved[1][:, :count]
+        return self._bare.shapes(x_m, SUMMED, order) @ self._solved[1][:, :count]
 
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,)."""
-        return self._bare.participation(BEYOND) @ self._solved[1][:, :count]
+        return self._bare.participation(SUMMED) @ self._solved[1][:, :count]
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static answer at `x_m` to a load at `force_x_m`, (points,)."""
         omega, vectors = self._solved
-        to, load = self._bare.shapes(x_m, BEYOND, seen), self._bare.shapes(np.array([force_x_m]), BEYOND, put)[0]
+        to, load = self._bare.shapes(x_m, SUMMED, seen), self._bare.shapes(np.array([force_x_m]), SUMMED, put)[0]
         with_force = (to @ vectors / omega**2) @ (vectors.T @ load)
-        without = (to / self._bare.omega(BEYOND) ** 2) @ load
+        without = (to / self._bare.omega(SUMMED) ** 2) @ load
         return self._bare.flexibility(x_m, force_x_m, seen, put) + with_force - without
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats]:
         at, weights = np.polynomial.legendre.leggauss(_NODES)
         half = self.length_m / 2
-        slopes = self._bare.shapes(half * (at + 1), BEYOND, 1)
-        stiffness = np.diag(self._bare.omega(BEYOND) ** 2) + self._force * slopes.T @ (
+        slopes = self._bare.shapes(half * (at + 1), SUMMED, 1)
+        stiffness = np.diag(self._bare.omega(SUMMED) ** 2) + self._force * slopes.T @ (
             slopes * (weights * half)[:, None]
         )
         values, vectors = eigh(stiffness)

@@ -71,13 +71,13 @@ def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict
         return {"x": x}
     text = given.pop("channel", "")
     channels = [_channel(part) for part in text.split(":")]
-    requested = 2 if kind.place == "pair" else 1
-    if len(channels) != requested or None in channels or len(set(channels)) != requested:
-        form = "two accelerometers, such as a03:a07" if requested == 2 else "one accelerometer, such as a03"
+    needed = 2 if kind.place == "pair" else 1
+    if len(channels) != needed or None in channels or len(set(channels)) != needed:
+        form = "two accelerometers, such as a03:a07" if needed == 2 else "one accelerometer, such as a03"
         problems.append(f"{kind.name}: channel is {text!r}; allowed: {form}")
         return {}
     numbers = tuple(c for c in channels if c is not None)
-    return {"channel": numbers if requested == 2 else numbers[0]}
+    return {"channel": numbers if needed == 2 else numbers[0]}
 
 
 def _channel(text: str) -> int | None:

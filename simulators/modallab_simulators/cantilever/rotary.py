@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from modallab_simulators.cantilever.attached import BEYOND
+from modallab_simulators.cantilever.attached import SUMMED
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
@@ -48,11 +48,11 @@ class RotaryModes:
 
     def shapes(self, x_m: Floats, count: int, order: int = 0) -> Floats:
         """Displacement or slope of the modes, (points, count)."""
-        return self._bare.shapes(x_m, BEYOND, order) @ self._solved[1][:, :count]
+        return self._bare.shapes(x_m, SUMMED, order) @ self._solved[1][:, :count]
 
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,); a shift turns no slice."""
-        return self._bare.participation(BEYOND) @ self._solved[1][:, :count]
+        return self._bare.participation(SUMMED) @ self._solved[1][:, :count]
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static answer at `x_m` to a load at `force_x_m`: slices at rest have no inertia, (points,)."""
@@ -62,7 +62,7 @@ class RotaryModes:
     def _solved(self) -> tuple[Floats, Floats]:
         at, weights = np.polynomial.legendre.leggauss(_NODES)
         half = self.length_m / 2
-        slopes = self._bare.shapes(half * (at + 1), BEYOND, 1) * np.sqrt(weights * half)[:, None]
-        mass = np.eye(BEYOND) + self._inertia * slopes.T @ slopes
-        values, vectors = eigh(np.diag(self._bare.omega(BEYOND) ** 2), mass)
+        slopes = self._bare.shapes(half * (at + 1), SUMMED, 1) * np.sqrt(weights * half)[:, None]
+        mass = np.eye(SUMMED) + self._inertia * slopes.T @ slopes
+        values, vectors = eigh(np.diag(self._bare.omega(SUMMED) ** 2), mass)
         return np.sqrt(values), vectors

@@ -1,8 +1,8 @@
 """A whole campaign in a moment, with its truth: what blind trials of a diagnosis are made of.
 
-The plan is one visit of a practised operator: six hits each at points 6, 10 and 3, then 24 frequencies at a low and a
-high level from the shaker. Every block begins with the beam at rest: a hit 0.05 s before the hit, a sine 8 s after
-the shaker has begun to rise.
+The plan is one session of a practised operator: six hits each at points 6, 10 and 3, then 24 frequencies at a low and a
+high level from the shaker. Every block begins with the beam at rest: the block of a hit 0.05 s before it, that of a
+sine 8 s after the shaker has begun to rise.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,10 +21,10 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.bench import CantileverBench
+from modallab_simulators.cantilever.circumstances import Circumstances
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected import inject, reported
-from modallab_simulators.cantilever.session import LocalSession
 from modallab_simulators.cantilever.truth import Truth
 
 HITS = {6: (24.0, 90.0), 10: (10.0, 35.0), 3: (24.0, 90.0)}
@@ -44,7 +44,7 @@ RECORD_S = 60.0
 LAST_ORDER = len(HITS) * 6 + len(LEVELS_N) * len(PAPER_LINES) - 1
 """Place in time of a campaign's last record."""
 
-_CIRCUMSTANCES = LocalSession(one_clock=True, straight_ramp=True, modes=15)
+_CIRCUMSTANCES = Circumstances(one_clock=True, straight_ramp=True, modes=15)
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
@@ -104,7 +104,7 @@ class Operator:
         rig: what is believed.
         seed: of the trial.
         effects: in the bench.
-        stretch: how much longer than meant all takes that excites, see `Visit`.
+        stretch: how much longer than meant all takes that excites, see `Circumstances`.
         order: place in time of the first record.
     """
 

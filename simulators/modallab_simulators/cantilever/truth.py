@@ -1,4 +1,4 @@
-"""The truth of a bench, drawn by its seed, and told as text."""
+"""The truth of a bench, drawn by its seed, and reported as text."""
 
 import json
 from dataclasses import dataclass, replace
@@ -15,12 +15,12 @@ from modallab_simulators.cantilever.assembled import SIDE_ZETA, beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.damped import DampedBasis
 from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock, draw_damping
 from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.injected import Injected, inject
 from modallab_simulators.cantilever.modes import Modes
-from modallab_simulators.cantilever.session import EVERYDAY, LocalSession
 
 BAND_HZ = 1000.0
 MAX_MODES = 120
@@ -130,7 +130,7 @@ def oversampling(rate_hz: float) -> int:
     return max(_OVERSAMPLE, ceil(_INTERNAL_HZ / rate_hz))
 
 
-def draw_truth(settings: Settings, rig: Rig, session: LocalSession = EVERYDAY) -> Truth:
+def draw_truth(settings: Settings, rig: Rig, circumstances: Circumstances = EVERYDAY) -> Truth:
     """Draw the truth of a rig's bench.
 
     Raises:
@@ -148,6 +148,6 @@ def draw_truth(settings: Settings, rig: Rig, session: LocalSession = EVERYDAY) -
             f"the beam's first mode is at {first:.0f} Hz, above {BAND_HZ:g} Hz",
             remedy="choose a longer or thinner beam",
         )
-    clock = 0.0 if session.one_clock else draw_clock(settings.seed)
+    clock = 0.0 if circumstances.one_clock else draw_clock(settings.seed)
     effects = inject(settings.effects, rig)
-    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, session.modes)
+    return Truth(true, clock, settings.zeta, settings.seed, rig, effects, circumstances.modes)

@@ -26,7 +26,7 @@ def main() -> int:
     """Serve until the owner closes standard input."""
     arguments = _parser().parse_args()
     system = build(arguments)
-    reported: dict[str, object] = {}
+    started: dict[str, object] = {}
     generator: PtyGenerator | None = None
     if arguments.generator:
         system.generator_line = OutputLine()
@@ -35,9 +35,9 @@ def main() -> int:
             ppm=system.plant.generator_ppm,
         )  # fmt: skip
         generator = PtyGenerator(device)
-        reported["generator"] = generator.port
-    server, reported["port"] = serve(system, arguments.port, _credentials(arguments.tls))
-    print(json.dumps(reported), flush=True)
+        started["generator"] = generator.port
+    server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls))
+    print(json.dumps(started), flush=True)
     for line in sys.stdin:
         print(json.dumps(obey(system, generator, line.strip())), flush=True)
     server.stop(None)

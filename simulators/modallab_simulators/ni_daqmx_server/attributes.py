@@ -101,10 +101,10 @@ def read(server: SimulatedSystem, name: str, number: int) -> Any:
     found = server.task(name, InputTask)
     names = [c.physical for c in found.channels]
     if number == 0x2174:
-        out_of_band = [n for n, flag in zip(names, found.overload, strict=True) if flag]
-        found.attributes["", 0x2175] = ", ".join(out_of_band)
+        overloaded = [n for n, flag in zip(names, found.overload, strict=True) if flag]
+        found.attributes["", 0x2175] = ", ".join(overloaded)
         found.overload[:] = False
-        return bool(out_of_band)
+        return bool(overloaded)
     answers: dict[int, Any] = {
         0x2175: found.attributes.get(("", 0x2175), ""),
         0x3100: bool(found.dead),

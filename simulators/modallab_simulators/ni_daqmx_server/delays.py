@@ -37,22 +37,20 @@ class DelayedSource:
         self._shifts = [longest - delay for delay in delays]
         self._taps = [_between(turn) if self._half else None for turn in turns]
         keep = max(self._shifts) + 2 * self._half
-        volts, out_of_band = self._source.take(keep) if keep else (np.zeros((max(rows) + 1, 0)), None)
+        volts, overload = self._source.take(keep) if keep else (np.zeros((max(rows) + 1, 0)), None)
         self._volts = volts[self._rows]
-        self._out_of_band = (
-            np.zeros(self._volts.shape, dtype=np.bool_) if out_of_band is None else out_of_band[self._rows]
-        )
+        self._overload = np.zeros(self._volts.shape, dtype=np.bool_) if overload is None else overload[self._rows]
 
     def take(self, count: int) -> tuple[Floats, NDArray[np.bool_]]:
         """The next (channels, count) volts, and (channels,) which went beyond the range."""
-        volts, out_of_band = self._source.take(count)
+        volts, overload = self._source.take(count)
         if not self._volts.shape[1]:
-            return volts[self._rows], np.array([row.any() for row in out_of_band[self._rows]])
+            return volts[self._rows], np.array([row.any() for row in overload[self._rows]])
         volts = np.concatenate([self._volts, volts[self._rows]], axis=1)
-        out_of_band = np.concatenate([self._out_of_band, out_of_band[self._rows]], axis=1)
-        self._volts, self._out_of_band = volts[:, count:], out_of_band[:, count:]
+        overload = np.concatenate([self._overload, overload[self._rows]], axis=1)
+        self._volts, self._overload = volts[:, count:], overload[:, count:]
         picked = [self._pick(volts[c], c, count) for c in range(len(self._rows))]
-        flags = [out_of_band[c, s + self._half : s + self._half + count].any() for c, s in enumerate(self._shifts)]
+        flags = [overload[c, s + self._half : s + self._half + count].any() for c, s in enumerate(self._shifts)]
         return np.stack(picked), np.array(flags)
 
     def changed(self) -> None:

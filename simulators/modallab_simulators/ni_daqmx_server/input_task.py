@@ -129,8 +129,8 @@ class InputTask(Task):
         assert self.source is not None
         if count == 0:
             return np.zeros((len(self.channels), 0))
-        volts, out_of_band = self.source.take(count)
-        self.overload |= out_of_band
+        volts, overload = self.source.take(count)
+        self.overload |= overload
         self.position += count
         clock.read_up_to(self.start_s + self.position / self.rate_hz)
         values = volts * np.array([c.per_volt for c in self.channels])[:, None]

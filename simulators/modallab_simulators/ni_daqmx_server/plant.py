@@ -108,8 +108,8 @@ class _CantileverSource:
 
     def take(self, count: int) -> tuple[Floats, NDArray[np.bool_]]:
         counts: NDArray[Any] = self._bench.read(count, inf).samples
-        out_of_band = (counts >= self._full - 1) | (counts <= -self._full)
-        return counts * self._volts_per_count[:, None], out_of_band
+        overload = (counts >= self._full - 1) | (counts <= -self._full)
+        return counts * self._volts_per_count[:, None], overload
 
     def changed(self) -> None:
         cast("Any", self._bench)._stream.changed()

@@ -61,8 +61,8 @@ class _Calls(grpc.GenericRpcHandler):
         if not method.startswith(SERVICE) or request is None:
             return None
         if name == "RegisterEveryNSamplesEvent":
-            reported = partial(_every_n_samples, self._system)
-            return grpc.unary_stream_rpc_method_handler(reported, request.FromString, _encode)
+            stream = partial(_every_n_samples, self._system)
+            return grpc.unary_stream_rpc_method_handler(stream, request.FromString, _encode)
         answer = _answerer(self._system, name)
         if answer is None:
             return None
@@ -171,13 +171,13 @@ def _there(system: SimulatedSystem, task: InputTask) -> int:
 
 def _wait_and_take(system: SimulatedSystem, asked: Any, count: int, kind: str) -> tuple[Floats, bool]:
     deadline = time.monotonic() + (asked.timeout if asked.timeout >= 0 else 1e9)
-    requested = {faults.TIME_OUT: 0, faults.PARTIAL: count // 2}.get(kind, count)
+    given = {faults.TIME_OUT: 0, faults.PARTIAL: count // 2}.get(kind, count)
     while True:
         with system.lock:
             task = system.task(asked.task.name, InputTask)
-            due_s = task.due_s(requested, system.clock)
+            due_s = task.due_s(given, system.clock)
             if due_s <= 0 or time.monotonic() >= deadline:
-                values = task.take(requested, system.clock)
+                values = task.take(given, system.clock)
                 late = task.trigger is not None and not values.shape[1] and time.monotonic() < deadline
                 if not late:
                     return values, values.shape[1] < count

@@ -60,7 +60,7 @@ class Reservations:
         self._holders = {resource: holder for resource, holder in self._holders.items() if holder != task.name}
 
     def require_present(self, task: Task) -> None:
-        """Reject to go on with a device that is gone.
+        """Raise if a device is gone.
 
         Raises:
             StatusError: with the code the device left with.

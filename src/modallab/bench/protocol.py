@@ -109,7 +109,7 @@ class Bench(Protocol):
         ...
 
     def prompt_hit(self, point: int) -> None:
-        """Tell whoever swings the hammer that a hit at `point` is requested. Hardware has nothing to do here."""
+        """Notify whoever swings the hammer that a hit at `point` is requested. Hardware has nothing to do here."""
         ...
 
     def zero(self) -> None:

@@ -85,7 +85,7 @@ def score(trials: Sequence[Trial]) -> list[Figure]:
         _share("place within 0.05 L", [t for t in singles if _true_x(t) is not None], _place_right),
         _median("parameter, median relative error", [e for t in (*singles, *doubles) for e in parameter_errors(t)]),
         _share("precision where it names above 0.9", [t for t in present if _claims(t)], _claims_right),
-        _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", requested=False),
+        _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", expected=False),
         _share("unknown flagged", strange, lambda t: t.diagnosis.verdict == "unknown"),
         _median("gap closed on held-out records", _closed(t for t in singles if t.said == t.names)),
         _median("seconds a diagnosis", [t.seconds for t in trials]),
@@ -121,11 +121,11 @@ def reliability(
     return error, bins
 
 
-def _share(name: str, trials: Iterable[Trial], test: Callable[[Trial], bool], requested: bool = True) -> Figure:
+def _share(name: str, trials: Iterable[Trial], test: Callable[[Trial], bool], expected: bool = True) -> Figure:
     listed = list(trials)
-    hits = [bool(test(t)) for t in listed]
-    misses = tuple(t.name for t, hit in zip(listed, hits, strict=True) if hit is not requested)
-    return Figure(name, float(np.mean(hits)) if hits else float("nan"), len(listed), misses)
+    matches = [bool(test(t)) for t in listed]
+    misses = tuple(t.name for t, match in zip(listed, matches, strict=True) if match is not expected)
+    return Figure(name, float(np.mean(matches)) if matches else float("nan"), len(listed), misses)
 
 
 def _median(name: str, values: Sequence[float]) -> Figure:

@@ -1,4 +1,4 @@
-"""`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can tell apart."""
+"""`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can distinguish."""
 
 import argparse
 from pathlib import Path

@@ -96,7 +96,7 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
     command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
-    command = actions.add_parser("distinguishability", help="which effects a plan cannot tell apart, before any data")
+    command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
     gap.set_defaults(module="gap")

@@ -37,10 +37,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _reset(url: str, arguments: argparse.Namespace) -> int:
     trip = TripLatch(arguments.data, url).reset()
-    reported = (
+    outcome = (
         f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"
     )
-    Console().print(f"{url}: {reported}", markup=False, highlight=False)
+    Console().print(f"{url}: {outcome}", markup=False, highlight=False)
     return 0
 
 

@@ -100,7 +100,7 @@ class Client:
         return self._get(RunView, f"/runs/{run}")
 
     def command(self, run: str, command: Command, lease: HeldLease) -> RunView:
-        """Tell an active run something."""
+        """Send a command to an active run."""
         return self._post(RunView, f"/runs/{run}/commands", command, lease)
 
     def blocks(self, run: str) -> tuple[BlockView, ...]:

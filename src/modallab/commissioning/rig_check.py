@@ -69,7 +69,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     Args:
         bench: open, not started.
         rig: as believed.
-        ask: tells whoever taps which point comes next.
+        ask: notifies whoever taps which point comes next.
     """
     delivery = bench.configure(Request("impact", RATE_HZ))
     chain = chain_of(rig, delivery, "impact")
@@ -97,9 +97,9 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
         bench.zero()
         bench.stop()
     force = rig.force_channel.index
-    quiet = lead[force, : max(16, begin // 2)].std()
+    before = lead[force, : max(16, begin // 2)].std()
     row = (held[force] * delivery.scale[force])[None, :]
-    if held[force].std() < 3 * quiet:
+    if held[force].std() < 3 * before:
         return [Finding("generator", "clock", f"{volts:g} V give no force that can be seen", "bad")]
     found = fit_frequency(row, delivery.rate_hz, frequency_hz).frequency_hz
     ppm = 1e6 * (found / frequency_hz - 1)
@@ -133,10 +133,10 @@ def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bo
         noise_verdict = "bad"
     elif believed and noise > NOISE_FACTOR * believed:
         noise_verdict = "look"
-    reported = f"{1e3 * noise:.4g} mV rms" + (" (a dead channel)" if noise == 0 else f", {1e3 * believed:.4g} believed")
+    level = f"{1e3 * noise:.4g} mV rms" + (" (a dead channel)" if noise == 0 else f", {1e3 * believed:.4g} believed")
     offset_verdict: Verdict = "good" if abs(offset) <= OFFSET_PART * range_v else "look"
     return [
-        Finding(channel.name, "noise", reported, noise_verdict),
+        Finding(channel.name, "noise", level, noise_verdict),
         Finding(channel.name, "offset", f"{1e3 * offset:+.4g} mV of {range_v:g} V", offset_verdict),
         Finding(channel.name, "overload", "beyond the range at rest" if over else "none", "bad" if over else "good"),
     ]

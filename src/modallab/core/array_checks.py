@@ -44,8 +44,8 @@ _PHASE = "export the FRF as complex numbers (real and imaginary part)"
 def check_signals(samples: NDArray[Any], channels: Sequence[str], where: str = "", *, force: str | None = None) -> None:
     """Reject what no recording of a living bench holds.
 
-    A channel is dead if it holds one value over the whole record. Not so, unless it is the force, in a record so
-    quiet that another channel moves by a few counts only: there a light sensor may well stand below one count.
+    A channel is dead if it holds one value over the whole record. Not so, unless it is the force, in a record of so
+    little motion that another channel moves by a few counts only: there a light sensor may well stand below one count.
     Noise, clipping, a turned or swapped channel are no errors: they are what a diagnosis is for.
 
     Args:
@@ -124,7 +124,7 @@ def _frf_findings(name: str, frf: NDArray[np.complex128]) -> list[_Finding]:
 
 
 def _within(frf: NDArray[np.complex128]) -> bool:
-    # A largest and a smallest number tell it without an array for every step; NaN compares as false.
+    # A largest and a smallest number show it without an array for every step; NaN compares as false.
     parts = np.ascontiguousarray(frf, np.complex128).view(np.float64)
     return float(parts.max()) <= LARGEST and float(parts.min()) >= -LARGEST
 
@@ -174,11 +174,11 @@ def _dead(samples: NDArray[Any], channels: Sequence[str], force: str | None) -> 
         value = "zero" if not samples.any() else "constant"
         found = f"every channel is {value} ({', '.join(channels)}): nothing was recorded"
         return [_Finding(found, "check that the inputs are connected and switched on, and record again")]
-    quiet = min(len(np.unique(row)) for row in samples[~constant]) <= _FEW_LEVELS
+    still = min(len(np.unique(row)) for row in samples[~constant]) <= _FEW_LEVELS
     return [
         _Finding(f"channel {channels[i]} is dead: all {samples.shape[1]} samples are {samples[i, 0] + 0:g}", _MEND)
         for i in map(int, np.flatnonzero(constant))
-        if not quiet or channels[i] == force
+        if not still or channels[i] == force
     ]
 
 

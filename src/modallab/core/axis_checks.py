@@ -37,7 +37,7 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: float = 0.0)
         resolution_s: half of the last digit with which the times were written.
 
     Raises:
-        DataError: times that do not ascend, or are spaced unevenly, or written too coarsely to tell.
+        DataError: times that do not ascend, or are spaced unevenly, or written too coarsely to show it.
     """
     times = np.asarray(time_s, dtype=np.float64)
     _check_ascending(times, "time", "s", where, resolution_s)

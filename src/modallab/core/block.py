@@ -32,7 +32,7 @@ class Block:
         first_sample: place of the first sample in the device's own count.
         requested_rate_hz: what was asked of the device; None if unknown.
         actual_rate_hz: what its clock gave; None if unknown.
-        overload: (channels,) whether the device reported a channel beyond its range; None if it cannot tell.
+        overload: (channels,) whether the device reported a channel beyond its range; None if it cannot report it.
         history_s: from the start of a sine, out of rest, to the first sample, by the samples' count; None if unknown.
         ramp_s: how long that sine took to rise; None if unknown.
         ramp: along what it rose; None if unknown.

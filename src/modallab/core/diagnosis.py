@@ -133,7 +133,7 @@ class Calibrated(Frozen):
         zeta: damping ratio of each mode.
         gains: channel number -> factor, where sensitivities were free.
         residual_compliance: static compliance of the modes above the twin's own, as a share of its nominal value.
-        root_rotation: compliance of the root in L / EI, where the rig file tells of one; 0 is rigid.
+        root_rotation: compliance of the root in L / EI, where the rig file states one; 0 is rigid.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"rest": "residual_compliance"}

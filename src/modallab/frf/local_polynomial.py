@@ -2,7 +2,7 @@
 
 Beside the FRF, a block's spectrum holds a transient: what was still ringing at its start, less what rings on beyond its
 end. Both are smooth over a few lines, the input is not. In a window of lines about each, FRF and transient are
-polynomials of the line, and least squares tells them apart. No window in time, no averaging needed. Where a peak is
+polynomials of the line, and least squares separates them. No window in time, no averaging needed. Where a peak is
 narrower than a few lines no polynomial follows it: both are then divided by one more, which holds the poles nearby.
 Sources: Pintelon, Schoukens, Vandersteen, Barbe, "Estimation of nonparametric noise and FRF models for multivariable
 systems", Mechanical Systems and Signal Processing 24 (2010), 573-595; McKelvey, Guerin, "Non-parametric
@@ -24,17 +24,17 @@ def local_polynomial_frf(
 
     Args:
         force: (blocks, inputs, lines) spectra of adjacent DFT lines, without any window in time. They must be rough: a
-            random force, or several. A single hit's spectrum is as smooth as its transient and cannot be told from it.
+            random force, or several. A single hit's spectrum is as smooth as its transient: they do not separate.
         response: (blocks, outputs, lines), of the same blocks.
         order: of the polynomials in the line.
         poles: order of the denominator; 0 for polynomials alone, which noise cannot bias.
-        half_width: lines to either side of each; None for the fewest that leave noise to be told.
+        half_width: lines to either side of each; None for the fewest that leave the noise to be estimated.
 
     Returns:
         FRF (outputs, inputs, lines), and the variance (outputs, lines) of the complex noise on a response's line.
 
     Raises:
-        DataError: shapes that do not fit, NaN, too few lines, or forces that cannot be told from one another.
+        DataError: shapes that do not fit, NaN, too few lines, or forces that cannot be distinguished.
     """
     blocks, inputs, lines = _checked(force, response)
     unknowns = (inputs + blocks) * (order + 1) + poles
@@ -42,7 +42,7 @@ def local_polynomial_frf(
     width = 2 * half + 1
     if width * blocks <= unknowns or width > lines:
         raise DataError(
-            f"{lines} lines, {width} about each in {blocks} blocks, cannot tell {unknowns} unknowns",
+            f"{lines} lines, {width} about each in {blocks} blocks, cannot determine {unknowns} unknowns",
             remedy="record longer, give more lines, or lower the order",
         )
     frf = np.empty((response.shape[1], inputs, lines), complex)
@@ -84,7 +84,7 @@ def _least_squares(columns: Complex, rows: Complex, needed: int) -> tuple[Comple
     found, _, rank, _ = np.linalg.lstsq(scaled, rows, rcond=1e-12)
     if rank < columns.shape[1] and np.linalg.matrix_rank(scaled[:, :needed], tol=1e-12) < needed:
         raise DataError(
-            "about one line the forces cannot be told from one another, or from what rings on",
+            "about one line the forces cannot be distinguished from one another, or from what rings on",
             remedy="drive with random forces that differ, in as many blocks as there are forces",
         )
     left = rows - scaled @ found

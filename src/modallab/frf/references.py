@@ -61,11 +61,11 @@ def estimate_frf(
         response: (blocks, outputs, lines); for H2 at least as many outputs as inputs.
         estimator: H1, H2 or Hv.
         averages: what the blocks are worth if they overlap; None for their number.
-        pooled: lines over which the noise's power is averaged, odd: few blocks alone tell it badly. The noise must then
-            be of one level over so many lines.
+        pooled: lines over which the noise's power is averaged, odd: few blocks alone determine it badly. The noise must
+            then be of one level over so many lines.
 
     Raises:
-        DataError: shapes that do not fit, NaN, too few blocks, or forces that cannot be told from one another.
+        DataError: shapes that do not fit, NaN, too few blocks, or forces that cannot be distinguished.
     """
     worth, width = _checked(force, response, estimator, averages, pooled)
     scale_f, scale_y = _level(force), _level(response)
@@ -74,7 +74,7 @@ def estimate_frf(
     ff, yf = f.transpose(0, 2, 1) @ f.conj() / len(force), y.transpose(0, 2, 1) @ f.conj() / len(force)
     if np.linalg.cond(ff).max() > ALIKE:
         raise DataError(
-            "at some lines the forces cannot be told from one another, or are silent",
+            "at some lines the forces cannot be distinguished from one another, or are zero",
             remedy="drive with forces that differ, in more blocks than there are forces, or narrow the band",
         )
     inverse = np.linalg.inv(ff)
@@ -126,7 +126,7 @@ def _running_mean(power: Real, width: int) -> Real:
 
 
 def _level(spectra: Complex) -> Real:
-    """(channels,) RMS, 1 for a silent one: responses and forces may differ by many powers of ten."""
+    """(channels,) RMS, 1 for one that is zero: responses and forces may differ by many powers of ten."""
     size = np.sqrt(np.mean(np.abs(spectra) ** 2, axis=(0, 2)))
     return np.where(size > 0, size, 1.0)
 
@@ -144,7 +144,7 @@ def _checked(
     blocks, inputs, lines = force.shape
     worth = float(blocks if averages is None else averages)
     if inputs < 1 or not inputs < worth <= blocks:
-        found = f"{blocks} blocks worth {worth:g} averages cannot tell {inputs} forces and the noise"
+        found = f"{blocks} blocks worth {worth:g} averages cannot determine {inputs} forces and the noise"
         raise DataError(found, remedy="record more blocks than there are forces")
     if estimator == "H2" and response.shape[1] < inputs:
         found = f"H2 of {inputs} forces needs as many responses, not {response.shape[1]}"

@@ -26,7 +26,7 @@ class Stretches:
     Attributes:
         frequency_hz: (lines,) of the stretches, the lines at 0 Hz and at half the rate left out.
         spectra: (stretches, channels, lines), times the window; what they are scaled by is the same for all channels.
-        averages: how many stretches that do not overlap tell as much, of a record of broad-band noise.
+        averages: how many stretches that do not overlap hold as much information, of a record of broad-band noise.
     """
 
     frequency_hz: Real

@@ -36,8 +36,8 @@ def stepped_frf(signals: Sequence[Signals], force_fits: Sequence[SineFit], rig: 
     for i, item in enumerate(signals):
         at.setdefault(float(item.block.frequency_hz or force_fits[i].frequency_hz), []).append(i)
     frequencies, values = [], []
-    for requested in sorted(at):
-        members = at[requested]
+    for nominal_hz in sorted(at):
+        members = at[nominal_hz]
         force = np.array([[force_fits[i].amplitude[0]] for i in members])
         fits = [fit_at(signals[i].responses, signals[i].rate_hz, force_fits[i].frequency_hz) for i in members]
         response = np.stack([f.amplitude[:, None] for f in fits])

@@ -27,7 +27,7 @@ MANY = 2
 NEARER = 6
 """Steps with the mixed ones: poles that fit noise would wander on for long."""
 LINES = 20
-"""Lines per column of the model that tell how to mix them."""
+"""Lines per column of the model that determine how to mix them."""
 
 
 def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:

@@ -119,7 +119,7 @@ def _searched(
     band: tuple[float, float],
     options: Options,
 ) -> tuple[Fit, NDArray[np.bool_], float]:
-    """The fit at the maximum of the likelihood, the poles that are modes, and the misfit's ratio to the silence."""
+    """The fit at the maximum of the likelihood, the poles that are modes, and the misfit over the pre-trigger noise."""
     fit = first_look(unknown, poles, groups, band)
     keep = chosen(fit, band, options, first=True)
     if np.any(keep):

@@ -185,11 +185,11 @@ def _local(workers: int) -> SpecCluster:
     one_thread = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     options = {"host": HOST, "nthreads": 1, "dashboard": False, "silence_logs": logging.CRITICAL, "env": one_thread}
     # The level is what Dask wants here, whatever its types say.
-    quiet: Any = logging.CRITICAL
+    critical: Any = logging.CRITICAL
     return SpecCluster(
         scheduler={"cls": SchedulerProcess, "options": {"settings": _CONFIG}},
         workers={n: {"cls": Nanny, "options": options} for n in range(workers)},
-        silence_logs=quiet,
+        silence_logs=critical,
     )
 
 

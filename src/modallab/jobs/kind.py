@@ -39,7 +39,7 @@ class Kind:
     Attributes:
         name: what jobs call it.
         load: (parameters, inputs) -> payload, anything that can be pickled.
-        compute: (payload, tell) -> what was found.
+        compute: (payload, notify) -> what was found.
         keep: (name, computed) -> the job's result. `name` is another for each attempt, so that two attempts never write
             to the same place.
         limit_s: a computation longer than this is given up.

@@ -65,7 +65,7 @@ class SchedulerProcess(ProcessInterface):
         await super().start()
 
     async def close(self) -> None:
-        """Tell it to leave, and see that it does."""
+        """Ask it to leave, and see that it does."""
         if self._connection is not None:
             with suppress(OSError):
                 self._connection.send(None)
@@ -106,10 +106,10 @@ async def _schedule(connection: Connection) -> None:
     # Whoever asks for port 0 never fights with another service for one, nor for one of the dashboard.
     async with Scheduler(host=HOST, port=0, dashboard=False, dashboard_address=f"{HOST}:0") as scheduler:
         connection.send(scheduler.address)
-        await asyncio.to_thread(_leave_when_told, connection)
+        await asyncio.to_thread(_leave_when_asked, connection)
 
 
-def _leave_when_told(connection: Connection) -> None:
+def _leave_when_asked(connection: Connection) -> None:
     with suppress(EOFError, OSError):
         connection.recv()
     # It keeps nothing: the table of jobs does. Whoever is connected hears at once that it is gone.

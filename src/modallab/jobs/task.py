@@ -13,7 +13,7 @@ from modallab.jobs.kind import Computed, Notify
 
 TOPIC = "modallab-progress"
 """Under which workers report to the runner how far they are."""
-_TELL_EVERY_S = 0.2
+_NOTIFY_EVERY_S = 0.2
 
 Verdict = Literal["done", "failed", "interrupted"]
 
@@ -66,7 +66,7 @@ def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any)
     try:
         _RUNNING.enter(attempt)
         try:
-            return "done", work(payload, _teller(attempt))
+            return "done", work(payload, _notifier(attempt))
         finally:
             _RUNNING.leave(attempt)
     except Interrupted:
@@ -78,14 +78,14 @@ def compute(attempt: str, work: Callable[[Any, Notify], Computed], payload: Any)
         return "failed", f"{type(error).__name__}: {error}"
 
 
-def _teller(attempt: str) -> Notify:
+def _notifier(attempt: str) -> Notify:
     worker = get_worker()
-    last = -_TELL_EVERY_S
+    last = -_NOTIFY_EVERY_S
 
     def notify(fraction: float, /) -> None:
         nonlocal last
         now = time.monotonic()
-        if now - last >= _TELL_EVERY_S:
+        if now - last >= _NOTIFY_EVERY_S:
             last = now
             worker.log_event(TOPIC, {"attempt": attempt, "progress": min(1.0, max(0.0, float(fraction)))})
 

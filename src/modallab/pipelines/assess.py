@@ -44,9 +44,9 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
 
     band = _loud_band(groups, model.band_hz)
     flat = [s for group in groups for s in group]
-    # What the fit leaves over holds the very change that is looked for; the silence does not.
-    silence = pre_trigger_noise(flat)
-    noise = fit.point.noise if silence is None else silence
+    # The fit's residual holds the very change that is looked for; the samples before the hits do not.
+    before = pre_trigger_noise(flat)
+    noise = fit.point.noise if before is None else before
 
     def frf(chosen: Groups) -> Frf:
         return _with_noise(impact_frf(chosen, rig, band, damping_shift=shift), noise, chosen)
@@ -108,8 +108,8 @@ def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, flo
     top = band_hz[1]
     for signals in (s for group in groups for s in group):
         power = np.abs(np.fft.rfft(windowed_force(signals.force, find_hit(signals.force)))) ** 2
-        quiet = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
-        top = min(top, float(quiet[quiet > 2 * band_hz[0]].min(initial=top)))
+        weak = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
+        top = min(top, float(weak[weak > 2 * band_hz[0]].min(initial=top)))
     return band_hz[0], top
 
 

@@ -139,8 +139,8 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         return Identified("impact", _with_notes(own_model(frf, "impact"), notes), None)
     model, fit = identify_impact(signals, campaign.rig, options)
     assessment = assess_impact(model, fit, groups, campaign.rig)
-    reported = _with_doubts(_with_notes(model, notes), assessment)
-    return Identified("impact", reported, verify_impact(model, fit, groups, campaign.rig), assessment)
+    annotated = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("impact", annotated, verify_impact(model, fit, groups, campaign.rig), assessment)
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
@@ -154,8 +154,8 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
         return Identified("sine", _with_notes(own_model(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
     assessment = assess_sine(model, fit, signals, campaign.rig)
-    reported = _with_doubts(_with_notes(model, notes), assessment)
-    return Identified("sine", reported, verify_sine(model, fit, signals, campaign.rig), assessment)
+    annotated = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified("sine", annotated, verify_sine(model, fit, signals, campaign.rig), assessment)
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:

@@ -22,7 +22,7 @@ def with_known_modes(plan: Plan, recorded: Callable[[], Campaign]) -> Plan:
 
     Args:
         plan: needs them if it lengthens bursts until they have settled (`max_settle_s`), and names no modes itself.
-        recorded: what was recorded so far on this visit; read only if needed.
+        recorded: what was recorded so far in this session; read only if needed.
 
     Returns:
         The plan as it was where it needs none, or no impact test gave a model; the test itself then rejects a

@@ -42,7 +42,7 @@ def uncoupled(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = N
     if values.shape[1] < LEAST_SAMPLES:
         found = f"{values.shape[1]} samples are too few to undo AC coupling"
         raise DataError(found, remedy=f"record at least {LEAST_SAMPLES} samples")
-    weights = _quiet(values[rig.force_channel.index]) if drive_hz is None else _window(values.shape[1])
+    weights = _before_hit(values[rig.force_channel.index]) if drive_hz is None else _window(values.shape[1])
     basis = _constant_and_sine(values.shape[1], rate_hz, drive_hz)
     rows = [
         row if corner == 0 else _undone(row - _level(row, basis, weights), rate_hz, corner)
@@ -73,7 +73,7 @@ def _window(n: int) -> Real:
     return np.asarray(blackmanharris(n, sym=False), dtype=np.float64)
 
 
-def _quiet(force: Real) -> Real:
+def _before_hit(force: Real) -> Real:
     """Weights that see what is before the hit only, or, where there is too little of it, the whole block."""
     try:
         first = find_hit(force).first

@@ -18,7 +18,7 @@ def bandpass(
     """Linear-phase FIR band-pass along the last axis; the output stands where the input does.
 
     A lower edge of 3 Hz needs about 1.1 s of taps (2200 at 2 kHz), more than a block of 1.024 s: the filter acts on
-    a block as if silence lay around it. It is for looking at, and for comparing two records treated alike;
+    a block as if zeros lay around it. It is for looking at, and for comparing two records treated alike;
     identification uses unfiltered samples.
 
     Args:

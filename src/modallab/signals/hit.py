@@ -40,7 +40,7 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
     peak = int(np.argmax(np.abs(force)))
     offset = float(np.median(force))
     level = np.abs(force - offset)
-    # Most of a block is silence, so the median of |force| is the noise's, hit or not.
+    # Most of a block is noise alone, so the median of |force| is the noise's, hit or not.
     noise = float(1.4826 * np.median(level))
     loud = _loud(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
     if level[peak] < 2 * threshold * noise or loud.size == 0:
@@ -51,11 +51,11 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
     # A double hit would be one long hit: both contacts are force that acted, and stay.
     margin = max(4, int(loud[-1] - loud[0]) // 2)
     first, stop = max(0, int(loud[0]) - margin), min(len(force), int(loud[-1]) + margin + 1)
-    quiet = np.concatenate([force[:first], force[stop:]])
-    if quiet.size < 16:
+    outside = np.concatenate([force[:first], force[stop:]])
+    if outside.size < 16:
         return Hit(first, stop, peak, offset, noise)
-    # A median of few counts is coarse; the silence itself gives offset and noise.
-    return Hit(first, stop, peak, float(quiet.mean()), float(quiet.std()))
+    # A median of few counts is coarse; the samples outside the hit give offset and noise.
+    return Hit(first, stop, peak, float(outside.mean()), float(outside.std()))
 
 
 def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:
@@ -81,6 +81,6 @@ def windowed_force(force: NDArray[np.float64], hit: Hit) -> NDArray[np.float64]:
     if force.ndim != 1 or not 0 <= hit.first < hit.stop <= force.size:
         found = f"a hit from sample {hit.first} to {hit.stop} is not in a force of shape {force.shape}"
         raise DataError(found, remedy="give the force in which the hit was found")
-    quiet = np.zeros_like(force)
-    quiet[hit.first : hit.stop] = force[hit.first : hit.stop] - hit.offset
-    return quiet
+    windowed = np.zeros_like(force)
+    windowed[hit.first : hit.stop] = force[hit.first : hit.stop] - hit.offset
+    return windowed

@@ -79,7 +79,7 @@ def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
 def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
     rows = store.catalogue.blocks(record.id)
     rates = record.rates
-    reported = {
+    facts = {
         "state": record.state,
         "reason": record.reason,
         "created_utc": record.created_utc,
@@ -90,4 +90,4 @@ def _of_run(store: Store, record: RunRecord) -> dict[str, str]:
         "rejected": "; ".join(f"{row.note.name}: {row.note.reason}" for row in rows if not row.note.accepted),
         "overload": "; ".join(f"{row.note.name}: {' '.join(row.note.overload)}" for row in rows if row.note.overload),
     }
-    return {key: value for key, value in reported.items() if value}
+    return {key: value for key, value in facts.items() if value}

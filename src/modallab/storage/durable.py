@@ -36,7 +36,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def require_space(folder: Path, need_bytes: int) -> None:
-    """Reject to go on without room.
+    """Raise if there is too little room to go on.
 
     Raises:
         DiskFullError: fewer than `need_bytes` are free where `folder` is.

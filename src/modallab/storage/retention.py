@@ -1,4 +1,4 @@
-"""Deletes samples that are no longer requested, and remembers that they were there."""
+"""Deletes samples that are no longer needed, and remembers that they were there."""
 
 from collections.abc import Collection
 from dataclasses import dataclass

@@ -109,11 +109,11 @@ class Store:
     def iterate(self, run: str, *, rejected: bool = False) -> Iterator[Block]:
         """As `blocks`, one after the other."""
         record = self.catalogue.run(run)
-        requested = [row for row in self.catalogue.blocks(run) if rejected or row.note.accepted]
-        if not requested:
+        chosen = [row for row in self.catalogue.blocks(run) if rejected or row.note.accepted]
+        if not chosen:
             return
         with open_samples(self.samples_file(run)) as reader:
-            for row in requested:
+            for row in chosen:
                 yield _block(record, row, reader)
 
     def block(self, run: str, name: str) -> Block:

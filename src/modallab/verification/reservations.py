@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.model import ModalModel
 
 LITTLE = 0.2
-"""A mode of less confidence is told as doubtful."""
+"""A mode of less confidence is reported as doubtful."""
 ALONE = 0.98
 """Share of a mode's squared constants from which one sensor has it to itself."""
 SIGMAS = 5.0

@@ -55,11 +55,11 @@ def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
         found = f"there are {len(signals)} records, and the fit is of {len(blocks)} blocks"
         raise DataError(found, remedy="give the records that the model was identified from, in their order")
     for s, block in zip(signals, blocks, strict=True):
-        grid, requested = block.excitation.grid, len(block.response)
-        if (len(s.responses), s.force.size, 1 / s.rate_hz) != (requested, grid.n, grid.dt):
+        grid, fitted = block.excitation.grid, len(block.response)
+        if (len(s.responses), s.force.size, 1 / s.rate_hz) != (fitted, grid.n, grid.dt):
             found = f"{len(s.responses)} outputs of {s.force.size} samples {1 / s.rate_hz:g} s apart"
             raise DataError(
-                f"{found}, and the fit is of {requested} outputs of {grid.n} samples {grid.dt:g} s apart",
+                f"{found}, and the fit is of {fitted} outputs of {grid.n} samples {grid.dt:g} s apart",
                 where=f"record {s.block.name}",
                 remedy="give the records that the model was identified from, in their order",
             )

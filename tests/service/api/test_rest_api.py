@@ -15,7 +15,7 @@ def problem(response: httpx.Response, status: int, code: str) -> dict:
     return found
 
 
-def test_without_the_token_nothing_is_told_but_health(lab: Lab) -> None:
+def test_without_the_token_nothing_is_answered_but_health(lab: Lab) -> None:
     with lab.client(None) as anyone:
         assert problem(anyone.get(f"{API}/rigs"), 401, "token-needed")
         assert anyone.get("/health").json()["rigs"] == {RIG: "idle"}

@@ -1,4 +1,4 @@
-"""Every run has one end, told once, whoever finds it out first; and what was asked for at a bad moment begins."""
+"""Every run has one end, reported once, whoever finds it out first; and what was asked for at a bad moment begins."""
 
 import os
 import signal
@@ -75,9 +75,9 @@ def test_a_rig_that_dies_under_the_eyes_of_the_recovery_ends_its_run_once(lab: L
 
 
 def _recorded(store: Store, diary: Diary, rig: Rig, state: RunState, reported: RunState) -> str:
-    """A run that stands at `state` on the disk, of which the log heard up to `told`."""
+    """A run that stands at `state` on the disk, of which the log heard up to `reported`."""
     info = BenchInfo("sim://somewhere", (), True, False, {})
-    campaign = diary.repository.create(CampaignNew(name="a visit", rig="link"), "Ada").id
+    campaign = diary.repository.create(CampaignNew(name="a session", rig="link"), "Ada").id
     with store.begin(LONG, rig, info) as recorder:
         if state != "created":
             recorder.enter(state, "as the rig said")
@@ -87,7 +87,9 @@ def _recorded(store: Store, diary: Diary, rig: Rig, state: RunState, reported: R
         return recorder.run
 
 
-def test_an_end_that_the_service_did_not_live_to_tell_is_told_at_its_next_start(tmp_path: Path, link_rig: Rig) -> None:
+def test_an_end_that_the_service_did_not_live_to_report_is_reported_at_its_next_start(
+    tmp_path: Path, link_rig: Rig
+) -> None:
     with Store(tmp_path / "data") as store:
         diary = Diary(store, EventLog(store.catalogue.engine))
         done = _recorded(store, diary, link_rig, "done", "acquiring")
@@ -107,7 +109,7 @@ def test_an_end_that_the_service_did_not_live_to_tell_is_told_at_its_next_start(
         assert codes == {done: "", lost: "interrupted", dead: "interrupted"}
 
 
-def test_whoever_follows_a_run_tells_its_end(tmp_path: Path, link_rig: Rig) -> None:
+def test_whoever_follows_a_run_reports_its_end(tmp_path: Path, link_rig: Rig) -> None:
     with Store(tmp_path / "data") as store:
         diary = Diary(store, EventLog(store.catalogue.engine))
         run = _recorded(store, diary, link_rig, "failed", "acquiring")

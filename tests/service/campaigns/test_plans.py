@@ -33,14 +33,14 @@ def test_points_without_all_their_hits_are_struck_anew() -> None:
 def test_every_missing_frequency_is_left_and_nothing_is_if_none_is(have: set[tuple[str, float]]) -> None:
     plan = SinePlan(frequencies_hz=(10.0, 20.0, 30.0), levels_v={"low": 0.2, "high": 0.4})
     blocks = [block(n, level=level, hz=hz) for n, (level, hz) in enumerate(sorted(have))]
-    requested = {(level, hz) for level in plan.levels_v for hz in plan.frequencies_hz}
-    if have == requested:
+    planned = {(level, hz) for level in plan.levels_v for hz in plan.frequencies_hz}
+    if have == planned:
         with pytest.raises(ConflictError):
             remaining_plan(plan, blocks)
         return
     left = remaining_plan(plan, blocks)
     assert isinstance(left, SinePlan)
-    assert requested - have <= {(level, hz) for level in left.levels_v for hz in left.frequencies_hz}
+    assert planned - have <= {(level, hz) for level in left.levels_v for hz in left.frequencies_hz}
 
 
 @pytest.mark.parametrize(

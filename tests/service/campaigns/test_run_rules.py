@@ -1,4 +1,4 @@
-"""What an operator may tell a run, and what the averages then hold."""
+"""What an operator may command a run, and what the averages then hold."""
 
 import pytest
 from lab import RIG, Lab

@@ -29,7 +29,7 @@ def test_jobs_of_a_killed_process_wait_for_no_lease(service: ServiceProcess) -> 
     _wait_for(service, job, "running")
     killed = lab.processes()["jobs"]
     psutil.Process(killed).kill()
-    # Another that took it over for the holder's silence would never let it be seen in the queue.
+    # Another that took it over for the holder's time-out would never let it be seen in the queue.
     assert _wait_for(service, job, "queued").attempts == 1
     done = _wait_for(service, job, "done")
     assert done.attempts == 2

@@ -1,4 +1,4 @@
-"""Settings of other machines: the folder's own word counts, no password is told, no unsafe scheduler is taken."""
+"""Settings of other machines: the folder's own word counts, no password is shown, no unsafe scheduler is taken."""
 
 from pathlib import Path
 

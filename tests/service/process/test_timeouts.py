@@ -14,7 +14,7 @@ LOOK_S = 0.05
 
 
 class Clock:
-    """Goes on when it is told to."""
+    """Goes on when it is made to."""
 
     now_s = 100.0
 
@@ -27,37 +27,37 @@ def clock() -> Clock:
     return Clock()
 
 
-def _until_found(silence: HeartbeatTimer, clock: Clock, look_s: float) -> float:
+def _until_found(timer: HeartbeatTimer, clock: Clock, look_s: float) -> float:
     began = clock.now_s
-    while not silence.look(began, 0.0):
+    while not timer.look(began, 0.0):
         clock.now_s += look_s
         assert clock.now_s < began + 60
     return clock.now_s - began
 
 
-def test_on_a_quiet_machine_a_second_is_a_second(clock: Clock) -> None:
+def test_on_an_idle_machine_a_second_is_a_second(clock: Clock) -> None:
     assert _until_found(HeartbeatTimer(1.0, LOOK_S, clock), clock, LOOK_S) == pytest.approx(1.05, abs=0.06)
 
 
 def test_whoever_listens_late_himself_does_not_blame_the_other(clock: Clock) -> None:
-    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    timer = HeartbeatTimer(1.0, LOOK_S, clock)
     heard = clock.now_s
     # One look in which nobody had the processor for two seconds, then a sign.
-    assert not silence.look(heard, 0.0)
+    assert not timer.look(heard, 0.0)
     clock.now_s += 2.0
-    assert not silence.look(heard, 0.0)
-    assert not silence.look(clock.now_s, 0.0)
-    assert silence.counted_s == 0.0
+    assert not timer.look(heard, 0.0)
+    assert not timer.look(clock.now_s, 0.0)
+    assert timer.counted_s == 0.0
 
 
-def test_however_busy_five_times_the_silence_is_too_long(clock: Clock) -> None:
+def test_however_busy_five_times_the_time_out_is_too_long(clock: Clock) -> None:
     assert _until_found(HeartbeatTimer(1.0, LOOK_S, clock), clock, 0.7) == pytest.approx(5.2, abs=0.71)
 
 
 def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) -> None:
-    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    timer = HeartbeatTimer(1.0, LOOK_S, clock)
     heard, used_s = clock.now_s, 0.0
-    while not silence.look(heard, used_s):
+    while not timer.look(heard, used_s):
         clock.now_s += LOOK_S
         used_s += 0.01
         assert clock.now_s < heard + 60
@@ -65,12 +65,12 @@ def test_a_process_that_works_is_given_more_time_and_not_for_ever(clock: Clock) 
 
 
 def test_every_sign_begins_anew(clock: Clock) -> None:
-    silence = HeartbeatTimer(1.0, LOOK_S, clock)
+    timer = HeartbeatTimer(1.0, LOOK_S, clock)
     for _ in range(40):
         heard = clock.now_s
         for _ in range(15):
             clock.now_s += LOOK_S
-            assert not silence.look(heard, 0.0)
+            assert not timer.look(heard, 0.0)
 
 
 def test_live_samples_wait_for_nobody_who_reads_no_more() -> None:

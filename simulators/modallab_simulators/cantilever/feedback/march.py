@@ -149,10 +149,10 @@ def _drive(z: Floats, taps: Floats, s: int, forces: Floats, k: int, into: Floats
     """What the known forces, by their samples about a substep, put into each mode."""
     modes = z.shape[1]
     for d in range(len(forces)):
-        quiet = True
+        idle = True
         for t in range(taps.shape[1]):
-            quiet = quiet and forces[d, k + t] == 0.0
-        if quiet:
+            idle = idle and forces[d, k + t] == 0.0
+        if idle:
             continue
         for r in range(modes):
             held[0, r] = 0.0

@@ -18,7 +18,7 @@ class Chain:
     Attributes:
         names: (channels,) of the rig.
         si_per_count: (channels,) SI units of the channel's quantity per count.
-        full scale: (channels,) magnitude in counts from which on a sample is beyond the range; infinite if unknown.
+        full_scale: (channels,) magnitude in counts from which on a sample is beyond the range; infinite if unknown.
         force: index of the force channel.
         motion: indices of the channels that sense motion.
     """

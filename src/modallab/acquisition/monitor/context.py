@@ -94,7 +94,7 @@ class Context:
         self.stream.restart()
 
     def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
-        """Keep the block from sample `first` and tell that it is kept."""
+        """Keep the block from sample `first` and report that it is kept."""
         if self.recut is not None:
             # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
             self.stream.advance_to(first + self.recut.native - self.recut.lead)
@@ -128,14 +128,14 @@ class Context:
         self.life.enter("acquiring", "resumed by the operator")
 
     def drop(self, name: str, reason: str) -> bool:
-        """Let a block no longer count, and tell; whether there was one that did."""
+        """Let a block no longer count, and report it; whether there was one that did."""
         dropped = self.recorder.drop(name, reason)
         if dropped:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
 
     def progress(self, done: int, total: int, what: str) -> None:
-        """Tell how far the run is."""
+        """Report how far the run is."""
         self.emit(Progress(run=self.recorder.run, done=done, total=total, what=what))
 
 

@@ -38,16 +38,16 @@ class LimitWatch:
         """
         magnitude = peaks(chunk.samples)
         # Written so that a sample that is no number is beyond every limit.
-        out_of_band = np.flatnonzero(~(magnitude <= self.limit))
-        if out_of_band.size == 0:
+        over = np.flatnonzero(~(magnitude <= self.limit))
+        if over.size == 0:
             return
-        reported = ", ".join(
+        found = ", ".join(
             f"{self.names[c]} {magnitude[c] * self.si_per_count[c]:.4g} {self.units[c]}"
             f" (limit {self.limit[c] * self.si_per_count[c]:.4g})"
-            for c in out_of_band
+            for c in over
         )
         raise SafetyError(
-            f"beyond the abort limit: {reported}; the output was brought to 0 V",
+            f"beyond the abort limit: {found}; the output was brought to 0 V",
             remedy="lower the drive level or stay clear of the resonance; the blocks before are kept",
         )
 

@@ -31,16 +31,16 @@ class IllegalTransitionError(PlanError):
     http = Http(409, "The run cannot do this now", "`legal` lists the states that may follow.")
 
 
-def require_legal(current: RunState, requested: RunState) -> None:
+def require_legal(current: RunState, target: RunState) -> None:
     """Reject a step that the table does not have.
 
     Raises:
         IllegalTransitionError: with the list of legal ones.
     """
     legal = TRANSITIONS[current]
-    if requested not in legal:
+    if target not in legal:
         raise IllegalTransitionError(
-            f"a run that is {current} cannot become {requested}",
+            f"a run that is {current} cannot become {target}",
             remedy=f"legal: {', '.join(sorted(legal)) or 'none, it has ended'}",
         )
 

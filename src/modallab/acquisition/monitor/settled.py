@@ -66,14 +66,14 @@ class SettledCheck:
     excess: float
 
     @property
-    def quiet(self) -> bool:
+    def settled(self) -> bool:
         """Whether the beam rests, as far as this window shows."""
         return self.level <= LEVEL_FACTOR and self.excess < 1
 
     def facts(self, line_hz: float) -> dict[str, float | str]:
         """For the catalogue; `line_hz` is the width of a line."""
         return {
-            "settled_before": "yes" if self.quiet else "no",
+            "settled_before": "yes" if self.settled else "no",
             "motion_level": self.level,
             "motion_excess": self.excess,
             "motion_line_hz": self.line * line_hz,
@@ -107,7 +107,7 @@ def line_power(window: Real, rms: Real) -> Real:
 def floor_of(windows: list[Real], *, counts: bool = True) -> Floor:
     """The floor from (channels, n) windows at rest, as delivered.
 
-    A channel may be quieter than its own count: then the count's rounding, 1 / sqrt(12), is its floor. What a device
+    A channel's noise may be less than one count: then the count's rounding, 1 / sqrt(12), is its floor. What a device
     delivers as real numbers has no count; there a volt is no rounding.
     """
     level = np.array([centred(window).std(axis=1) for window in windows])

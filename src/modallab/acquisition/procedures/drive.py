@@ -54,10 +54,10 @@ class Drive:
         control = self.plan.force
         if control is None:
             return ""
-        requested = control.levels_n[level]
-        if abs(measured.force_n / requested - 1) <= control.tolerance:
+        target_n = control.levels_n[level]
+        if abs(measured.force_n / target_n - 1) <= control.tolerance:
             return ""
-        return f"force {measured.force_n:.4g} N, {requested:g} N +- {100 * control.tolerance:g} % was requested"
+        return f"force {measured.force_n:.4g} N, {target_n:g} N +- {100 * control.tolerance:g} % was requested"
 
     def next_v(self, level: str, frequency_hz: float, measured: Measured) -> float | None:
         """The drive for another burst; None where no other one may bring the force nearer."""

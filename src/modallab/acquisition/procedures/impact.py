@@ -14,7 +14,7 @@ from modallab.core.events import HitRejected, HitRequested
 from modallab.core.plan import ImpactPlan
 from modallab.storage import BlockNote
 
-TELL_BLOCKS = 5
+NOTIFY_BLOCKS = 5
 """While the beam rings down, say so once in so many blocks."""
 
 
@@ -104,12 +104,12 @@ class ImpactTest:
         context, stream = self.context, self.context.stream
         last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
         waited = 0
-        while not (rest := context.check_settled_now(self.floor)).quiet and stream.next < last:
+        while not (rest := context.check_settled_now(self.floor)).settled and stream.next < last:
             self._obey()
             if context.pause_requested:
                 break
             waited += 1
-            if waited % TELL_BLOCKS == 0:
+            if waited % NOTIFY_BLOCKS == 0:
                 context.progress(*self._progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
             stream.advance_to(stream.next + context.block)
         return rest

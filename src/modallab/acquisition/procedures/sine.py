@@ -16,7 +16,7 @@ from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
 from modallab.storage import BlockNote
 
-TELL_BLOCKS = 5
+NOTIFY_BLOCKS = 5
 """While the beam rings down, say so once in so many blocks."""
 
 
@@ -96,7 +96,7 @@ class SineTest:
         context, stream = self.context, self.context.stream
         context.pause_if_requested(self.watch)
         rest = self._wait_until_settled(step)
-        # What was requested in the rest comes before the burst.
+        # What was requested during the wait comes before the burst.
         context.pause_if_requested(self.watch)
         burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
         context.excitation.on = True
@@ -125,9 +125,9 @@ class SineTest:
         last = stream.next + stream.samples_of(max(self.plan.wait_s, self.plan.settle_timeout_s))
         stream.advance_to(stream.next + stream.samples_of(self.plan.wait_s), self.watch)
         waited = 0
-        while not (rest := context.check_settled_now(self.floor, self.watch)).quiet and stream.next < last:
+        while not (rest := context.check_settled_now(self.floor, self.watch)).settled and stream.next < last:
             waited += 1
-            if waited % TELL_BLOCKS == 0:
+            if waited % NOTIFY_BLOCKS == 0:
                 ringing_hz = rest.line * context.line_hz
                 self._notify(f"{step.frequency_hz:.3f} Hz waits for rest: {ringing_hz:.4g} Hz still rings")
             stream.advance_to(stream.next + context.block, self.watch)

@@ -181,8 +181,8 @@ def _work(setup: Setup) -> None:
 
 def _what_ends_it(plan: SinePlan, supervision: str) -> str:
     longest = longest_burst_s(plan)
-    reported = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
-    return f"{reported}; {supervision}" if supervision else reported
+    notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
+    return f"{notice}; {supervision}" if supervision else notice
 
 
 def _drop_left(setup: Setup) -> None:

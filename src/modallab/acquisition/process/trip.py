@@ -22,6 +22,9 @@ FOLDER = "trips"
 
 Cause = Literal["emergency stop", "time-out", "death", "unreadable"]
 
+RENAMED = {"silence": "time-out"}
+"""Cause in latches that earlier versions wrote -> its name today."""
+
 
 class TrippedError(SafetyError):
     """The rig was tripped and not reset: nothing is armed, and what was on has been ended."""
@@ -102,7 +105,7 @@ class TripLatch:
         return trip
 
     def require_reset(self) -> None:
-        """Reject to go on while it is tripped.
+        """Raise while it is tripped.
 
         Raises:
             TrippedError: with what tripped it, and when.
@@ -118,7 +121,7 @@ class TripLatch:
 
 def _parsed(text: str) -> Trip:
     content = json.loads(text)
-    if isinstance(content, dict) and cast("dict[str, object]", content).get("cause") == "silence":
-        # The name of a time-out in latches that were written by earlier versions.
-        content = {**cast("dict[str, object]", content), "cause": "time-out"}
+    if isinstance(content, dict):
+        fields = cast("dict[str, object]", content)
+        content = {**fields, "cause": RENAMED.get(str(fields.get("cause")), fields.get("cause"))}
     return Trip.model_validate(content)

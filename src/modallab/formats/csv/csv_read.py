@@ -22,7 +22,7 @@ _FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "hz", "frequenz"}
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """Read one block, or one matrix of FRFs.
 
-    Columns are told by the names in the header, whatever their order; units stand in brackets after the name or in
+    Columns are known by the names in the header, whatever their order; units stand in brackets after the name or in
     a line of their own, else numbers are in each channel's own unit (or volts, if the options say so). Without a
     header, columns are times and then the channels in rig order.
 

@@ -22,7 +22,7 @@ class Truth:
 
 
 class _Loader(yaml.SafeLoader):
-    """Safe loading that notes repeated keys, of which YAML silently keeps the last."""
+    """Safe loading that notes repeated keys, of which YAML keeps the last without a word."""
 
     def __init__(self, text: str) -> None:
         super().__init__(text)

@@ -1,4 +1,10 @@
-"""What the accelerometers read without a force: ringing from before a hit, and a floor that shakes."""
+"""What the accelerometers read without a force: ringing from before a hit, and a floor that shakes.
+
+A line's power of Gaussian noise is exponentially distributed, so its median is ln 2 times its mean; Hann-windowed
+spectra as in Welch, IEEE Trans. Audio Electroacoust. 15 (1967), 70. Decays are linear least squares of exponentials at
+known poles, and their shapes the first left singular vector over the hits (Golub and Van Loan, Matrix Computations,
+2013).
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -55,13 +61,13 @@ class Floor:
 
 
 def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
-    """Rms of the accelerometers before the hits, over their noise; 1 is silence."""
+    """Rms of the accelerometers before the hits, over their noise; 1 is noise alone."""
     ratios: list[float] = []
     for b in blocks:
         force, a = scaled(b, rig)
-        quiet = a[:, : max(1, int(np.argmax(np.abs(force))) - BEFORE)]
-        if quiet.shape[1] > 20:
-            ratios.append(float(np.median(np.sqrt(np.mean(quiet**2, axis=1)) / _sigma(b, rig, noise_v))))
+        before = a[:, : max(1, int(np.argmax(np.abs(force))) - BEFORE)]
+        if before.shape[1] > 20:
+            ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _sigma(b, rig, noise_v))))
     return float(np.median(ratios)) if ratios else 1.0
 
 
@@ -180,17 +186,17 @@ def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
 
 def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
     force, a = scaled(block, rig)
-    quiet = max(24, int(np.argmax(np.abs(force))) - BEFORE)
+    before = max(24, int(np.argmax(np.abs(force))) - BEFORE)
     sigma = _sigma(block, rig, noise_v)
-    t = np.arange(quiet) / block.rate_hz
+    t = np.arange(before) / block.rate_hz
     wave = shapes[:, :, None] * np.exp(poles[:, None] * t) / sigma[:, None, None]
     basis = np.concatenate([2 * wave.real, -2 * wave.imag], axis=1).transpose(0, 2, 1).reshape(-1, 2 * len(poles))
-    y = (a[:, :quiet] / sigma[:, None]).ravel()
+    y = (a[:, :before] / sigma[:, None]).ravel()
     found = np.linalg.lstsq(basis, y, rcond=1e-6)[0]
     rest = float(np.sqrt(np.mean((y - basis @ found) ** 2)))
     amplitude = found[: len(poles)] + 1j * found[len(poles) :]
-    after = _decays(a[:, quiet + BEFORE + AFTER :], poles, block.rate_hz)
-    later = np.exp(poles * (quiet + BEFORE + AFTER) / block.rate_hz)
+    after = _decays(a[:, before + BEFORE + AFTER :], poles, block.rate_hz)
+    later = np.exp(poles * (before + BEFORE + AFTER) / block.rate_hz)
     # What the hit itself leaves, referred to the start of the record, less what rang before.
     own = np.linalg.norm(after / later - shapes * amplitude, axis=0)
     heard = np.abs(amplitude) / np.maximum(np.abs(np.exp(poles * LEADS)) * own, 1e-300)

@@ -1,4 +1,8 @@
-"""Mains hum: a sine of the mains on every row, with the same amplitudes in every record."""
+"""Mains hum: a sine of the mains on every row, with the same amplitudes in every record.
+
+Amplitudes by the three-parameter sine fit of IEEE Std 1057, all sines of a record at once, under a Hann window where a
+drive stands beside it (Harris, Proc. IEEE 66, 1978, 51).
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -147,6 +151,6 @@ def _drive_hz(block: Block, t: Array) -> float:
 
 
 def _heard_samples(block: Block) -> int:
-    """Samples from which the hum is told: of a hit those before it, where they suffice."""
+    """Samples from which the hum is read: of a hit those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[0]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples

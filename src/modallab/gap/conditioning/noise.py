@@ -1,4 +1,9 @@
-"""The noise of each row of the converter, from the records themselves."""
+"""The noise of each row of the converter, from the records themselves.
+
+Spectra under a Hann window (Welch, IEEE Trans. Audio Electroacoust. 15, 1967, 70), whose lines hold exponentially
+distributed powers for Gaussian noise (Bendat and Piersol, Random Data, 2010); a converter's rounding has the variance
+step^2 / 12 (Bennett, Bell Syst. Tech. J. 27, 1948, 446).
+"""
 
 from collections.abc import Sequence
 
@@ -10,7 +15,7 @@ from modallab.core.rig import Rig
 
 Array = NDArray[np.float64]
 
-QUIET = (0.62, 0.94)
+UPPER_BAND = (0.62, 0.94)
 """Share of the Nyquist frequency in which a bench answers little."""
 PRE_TRIGGER = 64
 """Samples before a hit that are used, fewer if there are fewer."""
@@ -24,7 +29,7 @@ def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
 
 
 def measured_noise(blocks: Sequence[Block]) -> Array:
-    """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record tells.
+    """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record shows it.
 
     The lower quartile over the records: what is in every record is noise, what is in some is a response.
     """
@@ -34,9 +39,9 @@ def measured_noise(blocks: Sequence[Block]) -> Array:
     return np.quantile(np.array(spreads), 0.25, axis=0)
 
 
-def reported_by(blocks: Sequence[Block]) -> int:
+def lines_behind(blocks: Sequence[Block]) -> int:
     """Lines of spectra that the measured noise rests on."""
-    share = (QUIET[1] - QUIET[0]) / 2
+    share = (UPPER_BAND[1] - UPPER_BAND[0]) / 2
     return sum(int(share * (b.n_samples if b.test == "sine" else PRE_TRIGGER)) for b in blocks)
 
 
@@ -50,7 +55,7 @@ def _of_block(block: Block) -> Array | None:
     n = volts.shape[1]
     window = np.hanning(n)
     spectrum = np.fft.rfft((volts - volts.mean(axis=1, keepdims=True)) * window, axis=1)
-    low, high = (int(share * n / 2) for share in QUIET)
+    low, high = (int(share * n / 2) for share in UPPER_BAND)
     power = np.abs(spectrum[:, low:high]) ** 2
     # The median of an exponential variable is its mean times ln 2; a line of a harmonic cannot move it.
     return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))

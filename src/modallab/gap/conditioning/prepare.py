@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
 from modallab.gap.conditioning.hum import Hum, find_hum, without_hum
-from modallab.gap.conditioning.noise import believed_noise, measured_noise, noise_in_use, reported_by
+from modallab.gap.conditioning.noise import believed_noise, lines_behind, measured_noise, noise_in_use
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 
@@ -24,7 +24,7 @@ REPEATS = 0.025
 NOISY = 1.3
 """A row this far above the others is noisy."""
 CHANCE = 4.0
-"""The same over what one line scatters, where few lines tell: beyond chance in eleven rows."""
+"""The same over what one line scatters, where there are few lines: beyond chance in eleven rows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,7 +45,7 @@ class Prepared:
         noisy: rows whose noise stands out.
         repeated: rows whose samples repeat, as after drop-outs.
         poles: of the ring-down.
-        notes: plain sentences on what was left out or could not be told.
+        notes: plain sentences on what was left out or could not be examined.
     """
 
     campaign: Campaign
@@ -78,7 +78,7 @@ def prepare(campaign: Campaign) -> Prepared:
     full_scale = _full_scale_v(blocks)
     clipped = tuple(find_clipped(blocks, noise, full_scale))
     masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
-    noisy = _standing_out(measured, reported_by(blocks))
+    noisy = _standing_out(measured, lines_behind(blocks))
     repeated = _repeating(blocks, noise)
     hum = find_hum(blocks, noise, campaign.rig.force_channel.index)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
@@ -160,7 +160,7 @@ def _top(block: Block) -> int | None:
 
 
 def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
-    """Rows whose noise stands above the others by more than chance, where it is told by so many lines."""
+    """Rows whose noise stands above the others by more than chance, where so many lines show it."""
     middle = float(np.nanmedian(measured)) if np.any(np.isfinite(measured)) else np.inf
     limit = max(NOISY, 1 + CHANCE / np.sqrt(max(lines, 1)))
     raised = np.flatnonzero(np.nan_to_num(measured) > limit * middle)
@@ -202,10 +202,10 @@ def _notes(campaign: Campaign, blocks: Sequence[Block], overloaded: set[tuple[st
         notes.append(f"{len(overloaded)} channels of records ran into the converter's full scale and were left out.")
     tests = {b.test for b in blocks}
     if tests == {"impact"}:
-        notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be told.")
+        notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be examined.")
     if tests == {"sine"}:
-        notes.append("Only a sine test: the place of hits and ringing before them cannot be told.")
+        notes.append("Only a sine test: the place of hits and ringing before them cannot be examined.")
     levels = {b.level for b in blocks if b.test == "sine"}
     if "sine" in tests and len(levels) < 2:
-        notes.append("Only one level: whether the bench answers in proportion cannot be told.")
+        notes.append("Only one level: whether the bench answers in proportion cannot be examined.")
     return tuple(notes)

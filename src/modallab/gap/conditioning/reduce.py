@@ -2,6 +2,10 @@
 
 Hits at one point share one response: six hits are one set of lines. A sine block is its own line, its neighbours
 and two harmonics. Noise of the converter is white; noise of the force is common to all channels of a line.
+
+Lines of hits are the H1 estimate (Bendat and Piersol, Random Data, 2010) with the variance of its noise. The force's
+noise is a rank-one part c d d^H of each line's covariance: I - (1 - 1 / sqrt(1 + c)) d d^H whitens I + c d d^H for a
+unit vector d. Sines by the three- and four-parameter fits of IEEE Std 1057, the frequency common to all blocks.
 """
 
 from collections.abc import Sequence
@@ -53,7 +57,15 @@ class Rows:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Piece:
-    """A piece of data with one drive point and one place in time."""
+    """A piece of data with one drive point and one place in time.
+
+    Attributes:
+        name: of the hits at a point, or of the record.
+        order: mean place of its records in the campaign, in records.
+        drive_x_m: place of the force from the clamp, m.
+        level: of the drive; None for hits.
+        records: names of its records.
+    """
 
     name: str
     order: float
@@ -260,7 +272,16 @@ def harmonic(force: Array, f0: float, dt: float) -> complex:
 
 
 def frequency_ratio(forces: Array, set_hz: Array, dt: float, sigma: float) -> tuple[float, float]:
-    """Frequency of the force over what the generator was set to, with its deviation: one number for all blocks."""
+    """Frequency of the force over what the generator was set to, with its deviation: one number for all blocks.
+
+    The four-parameter sine fit of IEEE Std 1057 by Gauss-Newton steps, amplitudes and means projected out of the slope.
+
+    Args:
+        forces: (blocks, n) in N.
+        set_hz: (blocks,) what the generator was set to.
+        dt: time between samples, s.
+        sigma: noise of a force sample, N.
+    """
     ratio = _coarse_ratio(forces, set_hz, dt)
     spread = np.inf
     for _ in range(6):

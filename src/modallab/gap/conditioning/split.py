@@ -1,4 +1,7 @@
-"""Which records are held out: those a fit has never seen say how far the gap shrinks."""
+"""Which records are held out: those a fit has never seen say how far the gap shrinks.
+
+Source: Stone, J. R. Stat. Soc. B 36 (1974), 111, on judging a model by data that did not make it.
+"""
 
 from collections.abc import Sequence
 

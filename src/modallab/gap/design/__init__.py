@@ -1,1 +1,1 @@
-"""What a plan can tell apart, and what another campaign would read."""
+"""What a plan can distinguish, and what another campaign would read."""

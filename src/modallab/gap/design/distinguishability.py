@@ -1,4 +1,9 @@
-"""Which effects a campaign cannot tell apart, before any data: cosines between their signatures."""
+"""Which effects a campaign cannot distinguish, before any data: cosines between their signatures.
+
+Signatures are differences of the residuals in noise units, the nuisances projected out (orthogonal projection: Bjorck,
+Numerical Methods for Least Squares Problems, 1996), their priors one row each. Two that point the same way cannot be
+separated by any fit: collinearity as in Brun, Reichert and Kunsch, Water Resour. Res. 37 (2001), 1015.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -139,12 +144,14 @@ def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) ->
     kinds = {p.kind for p in plans}
     said: list[str] = []
     if "sine" not in kinds:
-        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be told.")
+        said.append("Add a sine test: without it the shaker's attachment, the clock and the level cannot be examined.")
     if "impact" not in kinds:
         said.append("Add an impact test: free decays give the poles without the shaker.")
     points = {p for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points}
     if "impact" in kinds and len(points) < 3:
-        said.append("Strike at three points or more: residues at several points tell masses from springs and the root.")
+        said.append(
+            "Strike at three points or more: residues at several points separate masses from springs and the root."
+        )
     if any(isinstance(p, SinePlan) and len(p.levels_v) < 2 for p in plans):
         said.append("Add a second level: an effect that depends on the size of the motion shows only there.")
     pairs = {frozenset(pair[:2]) for pair in found.alike()}

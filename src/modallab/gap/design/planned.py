@@ -1,4 +1,8 @@
-"""A campaign that has not been made yet, as the fits would see it: the twin's own answer and the noise to expect."""
+"""A campaign that has not been made yet, as the fits would see it: the twin's own answer and the noise to expect.
+
+The force of a hit is a half sine; the noise of a line of H1 over several hits is that of `reduce_hits` (Bendat and
+Piersol, Random Data, 2010).
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,8 @@
-"""What may be wrong, as coordinates for a fit: every effect the twin can predict, at every place it may be."""
+"""What may be wrong, as coordinates for a fit: every effect the twin can predict, at every place it may be.
+
+Positive numbers are searched as logarithms, shares as logits, so that no step leaves their range (Gelman et al.,
+Bayesian Data Analysis, 2013).
+"""
 
 from itertools import combinations
 

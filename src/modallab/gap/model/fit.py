@@ -1,4 +1,9 @@
-"""What is fitted: the twin's free numbers to the reduced data, in noise units, priors included."""
+"""What is fitted: the twin's free numbers to the reduced data, in noise units, priors included.
+
+The most probable numbers under Gaussian noise and Gaussian priors (Tarantola, Inverse Problem Theory, 2005). A relative
+error of the model, `floor`, is added to the noise in quadrature, as a discrepancy of the model (Kennedy and O'Hagan, J.
+R. Stat. Soc. B 63, 2001, 425), and lowered as the fit goes on.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -32,7 +37,7 @@ class Problem:
         free: the nuisances.
         candidates: effects whose numbers are free.
         floor: relative error of the model that is forgiven, for the first steps of a fit.
-        course: course of a drift, where it is known; see `Twin`.
+        drift_curve: share of a drift over the campaign, where it is known; see `Twin`.
         held: Young's modulus, thickness and density, in deviations of their priors, where a fit of a wrong model stays.
     """
 
@@ -100,9 +105,9 @@ class Fit:
 
     Attributes:
         problem: what was fitted.
-        u: the free numbers.
-        cost: squares of residuals and of priors.
-        residual: in noise units.
+        u: (u,) the free numbers.
+        cost: sum of the squares of residuals and of priors.
+        residual: (residuals,) in noise units, 0 where not used.
         normal: (u, u) curvature, priors included.
     """
 

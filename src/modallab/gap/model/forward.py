@@ -1,4 +1,8 @@
-"""The twin's answer on the reduced data."""
+"""The twin's answer on the reduced data.
+
+Modal superposition with a residual term for the modes left out (Ewins, Modal Testing, 2000), each pole through the cut-
+off block as in `modallab.twin.response`. A drift scales EI, so poles by sqrt(EI) at constant damping ratios.
+"""
 
 from dataclasses import replace
 from typing import Any, TypeVar

@@ -1,4 +1,8 @@
-"""Levenberg-Marquardt of the twin's free numbers on the reduced data, priors included."""
+"""Levenberg-Marquardt of the twin's free numbers on the reduced data, priors included.
+
+Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963), 431; the damping scaled by the
+curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +18,11 @@ STEP = 1e-4
 
 
 def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4) -> Fit:
-    """Levenberg-Marquardt from u.
+    """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
 
     Args:
         problem: what to fit.
-        u: where to begin.
+        u: (u,) where to begin, in prior deviations and in coordinates of the effects.
         iterations: most steps.
         tolerance: relative fall of the cost at which to stop.
     """
@@ -90,7 +94,7 @@ def _step(
 def _scale(problem: Problem, normal: Array) -> Array:
     """What damps a step: the curvature along each axis, which for the beam are those that the data part.
 
-    Frequencies tell E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
+    Frequencies determine E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
     the rotary inertia only. Damped along E, t and rho, a fit would creep along that valley and seem to have ended.
     """
     axes = np.eye(len(normal))

@@ -1,4 +1,8 @@
-"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft."""
+"""What is always free: the beam within its tolerances, damping, sensitivities in doubt, a root known to be soft.
+
+Priors are log-normal for what is positive: u deviations multiply a number by exp(u tolerance). Frequencies of the bare
+cantilever by Blevins, Formulas for Dynamics, Acoustics and Vibration, 2016.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,24 +20,24 @@ Array = NDArray[np.float64]
 
 FREE = 3.0
 """Deviations of a tolerance up to which they are free."""
-BEYOND = 4.5
-"""Deviations of a tolerance beyond which Young's modulus, thickness and density never go."""
+MOST = 4.5
+"""Deviations of a tolerance above which Young's modulus, thickness and density never go."""
 
 
 ROOT = 0.1
-"""Relative deviation of a rotational spring at the root that the rig file tells of as "about" so much."""
+"""Relative deviation of a rotational spring at the root that the rig file states as "about" so much."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Nuisances:
     """Free numbers in units of their prior's deviation: E, thickness, density, damping ratios, sensitivities.
 
-    Then the root's spring, where the rig file tells of one, and the share of the static compliance of the modes that
+    Then the root's spring, where the rig file states one, and the share of the static compliance of the modes that
     the twin leaves out.
 
     Attributes:
         rig: the bench as believed.
-        modes: damping ratios that are free; those beyond the band stay at the guess.
+        modes: damping ratios that are free; those above the band stay at the guess.
         gains: accelerometers whose sensitivity is free.
         tolerance: relative deviation of a sensitivity.
         root: whether the root's spring is free.
@@ -61,7 +65,7 @@ class Nuisances:
     def straightened(self, u: Array) -> Array:
         """The same beam but for its rotary inertia, with the most likely thickness.
 
-        Frequencies and amplitudes hardly tell the thickness: a fit that has come from far may have left it anywhere.
+        Frequencies and amplitudes hardly determine the thickness: a fit from far off may have left it anywhere.
         """
         along = self.axes[:, 2]
         straight = u.copy()
@@ -105,9 +109,9 @@ class Nuisances:
         return replace(twin, chain=replace(twin.chain, gain=gain))
 
 
-def _held(u: Array, free: float = FREE, out_of_band: float = BEYOND) -> Array:
-    """As it is up to `free` deviations, and ever slower towards `beyond`: a fit that strayed can find its way back."""
-    room = out_of_band - free
+def _held(u: Array, free: float = FREE, most: float = MOST) -> Array:
+    """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
+    room = most - free
     return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
 
 

@@ -1,4 +1,10 @@
-"""Where a fit begins: the beam and the effect that bring the twin's frequencies to those of the ring-down."""
+"""Where a fit begins: the beam and the effect that bring the twin's frequencies to those of the ring-down.
+
+Bending frequencies go with t sqrt(E / rho) / L^2, so deviations of E, t and rho add as 1/2, 1 and 1/2 in quadrature
+(GUM, JCGM 100:2008). Mismatches count as absolute values up to a bound, which keeps a missing pole from deciding
+(bounded loss: Hampel et al., Robust Statistics, 1986); the effect's numbers by the simplex of Nelder and Mead, Comput.
+J. 7 (1965), 308.
+"""
 
 from dataclasses import dataclass
 from itertools import product

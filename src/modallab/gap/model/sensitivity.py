@@ -2,6 +2,9 @@
 
 One evaluation of the kernels and of their slopes by the pole serves all free numbers; what a number does to the poles
 and to the residues comes from the eigenvalue problem, which is far smaller than the data.
+
+The chain rule through poles and residues; Fox and Kapoor, AIAA J. 6 (1968), 2426, give their derivatives in closed
+form, here they are differences of two small eigenvalue problems.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,8 @@
-"""Where the rig file and the records contradict each other, in words for who wrote the rig file."""
+"""Where the rig file and the records contradict each other, in words for who wrote the rig file.
+
+The common factor of all frequencies by the least sum of absolute deviations up to a bound (Hampel et al., Robust
+Statistics, 1986).
+"""
 
 from typing import Any
 

@@ -1,4 +1,8 @@
-"""Effects that no force predicts: read off the records themselves."""
+"""Effects that no force predicts: read off the records themselves.
+
+Variances add: a row's own noise is what it shows less the rounding, step^2 / 12. The base's motion is the response over
+the beam's transmission from its base (`modallab.twin.base_motion`), median over the channels.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,9 +23,9 @@ Array = NDArray[np.float64]
 SURE = 0.98
 """Probability of an effect that the records show as such."""
 PLAIN = 6.0
-"""A channel tells the base's motion on a line where it answers to within this factor, in squares, as a rigid beam."""
+"""A channel shows the base's motion on a line where its power gain is within this factor of a rigid beam's."""
 RINGS = 3.0
-"""Lines about a pole on which no channel tells it."""
+"""Lines about a pole on which no channel shows it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +70,7 @@ def _noisy(prepared: Prepared, twin: Twin) -> list[Found]:
 
 def _noisy_row(prepared: Prepared, row: int) -> Found:
     others = np.delete(prepared.measured_v, row)
-    # The quantile the measurement takes reads all rows a little low: the quiet rows say by how much.
+    # The quantile the measurement takes reads all rows a little low: the rows without added noise say by how much.
     bias = float(np.median(others / prepared.believed_v[0]))
     rig = prepared.campaign.rig
     step = float(np.max(prepared.blocks[0].scale)) / np.sqrt(12)
@@ -130,8 +134,8 @@ def _base_motion(prepared: Prepared, twin: Twin) -> float:
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / (n * dt))) ** 2
     near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * n * dt / (2 * np.pi)), axis=1, initial=np.inf)
-    reported = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
-    base = np.ma.median(np.ma.masked_where(~reported, floor.density / gain), axis=0)
+    usable = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
+    base = np.ma.median(np.ma.masked_where(~usable, floor.density / gain), axis=0)
     known = ~np.ma.getmaskarray(base)
     known[0] = False
     if not np.any(known):

@@ -1,4 +1,9 @@
-"""Where the gap lies, from tests on the residual alone: no effect is named here."""
+"""Where the gap lies, from tests on the residual alone: no effect is named here.
+
+Harmonics under a sine and an FRF that depends on the level show a nonlinearity (Worden and Tomlinson, Nonlinearity in
+Structural Dynamics, 2001, ch. 2). The factors common to all channels are linear least squares, line by line; a delay is
+a phase in proportion to frequency.
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -92,34 +97,35 @@ def _of_chain(bench: Bench, base: Fit, tests: tuple[str, ...], why: list[str]) -
     common, flat = alike(base)
     everywhere = bench.data.channels
     if common > ALIKE:
-        reported = (
-            f"The poles are a beam's, but on a line the channels are not off alike: {common:.0%} of the gap stays."
-        )
-        return Location("structure", (), tests, (*why, reported))
+        reason = f"The poles are a beam's, but on a line the channels are not off alike: {common:.0%} of the gap stays."
+        return Location("structure", (), tests, (*why, reason))
     sines = bench.data.sines
     if sines is not None and abs(sines.ratio - 1) > CLOCK:
-        reported = f"The generator's lines stand {sines.ratio - 1:+.2%} off where it was set: a clock is wrong."
-        return Location("acquisition", everywhere, tests, (*why, reported))
+        reason = f"The generator's lines stand {sines.ratio - 1:+.2%} off where it was set: a clock is wrong."
+        return Location("acquisition", everywhere, tests, (*why, reason))
     if flat < ALIKE:
         force = bench.data.rig.force_channel.index
-        reported = f"One real factor on all channels and lines takes {1 - flat:.1%} of the gap away: the force's."
-        return Location("sensor", (force,), tests, (*why, reported))
+        reason = f"One real factor on all channels and lines takes {1 - flat:.1%} of the gap away: the force's."
+        return Location("sensor", (force,), tests, (*why, reason))
     late = lateness(base)
     if late > LATE:
-        reported = f"All channels are off alike, and {late:.0%} of their phase grows with frequency: time runs late."
-        return Location("acquisition", everywhere, tests, (*why, reported))
-    reported = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
-    return Location("sensor", everywhere, tests, (*why, reported))
+        reason = f"All channels are off alike, and {late:.0%} of their phase grows with frequency: time runs late."
+        return Location("acquisition", everywhere, tests, (*why, reason))
+    reason = "The poles are those of a beam, all channels are off alike, and not by a delay: what is sensed is off."
+    return Location("sensor", everywhere, tests, (*why, reason))
 
 
 def lateness(base: Fit) -> float:
-    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1."""
+    """Share of the squares of the channels' common phase on the lines that a delay makes, 0 to 1.
+
+    The coefficient of determination of a regression of phase on frequency through 0, weighted by the response.
+    """
     seen, y, hz = _in_noise(base)
     weight = np.sum(np.abs(y) ** 2, axis=0)
     factor = np.sum(y.conj() * seen, axis=0) / np.maximum(weight, 1e-300)
-    reported = (np.abs(hz) > 1) & (np.abs(factor) > 0.3) & (np.abs(factor) < 3)
-    weight = np.minimum(weight, np.quantile(weight, 0.9))[reported]
-    phase, f = np.angle(factor[reported]) * np.sign(hz[reported]), np.abs(hz[reported])
+    usable = (np.abs(hz) > 1) & (np.abs(factor) > 0.3) & (np.abs(factor) < 3)
+    weight = np.minimum(weight, np.quantile(weight, 0.9))[usable]
+    phase, f = np.angle(factor[usable]) * np.sign(hz[usable]), np.abs(hz[usable])
     whole = float(np.sum(weight * phase**2))
     return float(np.sum(weight * phase * f)) ** 2 / max(whole * float(np.sum(weight * f**2)), 1e-300)
 

@@ -1,4 +1,8 @@
-"""The gap in noise units, split by everything it can be split by."""
+"""The gap in noise units, split by everything it can be split by.
+
+The gap is the square root of chi-square per number (Bevington and Robinson, Data Reduction and Error Analysis, 2003):
+the rms of the residuals over their standard deviations, real and imaginary part one number each.
+"""
 
 import itertools
 from collections.abc import Callable, Iterable, Sequence

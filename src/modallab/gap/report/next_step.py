@@ -1,4 +1,4 @@
-"""The experiment that would tell apart what this campaign cannot."""
+"""The experiment that would distinguish what this campaign cannot."""
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Verdict
@@ -31,4 +31,4 @@ def _for_unknown(campaign: Campaign) -> str:
         return "Repeat the sines at a second level: does the bench answer in proportion to the force?"
     if len(points) < 3:
         return "Strike at more points: a gap in the beam changes the poles, one at the point of the hit does not."
-    return "Repeat the sines at a third level, and the first hits at the end: level and time tell most effects apart."
+    return "Repeat the sines at a third level, and the first hits at the end: level and time distinguish most effects."

@@ -82,14 +82,14 @@ def _reasons(lead: Found, location: Location | None, choice: Choice) -> list[str
         return ["The records show it without any model."]
     if location.stage == lead.stage or not choice.fit.problem.candidates:
         return list(location.why)
-    reported = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"
+    residual_says = f"The tests on the residual alone pointed at the {location.stage}: {' '.join(location.why)}"
     explained = closed(choice.base.gap, choice.fit.gap)
     other = [f for f in choice.rivals if kind_of(f.problem.candidates[-1].effect).stage != lead.stage]
     best = max((closed(choice.base.gap, f.gap) for f in other), default=0.0)
     return [
         f"Models of the {lead.stage} explain {explained:.2%} of the gap, those of other stages no more than "
         f"{max(best, 0.0):.2%}.",
-        reported,
+        residual_says,
     ]
 
 

@@ -1,4 +1,7 @@
-"""From the rounds of a search to what is judged present, how surely, and the verdict."""
+"""From the rounds of a search to what is judged present, how surely, and the verdict.
+
+Effects are dropped one by one as in backward elimination (Draper and Smith, Applied Regression Analysis, 1998).
+"""
 
 from dataclasses import dataclass, replace
 
@@ -109,8 +112,13 @@ def names(fit: Fit) -> tuple[str, ...]:
 def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     """The explanations, each with its probability, best first.
 
-    The likelihood of a fit is read with as many degrees of freedom as its own misfit leaves credible: where the best
-    explanation stays above the floor the model itself is wrong by that much, and margins count for less.
+    Weights are exp(-n / 2 ln(cost) / T - 3 k), normalised over the explanations: n residuals, k effects. With T = 1
+    the first term is the Gaussian likelihood with the noise's size profiled out (Seber and Wild, Nonlinear Regression,
+    1989), and 3 k a price for each effect as in information criteria (Schwarz, Ann. Stat. 6, 1978, 461; Burnham and
+    Anderson, Model Selection and Multimodel Inference, 2002), here a constant. The temperature T = 2 + 100 x the excess
+    of the best explanation flattens the weights, as in temperature scaling (Guo, Pleiss, Sun and Weinberger, "On
+    calibration of modern neural networks", ICML 2017): where the best explanation stays above the floor, the model
+    itself is wrong by that much, so that margins count for less. The constants 2, 100 and 3 are this project's own.
     """
     fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
     for fit in choice.rivals:
@@ -127,7 +135,11 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
 
 
 def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
-    """95 % intervals of the parameters of each effect: noise by the curvature at the fit, and the model's own error.
+    """95 % intervals (SI units) of the parameters of each effect: noise by the curvature, and the model's own error.
+
+    The noise's part is the Gaussian approximation at the fit, 1.96 deviations in the searched coordinate, carried to
+    the parameter by its transform, larger by the gap that remains (Bard, Nonlinear Parameter Estimation, 1974). Both
+    parts add in quadrature (GUM, JCGM 100:2008).
 
     What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
     are believed no better.
@@ -154,7 +166,7 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
 
 
 def _deviations(fit: Fit) -> Array:
-    """Standard deviation of each free number; beyond any range where the data do not move it."""
+    """(u,) standard deviation of each free number, by the inverse of J^T J with priors; UNFELT where no data move."""
     curvature = np.diag(fit.normal)
     felt = curvature > CURVED * np.max(curvature)
     deviation = np.full(len(curvature), UNFELT)

@@ -1,4 +1,7 @@
-"""Which effects explain the data: round after round, each effect fitted with the nuisances and with those before."""
+"""Which effects explain the data: round after round, each effect fitted with the nuisances and with those before.
+
+Forward selection (Draper and Smith, Applied Regression Analysis, 1998), all numbers fitted anew in each round.
+"""
 
 from dataclasses import replace
 
@@ -44,18 +47,18 @@ def explain(bench: Bench) -> list[Level]:
 
 
 def first_rounds(bench: Bench, base: Fit) -> list[Level]:
-    """All rounds; where the generator's own lines tell of a wrong clock, with that clock from the start.
+    """All rounds; where the generator's own lines show a wrong clock, with that clock from the start.
 
     Beside another effect the beam takes such a clock over, and none of the later rounds would find its way back.
     """
-    reported = with_clock(bench)
-    if reported is None:
+    clocked = with_clock(bench)
+    if clocked is None:
         return rounds(bench, base, MOST)
-    return [Level(base, (reported,), ()), *rounds(bench, reported, MOST - 1)]
+    return [Level(base, (clocked,), ()), *rounds(bench, clocked, MOST - 1)]
 
 
 def with_clock(bench: Bench) -> Fit | None:
-    """The twin with the clock that the generator's lines tell of; None if they stand where they should."""
+    """The twin with the clock that the generator's lines show; None if they stand where they should."""
     sines = bench.data.sines
     if sines is None or abs(sines.ratio - 1) < EVIDENT:
         return None

@@ -1,4 +1,8 @@
-"""What a search works on, and its fits: short ones to compare, long ones to believe."""
+"""What a search works on, and its fits: short ones to compare, long ones to believe.
+
+Fits begin with a large model error forgiven and end with none, so that they pass the shallow minima of the full problem
+(graduated non-convexity: Blake and Zisserman, Visual Reconstruction, 1987).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.drift_course import with_drift_curve
+from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances
@@ -83,7 +87,7 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
 
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
-    """A fit brought to its end from these coordinates of the effects and the beam that the poles tell of."""
+    """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
     u = start(candidates, own, bench.free, bench.poles).u
     return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
 

@@ -1,4 +1,8 @@
-"""One round of a search: every candidate is screened, the likely are fitted, the best to the end."""
+"""One round of a search: every candidate is screened, the likely are fitted, the best to the end.
+
+Many candidates get a short look, fewer a longer one, the best all of it: successive halving (Jamieson and Talwalkar,
+AISTATS 2016, 240).
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -48,7 +52,7 @@ def pool(bench: Bench, fit: Fit) -> list[Candidate]:
     rig = bench.data.rig
     shares = [channel_share(fit)]
     if len(bench.poles):
-        # A channel far off drags the fit with it; the beam the poles tell of shows it all the same.
+        # A channel far off drags the fit with it; the beam that the poles show reveals it all the same.
         u = start(fit.problem.candidates, fit.u[bench.free.size :], bench.free, bench.poles).u
         shares.append(channel_share(replace(fit, u=u)))
     order = list(dict.fromkeys(int(i) for s in shares for i in np.argsort(s)[::-1][:2]))
@@ -77,7 +81,7 @@ def channel_share(fit: Fit) -> Array:
 
 
 def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
-    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles tell of.
+    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
 
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """

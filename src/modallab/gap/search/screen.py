@@ -1,4 +1,10 @@
-"""A first look at every candidate: what its signature explains once all that was free before has adapted to it."""
+"""A first look at every candidate: what its signature explains once all that was free before has adapted to it.
+
+What a number explains beside others is what it explains once both are projected off them (Frisch and Waugh,
+Econometrica 1, 1933, 387; Lovell, J. Am. Stat. Assoc. 58, 1963, 993); priors are rows like data. Squares are cut at a
+bound, so that a channel that is far off does not decide (truncated quadratic: Blake and Zisserman, Visual
+Reconstruction, 1987; after Huber, Ann. Math. Stat. 35, 1964, 73).
+"""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -76,7 +82,7 @@ class _Scale:
 
 
 class Screen:
-    """Residuals with everything that was free before projected out."""
+    """Residuals, in noise units, with everything that was free before projected out."""
 
     def __init__(self, problem: Problem, u: Array, poles: Complex) -> None:
         """Screen around a fit.
@@ -140,7 +146,7 @@ class Screen:
         return np.concatenate([self.u, [size.coordinate(scale.value(times))], place])
 
     def _far(self, problem: Problem, candidate: Candidate) -> tuple[Begin, ...]:
-        """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down tell of."""
+        """Large changes: the whole grid at the fit so far, and at the beam that the poles of the ring-down show."""
         free, former = problem.free, self.u[self.priors :]
         begins: list[Array] = []
         nears = [self.u]

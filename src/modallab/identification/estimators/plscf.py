@@ -21,7 +21,7 @@ from modallab.identification.start.stabilisation import OrderPoles
 COLUMNS = 120
 """Default order: this many polynomial columns, shared among the inputs."""
 EVERY_ORDER_UP_TO = 120
-"""Columns up to which every order is solved: the cost grows with their cube, what one more order tells does not."""
+"""Columns up to which every order is solved: the cost grows with their cube, what one more order shows does not."""
 
 
 def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:

@@ -100,8 +100,8 @@ def _coefficient_variance(fit: Fit, group: GroupSolution) -> Real:
     """Variance (columns, outputs) of the coefficients: their own noise, and what the searched parameters add."""
     inverse = np.linalg.inv(group.r)
     own = np.sum(inverse**2, axis=1)[:, None] * fit.point.noise**2
-    requested, slopes = _slopes_on_q(fit, group)
-    covariance = fit.refined.covariance[np.ix_(requested, requested)]
+    searched, slopes = _slopes_on_q(fit, group)
+    covariance = fit.refined.covariance[np.ix_(searched, searched)]
     added = np.empty_like(own)
     for o in range(own.shape[1]):
         change = inverse @ slopes(o)
@@ -115,7 +115,7 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Cal
     rows, width = group.columns[0].phi.shape[0], problem.n_local
     parts = [group.q[m * rows : (m + 1) * rows].T for m in range(len(group.members))]
     poles = np.sum([p @ c.poles.values for p, c in zip(parts, group.columns, strict=True)], axis=0)
-    requested = np.concatenate([np.arange(n_poles), *[n_poles + width * i + np.arange(width) for i in group.members]])
+    searched = np.concatenate([np.arange(n_poles), *[n_poles + width * i + np.arange(width) for i in group.members]])
     forces = force_parts(problem, fit.point, group).on_q if problem.force_sigma is not None else None
     local = [p @ c.local.values if c.local.parameter.size else None for p, c in zip(parts, group.columns, strict=True)]
 
@@ -130,7 +130,7 @@ def _slopes_on_q(fit: Fit, group: GroupSolution) -> tuple[NDArray[np.int64], Cal
                 found.append(forces[m][:, o] * fit.point.noise[o])
         return np.concatenate(found, axis=1)
 
-    return requested, of_output
+    return searched, of_output
 
 
 def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Real:
@@ -142,7 +142,7 @@ def _summed(values: Real, vectors: Vectors, coefficient: Real, size: int) -> Rea
 
 
 def response_misfit(fit: Fit) -> Real:
-    """Share (outputs,) of the measured response's energy that the model leaves over."""
+    """Share (outputs,) of the measured response's energy that the model does not explain."""
     left = np.sum([energy(g.residual) for g in fit.point.groups], axis=0)
     there = np.sum([energy(stack(b.response)) for b in fit.problem.blocks], axis=0)
     return left / np.maximum(there, np.finfo(float).tiny)

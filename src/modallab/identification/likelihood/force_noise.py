@@ -96,31 +96,33 @@ def _hit(excitation: Excitation) -> HitExcitation:
     return excitation
 
 
-def force_equations(problem: Problem, point: Point, group: GroupSolution, rest: tuple[Real, Real]) -> tuple[Real, Real]:
+def force_equations(
+    problem: Problem, point: Point, group: GroupSolution, others: tuple[Real, Real]
+) -> tuple[Real, Real]:
     """J^T J and J^T residual of one input: poles, its members' states, then its members' force samples.
 
     Args:
         problem: data and structure.
         point: where.
         group: the input.
-        rest: the same of poles and states alone.
+        others: the same of poles and states alone.
     """
     parts = force_parts(problem, point, group)
     width = point.parameters.force.shape[1]
-    n_rest, rows = len(rest[1]), group.columns[0].phi.shape[0]
+    n_others, rows = len(others[1]), group.columns[0].phi.shape[0]
     projected = np.concatenate([b.reshape(-1, width) for b in parts.on_q], axis=1)
-    matrix = np.zeros((n_rest + projected.shape[1],) * 2)
+    matrix = np.zeros((n_others + projected.shape[1],) * 2)
     gradient = np.zeros(len(matrix))
-    matrix[:n_rest, :n_rest], gradient[:n_rest] = rest
-    matrix[n_rest:, n_rest:] = -projected.T @ projected
+    matrix[:n_others, :n_others], gradient[:n_others] = others
+    matrix[n_others:, n_others:] = -projected.T @ projected
     vectors = _Vectors(group, point.noise)
     for m, (part, own) in enumerate(zip(parts.slopes, parts.on_q, strict=True)):
-        here, place = slice(m * rows, (m + 1) * rows), slice(n_rest + m * width, n_rest + (m + 1) * width)
+        here, place = slice(m * rows, (m + 1) * rows), slice(n_others + m * width, n_others + (m + 1) * width)
         flat = part.reshape(-1, width)
         matrix[place, place] += flat.T @ flat
         gradient[place] = flat.T @ (group.residual[here] / point.noise).ravel()
-        matrix[:n_rest, place] = vectors.across(m, part, own)
-        matrix[place, :n_rest] = matrix[:n_rest, place].T
+        matrix[:n_others, place] = vectors.across(m, part, own)
+        matrix[place, :n_others] = matrix[:n_others, place].T
     return matrix, gradient
 
 

@@ -115,7 +115,7 @@ def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
 
 
 def _rings_before(signals: Signals) -> bool:
-    """Whether the outputs move before the hit by more than the quietest stretch of that output in any block would."""
+    """Whether most outputs' neighbouring samples before the hit correlate by more than 0.5."""
     stop = find_hit(signals.force).first
     if stop < 32:
         return False

@@ -23,7 +23,7 @@ STATES_FIRST = 4
 
 
 def first_look(unknown: Hits, poles: NDArray[np.complex128], groups: Groups, band: tuple[float, float]) -> Fit:
-    """The fit after a search from these poles that tells modes from poles that fit noise, and goes no further.
+    """The fit after a search from these poles that distinguishes modes from poles that fit noise, and goes no further.
 
     It ends when a step gains less than one for each pole: on average they then stand within their sigmas. From there on
     poles that fit noise would only wander.

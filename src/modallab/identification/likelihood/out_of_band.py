@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 STAND_IN_SHARE = 0.4
-"""The stand-ins are damped as the band's own modes are, give or take this share. The band's lines hardly tell: left to
+"""The stand-ins are damped as the band's own modes are, give or take this share. The band's lines hardly say: left to
 them a damping ratio runs to zero, where a pole rings through the whole block. But it turns the phase of all that lies
 below, so that a wrong one that is held too fast makes the upper modes' constants wrong."""
 

@@ -1,7 +1,7 @@
 """What may be left of earlier hits at a block's start: motion that the sensors' noise hides.
 
 A beam that looks at rest need not be. The slowest mode may still move as much as one sample's noise and not be seen
-before the hit, yet hundreds of samples after it tell its phase to a hundredth of that. How long the last hit is ago
+before the hit, yet hundreds of samples after it give its phase to a hundredth of that. How long the last hit is ago
 at least follows from that mode, and how much of all others can be left then from their decay: hardly anything, as a
 rule.
 """

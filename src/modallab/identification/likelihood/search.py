@@ -13,7 +13,7 @@ from modallab.identification.likelihood.projection import Parameters, Point, Pro
 Real = NDArray[np.float64]
 MAX_ITERATIONS = 40
 FIRST_LOOK = 12
-"""Steps enough to tell a mode from a pole that fits noise, which need not settle at all."""
+"""Steps enough to distinguish a mode from a pole that fits noise, which need not settle at all."""
 NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
 LEAST_DAMPING = 1e-6
 """Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
@@ -146,7 +146,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     omega = at.omega * np.clip(1 + move[:, 0] / at.omega, 1 - MAX_MOVE, 1 + MAX_MOVE)
     dt = problem.blocks[0].excitation.grid.dt
     if dt > 0:
-        # What is sampled tells a pole beyond half the rate from nothing, or from its own alias.
+        # Samples cannot show a pole above half the rate, nor distinguish it from its own alias.
         omega = np.minimum(omega, HIGHEST * np.pi / dt)
     # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
     centre, sigma = problem.zeta_prior.T
@@ -164,7 +164,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
 
 
 def covariance_of(matrix: Real) -> Real:
-    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even where some cannot be told."""
+    """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even if some are undetermined."""
     # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))

@@ -1,7 +1,7 @@
 """Repeated roots: one pole whose modal constants are those of several modes at once.
 
 Modes of equal frequency and damping have one pole, and their modal constants add up to a matrix of as many ranks. Seen
-from one force it is one mode. From several forces its rank tells how many modes there are; their shapes are known as a
+from one force it is one mode. From several forces its rank shows how many modes there are; their shapes are known as a
 plane, in which any two that span it will do.
 """
 
@@ -21,11 +21,11 @@ Real = NDArray[np.float64]
 SIGMAS = 5.0
 """A second rank stands above what noise alone gives by this many sigmas."""
 SHARE = 0.02
-"""And is this share of the first at least: less is what the model of the pole leaves over."""
+"""And is this share of the first at least: less is the residual of the model of the pole."""
 MORE = 2.0
 """And, where sensors stand at two driven points or more, so many times what is not reciprocal there."""
 ALIKE = 1e3
-"""Condition from which the driven points move alike in all modes of a pole, and cannot tell how to share the plane."""
+"""Condition from which the driven points move alike in all modes of a pole, which leaves the plane's division open."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -9,7 +9,7 @@ from modallab.identification.selection.prune import MIN_SIGNIFICANCE
 Real = NDArray[np.float64]
 
 MODEL_ERROR_FROM = 1.1
-"""Up to this ratio of misfit to silence there is no model error to speak of."""
+"""Up to this ratio of misfit to pre-trigger noise there is no model error to speak of."""
 SHARE = 0.2
 """Of the misfit that is no noise: what a mode explains at least."""
 
@@ -23,8 +23,8 @@ def strength(fit: Fit) -> Real:
 def least_strength(fit: Fit, misfit_ratio: float) -> float:
     """The strength below which a pole may stand for noise, or for what is wrong with the model.
 
-    A pole of strength q lowers the squared misfit of an output by q^2, in units of what the fit leaves over. Of these
-    `rows` units a share 1 - 1 / r^2 is no noise, where the fit leaves over r times the noise. A pole that explains less
+    A pole of strength q lowers the squared misfit of an output by q^2, in units of the fit's residual. Of these
+    `rows` units a share 1 - 1 / r^2 is no noise, where the residual is r times the noise. A pole that explains less
     than a fifth of that may be one of many that stand for one and the same error.
 
     Args:

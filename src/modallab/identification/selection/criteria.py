@@ -37,7 +37,7 @@ def mac(one: NDArray[Any], other: NDArray[Any]) -> Real:
 
 
 def auto_mac(shapes: NDArray[Any]) -> Real:
-    """MAC of a set with itself: what stands off the diagonal, too few points cannot tell apart."""
+    """MAC of a set with itself: what stands off the diagonal, too few points cannot distinguish."""
     return mac(shapes, shapes)
 
 

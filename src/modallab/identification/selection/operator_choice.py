@@ -31,15 +31,15 @@ def start_poles(
         return found
     every = np.concatenate([found, *[o.poles for o in reversed(orders)]])
     poles: list[complex] = []
-    for requested in 2 * np.pi * np.array(sorted(options.pick_hz)):
+    for choice in 2 * np.pi * np.array(sorted(options.pick_hz)):
         sound = every[(every.real < 0) & (-every.real < 0.2 * np.abs(every))]
-        near = sound[np.abs(np.abs(sound) / requested - 1) < NEAR]
+        near = sound[np.abs(np.abs(sound) / choice - 1) < NEAR]
         stable = near[np.isin(near, found)]
         use = stable if stable.size else near
         if use.size:
-            poles.append(complex(use[np.argmin(np.abs(np.abs(use) - requested))]))
+            poles.append(complex(use[np.argmin(np.abs(np.abs(use) - choice))]))
         else:
-            poles.append(complex(-FIRST_ZETA * requested, requested))
+            poles.append(complex(-FIRST_ZETA * choice, choice))
     return np.array(list(dict.fromkeys(poles)))
 
 
@@ -59,9 +59,9 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
     if options.pick_hz:
         keep = np.zeros(frequency.size, bool)
         inside = np.flatnonzero((frequency > band_hz[0]) & (frequency < band_hz[1]))
-        for requested in options.pick_hz:
+        for choice in options.pick_hz:
             keep[
-                _nearest(frequency, inside, requested, "the fit has no pole there", "leave it out, or widen the band")
+                _nearest(frequency, inside, choice, "the fit has no pole there", "leave it out, or widen the band")
             ] = True
     elif options.drop_hz and not first:
         # What the operator has left stays, however much noise the dropped one is for it now.
@@ -78,9 +78,9 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
     return keep
 
 
-def _nearest(frequency: NDArray[np.float64], among: NDArray[np.int64], requested: float, says: str, remedy: str) -> int:
-    away = np.abs(frequency[among] / requested - 1)
+def _nearest(frequency: NDArray[np.float64], among: NDArray[np.int64], choice: float, says: str, remedy: str) -> int:
+    away = np.abs(frequency[among] / choice - 1)
     if not away.size or away.min() > NEAR:
         there = ", ".join(f"{f:.4g}" for f in np.sort(frequency[among])) or "none"
-        raise IdentificationError(f"{requested:g} Hz: {says}; there are {there} Hz", remedy=remedy)
+        raise IdentificationError(f"{choice:g} Hz: {says}; there are {there} Hz", remedy=remedy)
     return int(among[np.argmin(away)])

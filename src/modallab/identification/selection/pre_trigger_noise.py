@@ -1,4 +1,4 @@
-"""The noise before the hits, and how many times it the fit of an impact test leaves over."""
+"""The noise before the hits, and how many times as large the residual of an impact test's fit is."""
 
 from collections.abc import Sequence
 
@@ -11,26 +11,26 @@ from modallab.identification.selection.confidence import MODEL_ERROR_FROM
 from modallab.signals.hit import find_hit
 
 SAMPLES_NEEDED = 1000
-"""Samples before the hits, over all outputs and blocks, that tell the noise to some 2 %."""
+"""Samples before the hits, over all outputs and blocks, that determine the noise to some 2 %."""
 
 
 def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
-    """How many times the noise of the silence before the hits the fit leaves over, median over outputs.
+    """The residual of the fit over the pre-trigger noise, median over outputs.
 
-    1 where the model explains the blocks; NaN where there is too little silence to tell.
+    1 where the model explains the blocks; NaN where too few samples lie before the hits.
     """
-    silence = pre_trigger_noise(signals)
-    return float("nan") if silence is None else float(np.median(fit.point.noise / silence))
+    noise = pre_trigger_noise(signals)
+    return float("nan") if noise is None else float(np.median(fit.point.noise / noise))
 
 
 def pre_trigger_noise(signals: Sequence[Signals]) -> NDArray[np.float64] | None:
-    """Noise (outputs,) of a DFT line's real part, from the silence before the hits; None if there is too little."""
+    """Noise (outputs,) of a DFT line's real part, from the samples before the hits; None if there are too few."""
     cut = [s.responses[:, : find_hit(s.force).first] for s in signals]
-    quiet = [q - q.mean(axis=1, keepdims=True) for q in cut if q.shape[1] > 1]
-    free = sum(q.shape[1] - 1 for q in quiet)
+    centred = [q - q.mean(axis=1, keepdims=True) for q in cut if q.shape[1] > 1]
+    free = sum(q.shape[1] - 1 for q in centred)
     if free * len(signals[0].outputs) < SAMPLES_NEEDED:
         return None
-    variance = np.sum([np.sum(q**2, axis=1) for q in quiet], axis=0) / free
+    variance = np.sum([np.sum(q**2, axis=1) for q in centred], axis=0) / free
     # A DFT line's real part holds half of n times the variance of a sample.
     return np.maximum(np.sqrt(variance * signals[0].force.size / 2), np.finfo(float).tiny)
 
@@ -40,6 +40,6 @@ def model_error_notes(ratio: float) -> tuple[str, ...]:
     if not ratio > MODEL_ERROR_FROM:
         return ()
     return (
-        f"The model leaves over {ratio:.3g} times the noise of the silence before the hits: something acts that no "
-        "linear modes explain. The uncertainties are too small, and weak modes may stand for what is wrong.",
+        f"The fit's residual is {ratio:.3g} times the pre-trigger noise: something acts that no linear modes explain. "
+        " The uncertainties are too small, and weak modes may stand for what is wrong.",
     )

@@ -14,7 +14,7 @@ GAIN = 3.0
 """One more pole must divide the squared misfit by this; noise and decaying blocks leave less to gain."""
 MOST = 4
 APART = 0.2
-"""No second pole this near to another, as a share of its frequency: few lines cannot tell the two apart."""
+"""No second pole this near to another, as a share of its frequency: few lines cannot distinguish the two."""
 POWERS = (0, 2, 4)
 
 

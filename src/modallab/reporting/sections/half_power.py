@@ -49,7 +49,7 @@ def _overview(modes: tuple[Mode, ...]) -> Markup:
         damping(modes),
         "damping",
         _alt(modes),
-        "Damping of each mode. The grey bar is the resolution. In it, a half-power reading tells the width of one line "
+        "Damping of each mode. The grey bar is the resolution. In it, a half-power reading shows the width of one line "
         f"or step of the spectrum, not the damping of the beam: it stands near the bar's end in any case.{triangles}",
         1,
     )

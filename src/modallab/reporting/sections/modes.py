@@ -24,7 +24,7 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
         _table(content, modes),
         paragraph(
             "The number after ± is one standard deviation, σ. The damping ratio ζ is the share of critical "
-            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence tells how far a "
+            "damping; the loss factor is η = 2ζ. The half-power reading is given as ζ too. Confidence says how far a "
             "mode stands above what noise, or what the model leaves unexplained, could pass for: 0 is at the limit, 1 "
             "far above."
         ),
@@ -34,7 +34,7 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
         _agreement(modes),
     ]
     absent = missing + (
-        () if content.truth else ("The true modes are not known; only a simulated bench can tell them.",)
+        () if content.truth else ("The true modes are not known; only a simulated bench can state them.",)
     )
     return Section("modes", "The modes", join(parts), absent)
 

@@ -55,9 +55,9 @@ def _picked(model: ModalModel, diagram: Diagram) -> str:
     more = int(diagram.held_hz.size) - model.n_modes
     says = f"{held} hold over enough orders; {modes} stand in the model."
     if more > 0:
-        return f"{says} What held and is no mode fitted noise, stood for a mode beyond, or was left out by hand."
+        return f"{says} What held and is no mode fitted noise, stood for one outside the band, or was left out by hand."
     if more < 0:
-        return f"{says} The others were found in what these left over, by hand, or share a pole."
+        return f"{says} The others were found in the residual of these, by hand, or share a pole."
     return says
 
 

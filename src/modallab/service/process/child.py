@@ -71,7 +71,7 @@ class Child:
             self._start()
 
     def close(self) -> None:
-        """Tell it to leave, and wait for it."""
+        """Ask it to leave, and wait for it."""
         if self._connection is not None:
             with suppress(OSError):
                 self._connection.send(None)

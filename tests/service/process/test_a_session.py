@@ -11,7 +11,7 @@ TRUE_HZ = (4.754972, 30.594413, 87.1533545)
 
 def test_an_impact_run_ends_with_a_model_of_the_true_modes(service: ServiceProcess) -> None:
     lab = service.client
-    campaign = lab.create_campaign("a visit", service.rig)
+    campaign = lab.create_campaign("a session", service.rig)
     with lab.lease(service.rig, "Ada") as lease:
         run = lab.start_run(campaign.id, ImpactPlan(points=(10, 3), hits=2), lease)
         events = list(lab.follow(run.id))

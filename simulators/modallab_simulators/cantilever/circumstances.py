@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class LocalSession:
+class Circumstances:
     """The circumstances of a session at the bench.
 
     Attributes:
@@ -23,5 +23,5 @@ class LocalSession:
     modes: int | None = None
 
 
-EVERYDAY = LocalSession()
+EVERYDAY = Circumstances()
 """A bench as its address says."""

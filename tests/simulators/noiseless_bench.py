@@ -12,7 +12,7 @@ from modallab_simulators.cantilever import open_bench
 RATE_HZ = 2000.0
 
 
-def quiet_rig() -> Rig:
+def noiseless_rig() -> Rig:
     path = files("modallab.cli") / "link_rig.yaml"
     rig = parse_rig(path.read_text(encoding="utf-8"), str(path))
     return rig.model_copy(update={"converter": Converter(bits=30, noise_rms_v=0.0)})
@@ -38,7 +38,7 @@ def resting(effects: str, *, seconds: float = 3.0, query: str = "seed=1") -> np.
 
 def _recorded(test: str, effects: str, query: str, seconds: float, excite) -> np.ndarray:
     named = "".join(f"&effect={effect}" for effect in effects.split(";") if effect)
-    bench = open_bench(f"sim://cantilever?bad_hits=0&{query}{named}", quiet_rig())
+    bench = open_bench(f"sim://cantilever?bad_hits=0&{query}{named}", noiseless_rig())
     delivery = bench.configure(Request(test, RATE_HZ))
     bench.start()
     excite(bench)

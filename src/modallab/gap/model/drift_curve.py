@@ -1,4 +1,7 @@
-"""The course of a drift: a bench does not warm at an even pace, and need not."""
+"""The curve of a drift over the campaign: a bench does not warm at an even pace, and need not.
+
+Gauss-Newton steps (Nocedal and Wright, Numerical Optimization, 2006, ch. 10) with a Gaussian prior about an even pace.
+"""
 
 from dataclasses import replace
 

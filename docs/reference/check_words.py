@@ -1,0 +1,170 @@
+"""Keeps retired words out: the table at the end of the glossary is the rule, and the only place where it stands.
+
+    python docs/reference/check_words.py
+
+A word counts wherever it stands by itself or as a part of a name, split at underscores and capitals: of a retired `old`
+the names `old_count` and `lastOld` and the words "an old one" are found, "older" is not. Rules for names look only at
+names of the code, of files and of JSON fields; a test's name is a sentence. Prints `file:line: word -> say instead` for
+each and ends with 1 if there is any.
+"""
+
+import ast
+import io
+import re
+import sys
+import tokenize
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cached_property
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+GLOSSARY = "docs/reference/glossary.md"
+LOOKED_AT = (
+    "README.md",
+    "Makefile",
+    "pyproject.toml",
+    "src",
+    "drivers",
+    "simulators",
+    "tests",
+    "benchmarks",
+    "docs",
+    "docker",
+)
+LEFT_OUT = ("tests/data/", "docs/images/", GLOSSARY)
+SUFFIXES = ("", ".py", ".md", ".toml", ".yaml", ".yml", ".json", ".html", ".css", ".js", ".sh", ".txt", ".sql")
+OLD_NAMES = "renamed"
+"""Assignments to this name hold the names of earlier versions."""
+
+_PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_FIELD = re.compile(r'"(\w+)"\s*:')
+_CODE = re.compile(r"`([^`]+)`")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One line of the table.
+
+    Attributes:
+        words: lower case; `*` at the end stands for any ending, `_` joins parts of one name.
+        instead: what to say.
+        names_only: whether sentences may hold it.
+        allowed: phrases that hold it and are not ours.
+    """
+
+    words: tuple[str, ...]
+    instead: str
+    names_only: bool
+    allowed: tuple[str, ...]
+
+    @cached_property
+    def hint(self) -> re.Pattern[str]:
+        """What a text holds at least if it holds a word of this rule."""
+        return re.compile("|".join(word.rstrip("*") for word in self.words), re.IGNORECASE)
+
+    def found_in(self, text: str) -> Iterator[str]:
+        """The words of this rule that `text` holds, as they are written there."""
+        if not self.hint.search(text):
+            return
+        for phrase in self.allowed:
+            text = re.sub(re.escape(phrase), " ", text, flags=re.IGNORECASE)
+        for run in re.findall(r"\w+", text):
+            parts = [part.lower() for part in _PART.findall(run)]
+            for word in self.words:
+                pieces = word.split("_")
+                spans = (parts[i : i + len(pieces)] for i in range(len(parts) - len(pieces) + 1))
+                if any(all(map(fnmatchcase, span, pieces)) for span in spans):
+                    yield run
+
+
+def read_rules(page: str) -> list[Rule]:
+    """The rules in the table under "Retired words".
+
+    Raises:
+        ValueError: the section, or the table in it, is not there.
+    """
+    _, section, table = page.partition("## Retired words\n")
+    rows = [
+        [cell.strip() for cell in line.strip().strip("|").split("|")]
+        for line in table.splitlines()
+        if line[:3] == "| `"
+    ]
+    if not section or not rows:
+        raise ValueError("the glossary has no table of retired words")
+    return [
+        Rule(tuple(_CODE.findall(words)), instead, where == "names", tuple(_CODE.findall(allowed)))
+        for words, instead, where, allowed in rows
+    ]
+
+
+def check(path: str, text: str, rules: list[Rule]) -> list[str]:
+    """What is wrong in one file: `path:line: word -> say instead`. The path counts as a name, at line 1."""
+    rules = [rule for rule in rules if rule.hint.search(path) or rule.hint.search(text)]
+    if not rules:
+        return []
+    old = _old_names(text) if path.endswith(".py") else set[int]()
+    names, lines = _names(path, text), list(enumerate(text.splitlines(), start=1))
+    wrong: list[str] = []
+    for rule in rules:
+        wrong += [f"{path}:1: {word} (in the path) -> {rule.instead}" for word in rule.found_in(path)]
+        sought = names if rule.names_only else lines
+        wrong += [
+            f"{path}:{n}: {word} -> {rule.instead}" for n, t in sought if n not in old for word in rule.found_in(t)
+        ]
+    return wrong
+
+
+def _names(path: str, text: str) -> list[tuple[int, str]]:
+    """(line, name) of the identifiers of Python and of the fields of JSON; other files have none."""
+    if path.endswith(".py"):
+        tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+        names = [(token.start[0], token.string) for token in tokens if token.type == tokenize.NAME]
+        return [(line, name) for line, name in names if not name.startswith("test_")]
+    if path.endswith(".json"):
+        return [(n, name) for n, line in enumerate(text.splitlines(), start=1) for name in _FIELD.findall(line)]
+    return []
+
+
+def _old_names(text: str) -> set[int]:
+    """Lines of the tables of names of earlier versions."""
+    lines: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        if any(isinstance(t, ast.Name) and t.id.lower() == OLD_NAMES for t in targets):
+            lines.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return lines
+
+
+def files(root: Path) -> Iterator[Path]:
+    """The files of the project that are looked at."""
+    for start in LOOKED_AT:
+        place = root / start
+        for file in [place] if place.is_file() else sorted(place.rglob("*")):
+            name = file.relative_to(root).as_posix()
+            if (
+                file.is_file()
+                and file.suffix in SUFFIXES
+                and "__pycache__" not in name
+                and not name.startswith(LEFT_OUT)
+            ):
+                yield file
+
+
+def main() -> int:
+    """Check the project; the number of the exit."""
+    rules = read_rules((ROOT / GLOSSARY).read_text(encoding="utf-8"))
+    wrong = [
+        line
+        for file in files(ROOT)
+        for line in check(file.relative_to(ROOT).as_posix(), file.read_text(encoding="utf-8"), rules)
+    ]
+    print(*wrong, sep="\n" if wrong else "")
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
