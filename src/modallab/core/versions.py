@@ -1,6 +1,6 @@
 """Versions of every format the project writes. Old ones stay readable for ever."""
 
-RIG = 1
+RIG = 2
 CAMPAIGN_INT16 = 1
 CAMPAIGN_NATIVE = 2
 MODEL = 1

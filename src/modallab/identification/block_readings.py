@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, impact_frf
 from modallab.identification.estimators.half_power import reading_near, summed_amplitude
 from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
+from modallab.signals.signals import Signals
 
 Groups = Sequence[Sequence[Signals]]
 

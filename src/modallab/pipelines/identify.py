@@ -6,7 +6,7 @@ from functools import partial
 from typing import Literal
 
 from modallab.core.array_checks import check_signals
-from modallab.core.block import Block, Campaign, Signals
+from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
@@ -17,10 +17,10 @@ from modallab.identification.estimators.peak import identify_peaks
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.options import Options
-from modallab.identification.sine import fit_tone, identify_sine
+from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_frf, assess_impact, assess_sine
 from modallab.signals.full_scale import overloaded
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
 from modallab.verification.reservations import doubts
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
@@ -146,10 +146,9 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
     signals, notes = usable(campaign, blocks)
     if options.as_in_the_paper:
-        tones = [fit_tone(s) for s in signals]
         low, high = options.band_hz or (0.0, float("inf"))
-        used = [t for t in tones if low <= t.fit.frequency_hz <= high]
-        frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
+        used = [s for s in signals if low <= s.tone.frequency_hz <= high]
+        frf = stepped_frf(used, campaign.rig)
         return Identified("sine", _with_notes(identify_peaks(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
     assessment = assess_sine(model, fit, signals, campaign.rig)
