@@ -10,13 +10,11 @@ from modallab.core.axis_checks import check_frequencies, check_rate
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.core.units import Quantity
+from modallab.core.units import DERIVATIVE
 from modallab.signals.same_test import check_outputs, check_test
 from modallab.signals.signals import Signals
 
 Estimator = Literal["H1", "H2", "Hv"]
-
-_DERIVATIVE: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 def output_quantity(rig: Rig) -> FrfQuantity:
@@ -28,12 +26,12 @@ def output_quantity(rig: Rig) -> FrfQuantity:
     kinds = {c.quantity for c in rig.responses}
     by_derivative: dict[int, FrfQuantity] = {d: q for q, d in DERIVATIVES.items()}
     quantity = next(iter(kinds)) if len(kinds) == 1 else "voltage"
-    if quantity not in _DERIVATIVE:
+    if quantity not in DERIVATIVE:
         raise DataError(
             f"the outputs measure {', '.join(sorted(kinds))}",
             remedy="identify channels of one kind of motion together: acceleration, velocity or displacement",
         )
-    return by_derivative[_DERIVATIVE[quantity]]
+    return by_derivative[DERIVATIVE[quantity]]
 
 
 def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
