@@ -16,6 +16,7 @@ from modallab.gap.design.prediction import predict
 from modallab.gap.diagnose import diagnose
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.summary import sentence
+from modallab.signals.signals import to_signals
 
 Make = Callable[..., Campaign]
 TIP = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})

@@ -19,9 +19,10 @@ PRE_TRIGGER = 64
 
 
 def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
-    """(rows,) V rms the rig file promises: the converter's noise, and its rounding where the samples are counts."""
+    """(rows,) V rms the rig file promises: the converter's noise, and its rounding."""
     counted = [b.scale for b in blocks if b.samples.dtype.kind in "iu"]
-    steps = np.max(np.abs(counted), axis=0) if counted else np.zeros(len(rig.channels))
+    known = rig.converter.volts_per_count if rig.converter is not None else 0.0
+    steps = np.max(np.abs(counted), axis=0) if counted else np.full(len(rig.channels), known)
     own = rig.converter.noise_rms_v if rig.converter is not None else steps
     return np.maximum(np.hypot(own, steps / np.sqrt(12)), LEAST_V)
 
