@@ -15,7 +15,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 RATE_HZ, N, FINE = 2000.0, 2048, 16
 NOISE_V = 3e-4

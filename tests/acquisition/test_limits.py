@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scripted_bench import SCALE, scripted_rig
 
-from modallab.acquisition.monitor.chain import chain_of
 from modallab.acquisition.monitor.limits import LimitWatch, watch_of
 from modallab.bench.protocol import Chunk, Delivery
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Limits
+from modallab.signals.conversion import Conversion
 
 LIMITS = Limits(drive_v=1.0, slew_v_per_s=1.0, force_n=50.0, acceleration_m_s2=60.0, max_burst_s=1.0)
 
@@ -18,7 +18,7 @@ LIMITS = Limits(drive_v=1.0, slew_v_per_s=1.0, force_n=50.0, acceleration_m_s2=6
 def watch(dtype: str = "int16") -> LimitWatch:
     scale = SCALE if dtype == "int16" else 1.0
     delivery = Delivery(1e3, 1e3, 1e3, np.dtype(dtype), np.full(3, scale), ("V", "V", "V"))
-    return watch_of(scripted_rig(LIMITS), LIMITS, chain_of(scripted_rig(), delivery, "sine"))
+    return watch_of(scripted_rig(LIMITS), LIMITS, Conversion.of(scripted_rig(), "sine", delivery.units, delivery.scale))
 
 
 def chunk(samples: np.ndarray) -> Chunk:

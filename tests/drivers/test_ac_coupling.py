@@ -14,7 +14,7 @@ from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.signals.ac_coupling import uncoupled
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 CORNER_HZ = 0.5
 POINTS = 5

@@ -7,7 +7,7 @@ import pytest
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import combine, convert, impact_frf, lines
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 BLOCKS, LINES = 4000, 3
 TRUE = np.array([2.0 - 1.0j, -0.5 + 0.2j, 3.0j])

@@ -13,10 +13,10 @@ from modallab.frf.estimate import lines, pre_trigger_level
 from modallab.frf.stepped import stepped_frf
 from modallab.signals.ac_coupling import uncoupled
 from modallab.signals.alignment import aligned
-from modallab.signals.bandpass import bandpass
+from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.full_scale import overloaded
 from modallab.signals.hit import find_hit, windowed_force
-from modallab.signals.scaling import remove_mean, to_signals, to_signals_of
+from modallab.signals.signals import to_signals, to_signals_of
 from modallab.signals.tone_fit import fit_at, fit_frequency, strongest_near
 
 N, RATE = 512, 1000.0
@@ -206,44 +206,48 @@ def test_a_channel_turned_by_its_scale_reaches_full_scale_at_the_same_volts():
 def stepped():
     rng = np.random.default_rng(4)
     blocks = bench.sine_blocks(bench.modes(rng, 2), rng, np.array([5.0, 6.0, 7.0]), settle_s=1.0)
-    signals = to_signals_of(blocks, bench.rig(5))
-    return signals, [fit_frequency(s.force[None], s.rate_hz, s.block.frequency_hz) for s in signals]
+    return to_signals_of(blocks, bench.rig(5))
 
 
-def test_fits_that_are_not_of_the_blocks_own_force_are_rejected(stepped):
-    signals, fits = stepped
-    first = fits[0]
-    spoiled_fits = [
-        replace(first, amplitude=first.amplitude * np.nan),
-        replace(first, amplitude=first.amplitude * 0),
-        replace(first, amplitude=first.amplitude[:0]),
-        replace(first, amplitude=np.repeat(first.amplitude, 2)),
-        replace(first, frequency_hz=np.nan),
-        replace(first, frequency_hz=-5.0),
-        replace(first, frequency_hz=900.0),
-        replace(first, frequency_hz=7.0),
-    ]
-    for bad in ([], fits[:2], fits[::-1], *([s, *fits[1:]] for s in spoiled_fits)):
-        rejected(stepped_frf, signals, bad, bench.rig(5))
+def test_a_force_without_the_sine_that_was_set_is_rejected(stepped):
+    first, *others = stepped
+    for set_to in (None, np.nan, -5.0, 900.0, 7.0):
+        bad = replace(first, block=replace(first.block, frequency_hz=set_to))
+        rejected(stepped_frf, [bad, *others], bench.rig(5))
+
+
+def test_signals_that_are_no_records_cannot_be_made(stepped):
+    first = stepped[0]
+    for change in (
+        {"responses": first.responses * np.nan},
+        {"responses": first.responses.T},
+        {"responses": first.responses[:-1]},
+        {"responses": first.responses[0]},
+        {"force": first.force[:-1]},
+        {"force": first.force * np.inf},
+        {"force": first.force + 0j},
+        {"force": first.force[None]},
+        {"outputs": first.outputs[:-1]},
+        {"rate_hz": np.nan},
+        {"rate_hz": -1000.0},
+    ):
+        assert first.block.name in str(rejected(lambda change=change: replace(first, **change)))
 
 
 def test_sine_blocks_that_make_no_stepped_test_are_rejected(stepped):
-    signals, fits = stepped
-    first, *others = signals
+    first, *others = stepped
     for bad in (
-        replace(first, responses=first.responses * np.nan),
         replace(first, responses=np.vstack([first.responses[:-1], 0 * first.responses[-1:]])),
         replace(first, force=first.force * 0),
-        replace(first, force=first.force[:-1]),
         replace(first, rate_hz=2 * first.rate_hz),
         replace(first, block=replace(first.block, drive_point=1)),
         replace(first, block=replace(first.block, test="impact")),
     ):
-        rejected(stepped_frf, [bad, *others], fits, bench.rig(5))
-    rejected(stepped_frf, signals, fits, bench.rig(4))
-    rejected(stepped_frf, [], [], bench.rig(5))
+        rejected(stepped_frf, [bad, *others], bench.rig(5))
+    rejected(stepped_frf, stepped, bench.rig(4))
+    rejected(stepped_frf, [], bench.rig(5))
 
 
-def test_the_pre_trigger_level_needs_a_hit(stepped):
+def test_a_pre_trigger_level_needs_a_hit(stepped):
     with pytest.raises(DataError):
-        pre_trigger_level(stepped[0][0])
+        pre_trigger_level(stepped[0])

@@ -25,7 +25,7 @@ def record(line: float, volts: float, cut: float, seed: int) -> Block:
 @pytest.mark.parametrize("line", [3, 30, 88, 108])
 def test_a_channel_cut_a_little_below_its_peak_is_found_at_every_frequency(line: int) -> None:
     blocks = [record(line, 4.6, 0.94 * 4.6, 1), record(12, 1.0, 0.94 * 4.6, 2)]
-    (found,) = find_clipped(blocks, np.full(ROWS, NOISE), FULL_SCALE)
+    (found,) = find_clipped(blocks, np.full(ROWS, NOISE), np.full(ROWS, FULL_SCALE), 0)
     assert found.row == ROWS - 1
     assert found.volts == pytest.approx(0.94 * 4.6, rel=2e-3)
     assert found.records == (f"s{line}",)
@@ -35,4 +35,4 @@ def test_a_channel_cut_a_little_below_its_peak_is_found_at_every_frequency(line:
 @pytest.mark.parametrize("volts", [0.01, 0.3, 4.6])
 @pytest.mark.parametrize("seed", range(3))
 def test_no_whole_sine_is_called_cut(line: float, volts: float, seed: int) -> None:
-    assert find_clipped([record(line, volts, np.inf, seed)], np.full(ROWS, NOISE), FULL_SCALE) == []
+    assert find_clipped([record(line, volts, np.inf, seed)], np.full(ROWS, NOISE), np.full(ROWS, FULL_SCALE), 0) == []

@@ -11,12 +11,12 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import scaled
 from modallab.gap.conditioning.split import split
 from modallab.gap.design.prediction import predict
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.summary import sentence
+from modallab.signals.signals import to_signals
 
 Make = Callable[..., Campaign]
 TIP = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
@@ -152,7 +152,7 @@ def test_a_diagnosis_predicts_another_campaign(make: Make, rig: Rig) -> None:
     predicted = predict(read, other)
     assert set(predicted) == {b.name for b in other.blocks}
     for block in other.blocks:
-        _, a = scaled(block, rig)
+        a = to_signals(block, rig).responses
         assert np.linalg.norm(predicted[block.name] - a) < 0.02 * np.linalg.norm(a) + 0.04 * np.sqrt(a.size)
 
 
@@ -160,7 +160,7 @@ def test_a_record_is_predicted_to_within_its_noise(make: Make, rig: Rig) -> None
     campaign = make()
     twin = bench(rig, ())
     for block in (campaign.blocks[0], campaign.blocks[-1]):
-        _, a = scaled(block, rig)
+        a = to_signals(block, rig).responses
         noise = 0.000313 / rig.responses[0].sensitivity(block.test)
         assert np.std(predict_record(twin, rig, block, 29.0) - a) < 2.5 * noise
 

@@ -28,7 +28,7 @@ def records(size, hz: float, seed: int = 1, clock: float = 0.0) -> list[Block]:
 @pytest.mark.parametrize("volts", [2e-4, 2e-3, 0.05])
 def test_hum_is_found_with_its_amplitude_on_every_row(volts: float, hz: float) -> None:
     each = volts * (0.5 + 0.1 * np.arange(ROWS))
-    found = find_hum(records(lambda _k, _rng: each, hz), np.full(ROWS, NOISE))
+    found = find_hum(records(lambda _k, _rng: each, hz), np.full(ROWS, NOISE), 0)
     assert found is not None
     assert found.hz == hz
     assert found.volts == pytest.approx(each, abs=1.5e-5)
@@ -37,7 +37,7 @@ def test_hum_is_found_with_its_amplitude_on_every_row(volts: float, hz: float) -
 def test_a_floor_that_shakes_at_the_mains_frequency_is_no_hum() -> None:
     # A base under a transformer: steady, on every accelerometer, nothing on the force.
     still = np.array([0.0, 0.02, 0.02, 0.03, 0.03])
-    assert find_hum(records(lambda _k, _rng: still, 60.0), np.full(ROWS, NOISE)) is None
+    assert find_hum(records(lambda _k, _rng: still, 60.0), np.full(ROWS, NOISE), 0) is None
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -45,12 +45,12 @@ def test_what_is_on_every_row_but_changes_from_record_to_record_is_no_hum(seed: 
     def random(_k: int, rng: np.random.Generator) -> np.ndarray:
         return np.full(ROWS, 0.02 * np.hypot(*rng.standard_normal(2)))
 
-    assert find_hum(records(random, 50.0, seed), np.full(ROWS, NOISE)) is None
+    assert find_hum(records(random, 50.0, seed), np.full(ROWS, NOISE), 0) is None
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_alone_is_no_hum(seed: int) -> None:
-    assert find_hum(records(lambda _k, _rng: np.zeros(ROWS), 50.0, seed), np.full(ROWS, NOISE)) is None
+    assert find_hum(records(lambda _k, _rng: np.zeros(ROWS), 50.0, seed), np.full(ROWS, NOISE), 0) is None
 
 
 def test_the_force_may_stand_in_another_row() -> None:
@@ -63,10 +63,10 @@ def test_the_force_may_stand_in_another_row() -> None:
 def test_what_is_left_without_the_hum_is_noise() -> None:
     each = 0.03 * (0.5 + 0.1 * np.arange(ROWS))
     blocks = records(lambda _k, _rng: each, 50.0)
-    found = find_hum(blocks, np.full(ROWS, NOISE))
+    found = find_hum(blocks, np.full(ROWS, NOISE), 0)
     assert found is not None
     again = [without_hum(b, found) for b in blocks]
-    assert find_hum(again, np.full(ROWS, NOISE)) is None
+    assert find_hum(again, np.full(ROWS, NOISE), 0) is None
     left = again[0].samples * STEP
     spectrum = np.abs(np.fft.rfft(left * np.hanning(N), axis=1))[:, 51]
     assert spectrum.max() < 6 * NOISE * np.sqrt(0.375 * N)
@@ -76,7 +76,7 @@ def test_what_is_left_without_the_hum_is_noise() -> None:
 def test_hum_stands_elsewhere_where_the_converters_clock_is_off(clock: float) -> None:
     each = 0.03 * (0.5 + 0.1 * np.arange(ROWS))
     blocks = records(lambda _k, _rng: each, 50.0, clock=clock)
-    found = find_hum(blocks, np.full(ROWS, NOISE))
+    found = find_hum(blocks, np.full(ROWS, NOISE), 0)
     assert found is not None
     assert (found.hz, found.seen_hz) == (50.0, pytest.approx(50.0 / (1 + clock), abs=0.01))
     assert found.volts == pytest.approx(each, rel=2e-3)

@@ -27,7 +27,7 @@ from modallab.identification.selection.diagram import stabilisation_diagram
 from modallab.identification.sine import identify_sine
 from modallab.identification.start import half_power, mode_indicators
 from modallab.identification.start.bands import split_bands
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
 PHI = np.random.default_rng(0).standard_normal((2, 5))
@@ -123,11 +123,10 @@ def test_a_band_without_lines_is_rejected(kind, band, hits, sines):
 @pytest.mark.parametrize("identify", [identify_impact, identify_sine])
 def test_records_that_cannot_be_are_rejected(identify, hits, sines):
     good = hits if identify is identify_impact else sines
-    nothing = replace(good[0], responses=good[0].responses * np.nan)
-    cut = replace(good[0], responses=good[0].responses[:, :-5])
-    backward = replace(good[0], rate_hz=-good[0].rate_hz)
-    without_force = replace(good[0], force=np.zeros_like(good[0].force))
-    for bad in ([], [nothing], [cut], [backward], [without_force]):
+    no_motion = replace(good[0], responses=0 * good[0].responses)
+    one_dead = replace(good[0], responses=np.vstack([good[0].responses[:-1], 0 * good[0].responses[-1:]]))
+    no_force = replace(good[0], force=np.zeros_like(good[0].force))
+    for bad in ([], [no_motion], [one_dead], [no_force]):
         with pytest.raises(ModallabError):
             identify(bad, RIG, Options())
 
@@ -153,8 +152,8 @@ def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
         [],
         rest,
         [*good, first],
-        [replace(first, responses=first.responses * np.nan), *rest],
-        [replace(first, responses=first.responses[:-1]), *rest],
+        [replace(first, responses=0 * first.responses), *rest],
+        [replace(first, responses=first.responses[:-1], outputs=first.outputs[:-1]), *rest],
         [replace(s, force=s.force[:-8], responses=s.responses[:, :-8]) for s in good],
         [replace(s, rate_hz=2 * s.rate_hz) for s in good],
     )

@@ -10,7 +10,7 @@ from modallab.core.errors import IdentificationError
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.identification.selection.confidence import confidence, least_strength, strength
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 
 def recorded(seed=4, hits=3):

@@ -10,7 +10,7 @@ from modallab.identification.likelihood.force_noise import force_parts
 from modallab.identification.likelihood.normal_matrix import normal_equations
 from modallab.identification.likelihood.rows import unstack
 from modallab.identification.options import Options
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 
 def fitted(seed=1, hits=3, **how):

@@ -9,7 +9,7 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.identification.selection.pre_trigger_noise import model_error
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 TWO_POINTS = (5, 3)
 

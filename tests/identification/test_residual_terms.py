@@ -8,7 +8,7 @@ import numpy as np
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.signals.hit import find_hit, windowed_force
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 
 def test_a_share_of_the_force_in_every_response_moves_no_damping():

@@ -7,7 +7,7 @@ import pytest
 from modallab.core.errors import DataError, IdentificationError
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 LINES = np.array([3, 4, 5, 6, 7, 8, 9, 12, 18, 30, 45, 50, 54, 56, 58, 60, 64, 72, 90, 130, 150, 158, 162, 170]) / 1.024
 

@@ -11,7 +11,7 @@ from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
 from modallab.identification.start.bands import split_bands
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 POINTS = 4
 

@@ -11,7 +11,7 @@ from modallab.identification.selection.diagram import STABLE, Diagram
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import render
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 
 FREQUENCIES = np.array([4.0, 5.0, 5.8, 6.1, 6.3, 6.6, 7.2, 8.5, 11.0, 15.0, 20.0, 30.0, 45.0, 52.0, 55.0, 57.0, 60.0])
 

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Block, Campaign, Signals
+from modallab.core.block import Block, Campaign
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
+from modallab.signals.signals import Signals
 
 POINTS = tuple(range(1, 11))
 FREQUENCY = np.array([4.803, 30.86, 87.92])

@@ -9,7 +9,7 @@ import pytest
 from modallab.frf.estimate import group_by_point
 from modallab.identification.impact import identify_impact
 from modallab.identification.options import Options
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 from modallab.verification.verify import synthesised, verify_frf, verify_impact
 
 BAND = (2.9, 400.0)

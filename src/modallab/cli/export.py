@@ -17,7 +17,7 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.impact import default_band
 from modallab.pipelines.model_file import read_models
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 from modallab.storage import Store, campaign_of
 
 

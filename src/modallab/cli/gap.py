@@ -13,6 +13,7 @@ from rich.table import Table
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.versions import PREDICTION
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
@@ -49,10 +50,14 @@ def _diagnose(arguments: argparse.Namespace) -> int:
 def _predict(arguments: argparse.Namespace) -> int:
     diagnosis = read_diagnosis(arguments.diagnosis)
     read_campaign(arguments.campaign)
-    records = predict(diagnosis, read_campaign(arguments.on))
+    other = read_campaign(arguments.on)
+    records = predict(diagnosis, other)
+    responses = other.rig.responses
     with replacing(arguments.out) as draft, h5py.File(draft, "w") as target:
-        target.attrs["unit"] = "m/s^2"
-        target.attrs["format_version"] = 1
+        target.attrs["format_version"] = PREDICTION
+        target.attrs["channels"] = [c.name for c in responses]
+        target.attrs["units"] = [c.unit for c in responses]
+        target.attrs["directions"] = [c.direction for c in responses]
         for name, values in records.items():
             target.create_dataset(name, data=values)
     Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)

@@ -16,6 +16,7 @@ from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock
 from modallab.core.errors import PlanError, RigError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.rig_file import read_rig, write_rig
+from modallab.signals.conversion import sign_of, volts_per_count, volts_per_si
 
 RATE_HZ = 2000.0
 
@@ -101,7 +102,7 @@ def _measure(
     def record(what: str) -> NDArray[np.float64]:
         if not arguments.yes:
             input(f"{what}, then press Enter ")
-        return _volts(bench, delivery, arguments.seconds)
+        return _volts(bench, rig, delivery, arguments.seconds)
 
     row, value = channel.index, arguments.value
     if arguments.method == "turnover":
@@ -115,14 +116,16 @@ def _measure(
         return calibrate.by_reference(volts, delivery.rate_hz, arguments.frequency, value)
     volts = record("shake the free mass")
     sensor = next(c for c in rig.responses if c.name == (arguments.against or rig.responses[0].name))
-    acceleration = volts[sensor.index] / sensor.sensitivity("impact")
-    return calibrate.by_rigid_mass(volts[row], acceleration, value)
+    # Positive along the drive on both sides; the force channel's own direction turns its sensitivity back.
+    acceleration = volts[sensor.index] / volts_per_si(rig, "impact")[sensor.index]
+    return calibrate.by_rigid_mass(sign_of(rig, channel) * volts[row], acceleration, value)
 
 
-def _volts(bench: Bench, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
+def _volts(bench: Bench, rig: Rig, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
     bench.start()
     try:
         chunk = bench.read(max(1, round(seconds * delivery.rate_hz)), seconds + 5.0)
     finally:
         bench.stop()
-    return chunk.samples.astype(np.float64) * delivery.scale[:, None]
+    scale = volts_per_count(rig, "impact", delivery.units, delivery.scale)
+    return chunk.samples.astype(np.float64) * scale[:, None]

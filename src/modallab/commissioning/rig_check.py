@@ -7,12 +7,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.chain import chain_of
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import is_voltage, si_factor
+from modallab.core.units import si_factor
+from modallab.signals.conversion import Conversion, volts_per_count
 from modallab.signals.tone_fit import fit_frequency
 
 Verdict = Literal["good", "look", "bad"]
@@ -56,10 +56,9 @@ def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
         samples, over = _read(bench, delivery, seconds)
     finally:
         bench.stop()
-    volts = samples * delivery.scale[:, None]
-    for channel, row, unit, flag in zip(rig.channels, volts, delivery.units, over, strict=True):
-        factor = si_factor("voltage", unit) if is_voltage(unit) else 1.0
-        findings += _of_channel(channel, rig, row * factor, bool(flag))
+    volts = samples * volts_per_count(rig, "impact", delivery.units, delivery.scale)[:, None]
+    for channel, row, flag in zip(rig.channels, volts, over, strict=True):
+        findings += _of_channel(channel, rig, row, bool(flag))
     return findings
 
 
@@ -72,11 +71,11 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
         ask: notifies whoever taps which point comes next.
     """
     delivery = bench.configure(Request("impact", RATE_HZ))
-    chain = chain_of(rig, delivery, "impact")
+    conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
-        return [_tap(bench, rig, delivery, channel, chain.si_per_count, ask) for channel in sensors]
+        return [_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
     finally:
         bench.stop()
 
@@ -161,25 +160,20 @@ def _sensitivities(bench: Bench, rig: Rig) -> list[Finding]:
 
 
 def _tap(
-    bench: Bench,
-    rig: Rig,
-    delivery: Delivery,
-    channel: Channel,
-    si_per_count: NDArray[np.float64],
-    ask: Callable[[int], None],
+    bench: Bench, delivery: Delivery, conversion: Conversion, channel: Channel, ask: Callable[[int], None]
 ) -> Finding:
     assert channel.point is not None
     ask(channel.point)
     bench.prompt_hit(channel.point)
-    trigger, force = Trigger(TAP_N, TAP_N / 2), rig.force_channel.index
+    trigger = Trigger(TAP_N, TAP_N / 2)
     step = round(CHUNK_S * delivery.rate_hz)
     before = _take(bench, delivery, step)[0]
     for _ in range(round(TAP_PATIENCE_S / CHUNK_S)):
         after = _take(bench, delivery, step)[0]
-        place = trigger.scan(after[force] * si_per_count[force])
+        place = trigger.scan(conversion.force_n(after))
         if place is not None:
             both = np.concatenate([before, after, _take(bench, delivery, step)[0]], axis=1)
-            return _polarity(channel, both * si_per_count[:, None], step + place, force, delivery.rate_hz)
+            return _polarity(channel, conversion.si(both), step + place, conversion.force, delivery.rate_hz)
         before = after
     raise BenchError(
         f"no tap above {TAP_N:g} N at point {channel.point} within {TAP_PATIENCE_S:g} s",
@@ -193,7 +187,6 @@ def _polarity(channel: Channel, values: NDArray[np.float64], place: int, force: 
     push = values[force, touch]
     answer = values[channel.index, touch] - values[channel.index, : max(1, touch.start)].mean()
     together = float(push @ answer / np.sqrt((push @ push) * (answer @ answer)))
-    # A sensor mounted the other way round reads the other way round, as its direction says.
-    expected = 1.0 if channel.direction.startswith("+") else -1.0
-    verdict: Verdict = "good" if together * expected > 0.2 else ("bad" if together * expected < -0.2 else "look")
+    # The conversion has turned what the rig file says is mounted against the drive: all must go with the force.
+    verdict: Verdict = "good" if together > 0.2 else ("bad" if together < -0.2 else "look")
     return Finding(channel.name, "polarity", f"with the force by {together:+.2f} at point {channel.point}", verdict)

@@ -89,22 +89,3 @@ class Campaign:
     def of(self, test: Test) -> tuple[Block, ...]:
         """The blocks of one test, in the order of time."""
         return tuple(sorted((b for b in self.blocks if b.test == test), key=lambda b: b.order))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Signals:
-    """A block in SI units: step A of the paper.
-
-    Attributes:
-        force: (n,) in N.
-        responses: (outputs, n) in SI units of each output's quantity.
-        rate_hz: sampling rate.
-        outputs: (outputs,) channel names.
-        block: the block it came from.
-    """
-
-    force: NDArray[np.float64]
-    responses: NDArray[np.float64]
-    rate_hz: float
-    outputs: tuple[str, ...]
-    block: Block

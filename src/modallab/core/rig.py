@@ -1,8 +1,8 @@
 """What stands on the bench: beam, points, channels, converter, limits, tolerances."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, cast
 
 from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
@@ -74,7 +74,7 @@ class Channel(Frozen):
         quantity: what is measured.
         unit: of the sensitivity.
         point: where on the beam.
-        direction: of positive readings.
+        direction: of positive readings; the force channel's is the drive's unless it says otherwise.
         mass_kg: of the sensor.
         sensitivity_v_per_unit: one, or one per test.
         coupling: of the input; IEPE and bridge also feed the sensor.
@@ -153,7 +153,7 @@ class Limits(Frozen):
 class Rig(Frozen):
     """The bench as the operator believes it to be."""
 
-    format_version: Literal[1] = RIG
+    format_version: Literal[2] = RIG
     name: str
     model: Literal["cantilever", "unknown"] = "cantilever"
     bench: str | None = None
@@ -169,6 +169,11 @@ class Rig(Frozen):
     limits: Limits | None = None
     excitation: Excitation | None = None
     history: tuple[Calibration, ...] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_force_direction(cls, content: object) -> object:
+        return _with_force_direction(cast("Mapping[str, object]", content)) if isinstance(content, Mapping) else content
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -203,3 +208,30 @@ class Rig(Frozen):
 def _reject(problems: Sequence[Problem]) -> None:
     if problems:
         raise ValueError("\n".join(str(problem) for problem in problems))
+
+
+def _with_force_direction(content: Mapping[str, object]) -> Mapping[str, object]:
+    """The rig with the drive's direction in the force channel, where it has none of its own.
+
+    Version 1 took no notice of the force channel's direction: whatever it says there, the drive's is meant.
+    """
+    old, channels = content.get("format_version") == 1, content.get("channels")
+    if not isinstance(channels, Sequence) or isinstance(channels, str):
+        return content
+    drive = content.get("drive_direction", "+z")
+    listed = [_along(channel, drive, old) for channel in cast("Sequence[object]", channels)]
+    return {**content, "channels": listed, **({"format_version": RIG} if old else {})}
+
+
+def _along(channel: object, drive: object, old: bool) -> object:
+    if isinstance(channel, Channel):
+        stated = "direction" in channel.model_fields_set
+        if channel.quantity != "force" or (stated and not old):
+            return channel
+        return channel.model_copy(update={"direction": drive})
+    if not isinstance(channel, Mapping):
+        return channel
+    fields = cast("Mapping[str, object]", channel)
+    if fields.get("quantity") != "force" or ("direction" in fields and not old):
+        return fields
+    return {**fields, "direction": drive}

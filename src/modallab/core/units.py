@@ -16,6 +16,8 @@ TO_SI: dict[Quantity, dict[str, float]] = {
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
     "voltage": {"V": 1.0, "mV": 1e-3},
 }
+DERIVATIVE: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
+"""Times the displacement is differentiated in what a channel senses."""
 SI_UNIT: dict[Quantity, str] = {
     "force": "N",
     "acceleration": "m/s^2",

@@ -7,17 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.axis_checks import check_frequencies, check_rate
-from modallab.core.block import Signals
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.core.units import Quantity
-from modallab.signals.checks import check_outputs, check_test
-from modallab.signals.hit import find_hit, windowed_force
+from modallab.core.units import DERIVATIVE
+from modallab.signals.same_test import check_outputs, check_test
+from modallab.signals.signals import Signals
 
 Estimator = Literal["H1", "H2", "Hv"]
-
-_DERIVATIVE: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 
 def output_quantity(rig: Rig) -> FrfQuantity:
@@ -29,12 +26,12 @@ def output_quantity(rig: Rig) -> FrfQuantity:
     kinds = {c.quantity for c in rig.responses}
     by_derivative: dict[int, FrfQuantity] = {d: q for q, d in DERIVATIVES.items()}
     quantity = next(iter(kinds)) if len(kinds) == 1 else "voltage"
-    if quantity not in _DERIVATIVE:
+    if quantity not in DERIVATIVE:
         raise DataError(
             f"the outputs measure {', '.join(sorted(kinds))}",
             remedy="identify channels of one kind of motion together: acceleration, velocity or displacement",
         )
-    return by_derivative[_DERIVATIVE[quantity]]
+    return by_derivative[DERIVATIVE[quantity]]
 
 
 def convert(frf: Frf, quantity: FrfQuantity) -> Frf:
@@ -188,7 +185,7 @@ def impact_frf(
     window = np.exp(-damping_shift * np.arange(n) / rate)
     values, coherences = [], []
     for group in groups:
-        force = np.stack([windowed_force(s.force, find_hit(s.force)) for s in group])
+        force = np.stack([s.hit_force for s in group])
         response = np.stack([s.responses - pre_trigger_level(s)[:, None] for s in group])
         spectrum_f = np.fft.rfft(force * window)[:, chosen]
         spectrum_y = np.fft.rfft(response * window)[..., chosen]
@@ -210,7 +207,7 @@ def impact_frf(
 
 def pre_trigger_level(signals: Signals) -> NDArray[np.float64]:
     """Level of each output (outputs,) before the hit; where there is too little of it, the block's mean."""
-    first = find_hit(signals.force).first
+    first = signals.hit.first
     if first < 16:
         return signals.responses.mean(axis=1)
     return signals.responses[:, :first].mean(axis=1)

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.block import Signals
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, output_quantity
-from modallab.signals.checks import check_outputs, check_test
+from modallab.signals.same_test import check_outputs, check_test
+from modallab.signals.signals import Signals
 
 
 def without_mass(frf: Frf, mass_kg: Sequence[float]) -> Frf:

@@ -46,6 +46,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     """
     free = nuisances(campaign.rig, TOP_HZ)
     prepared = prepare(campaign)
+    campaign = prepared.campaign
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -22,8 +21,8 @@ from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.confidence import least_strength, strength
 from modallab.identification.selection.operator_choice import chosen, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
-from modallab.signals.checks import check_test
-from modallab.signals.hit import find_hit, windowed_force
+from modallab.signals.same_test import check_test
+from modallab.signals.signals import Signals
 
 LEAK = 300.0
 """The artificial damping lets every ring-down fall by this factor within the block, before an estimator sees it."""
@@ -84,7 +83,7 @@ def default_band(groups: Groups) -> tuple[float, float]:
     n, rate = first.force.size, first.rate_hz
     power = np.zeros(n // 2 + 1)
     for signals in (s for group in groups for s in group):
-        power += np.abs(np.fft.rfft(windowed_force(signals.force, find_hit(signals.force)))) ** 2
+        power += np.abs(np.fft.rfft(signals.hit_force)) ** 2
     loud = np.flatnonzero(power > power.max() * 10 ** (-FORCE_DROP_DB / 10))
     return LOWEST_LINE * rate / n, min(ANTI_ALIAS_SHARE * rate, float(loud[-1]) * rate / n)
 

@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.core.model import ModalModel
@@ -34,8 +33,9 @@ from modallab.identification.selection.operator_choice import chosen, start_pole
 from modallab.identification.start.missed_modes import with_missing
 from modallab.identification.start.refine_start import polished
 from modallab.identification.start.stabilisation import Tolerance
-from modallab.identification.start.tones import Tone, clock_notes, default_band, fit_tone
-from modallab.signals.checks import check_test
+from modallab.identification.start.tones import clock_notes, default_band
+from modallab.signals.same_test import check_test
+from modallab.signals.signals import Signals
 
 Real = NDArray[np.float64]
 
@@ -62,15 +62,14 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
         IdentificationError: no stable pole.
     """
     check_test(signals)
-    tones = [fit_tone(s) for s in signals]
     points = {s.block.drive_point for s in signals}
     if len(points) > 1:
         raise DataError(
             f"the sine blocks are driven at points {sorted(map(str, points))}", remedy="identify each point apart"
         )
-    band = options.band_hz or default_band(tones)
-    used = [t for t in tones if band[0] <= t.fit.frequency_hz <= band[1]]
-    frf = _stepped(used, rig)
+    band = options.band_hz or default_band(signals)
+    used = [s for s in signals if band[0] <= s.tone.frequency_hz <= band[1]]
+    frf = stepped_frf(used, rig)
     start = _start_poles(frf, options, band)
     fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)
@@ -95,16 +94,12 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
 
 def stepped_start(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
     """The stepped FRF that the estimators see, of the blocks driven within a band."""
-    return _stepped([t for t in map(fit_tone, signals) if band_hz[0] <= t.fit.frequency_hz <= band_hz[1]], rig)
+    return stepped_frf([s for s in signals if band_hz[0] <= s.tone.frequency_hz <= band_hz[1]], rig)
 
 
 def highest_order(frf: Frf) -> int:
     """Highest order that as few lines as a stepped test has can carry."""
     return max(2, frf.frequency_hz.size // 2 - 1)
-
-
-def _stepped(tones: Sequence[Tone], rig: Rig) -> Frf:
-    return stepped_frf([t.signals for t in tones], [t.fit for t in tones], rig)
 
 
 def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArray[np.complex128]:
@@ -124,24 +119,22 @@ def _start_poles(frf: Frf, options: Options, band: tuple[float, float]) -> NDArr
 
 
 def _refined(
-    tones: Sequence[Tone],
+    signals: Sequence[Signals],
     rig: Rig,
     start: NDArray[np.complex128],
     band: tuple[float, float],
     max_iterations: int = MAX_ITERATIONS,
 ) -> Fit:
-    first = tones[0].signals
+    first = signals[0]
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, (LOWEST_LINE * rate / n, min(1.1 * band[1], 0.4 * rate)))
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     # What stands for the modes above has died out before a block begins.
-    excitations = [tone(grid, t.fit.frequency_hz, complex(t.fit.amplitude[0]), len(STAND_INS)) for t in tones]
-    blocks = [
-        LineBlock(e, np.fft.rfft(t.signals.responses)[:, chosen], 0) for e, t in zip(excitations, tones, strict=True)
-    ]
+    excitations = [tone(grid, s.tone.frequency_hz, complex(s.tone.amplitude[0]), len(STAND_INS)) for s in signals]
+    blocks = [LineBlock(e, np.fft.rfft(s.responses)[:, chosen], 0) for e, s in zip(excitations, signals, strict=True)]
     begin = with_stand_ins(start, band[1], STAND_INS, START_ZETA if max_iterations else ANY_ZETA)
-    force = np.array([np.abs(t.fit.amplitude[0]) for t in tones])
-    noise = np.array([t.fit.residual_rms[0] for t in tones]) * np.sqrt(2 / n)
+    force = np.array([np.abs(s.tone.amplitude[0]) for s in signals])
+    noise = np.array([s.tone.residual_rms[0] for s in signals]) * np.sqrt(2 / n)
     # As good as free: force / (2 zeta omega) is the most a mode's state can be, a few times the force in N s.
     state_sigma: Real = np.repeat(100 * force[:, None], begin.omega.size, axis=1)
     # What stands in for the modes above the band has died out long before the block.

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
@@ -25,8 +24,7 @@ from modallab.identification.selection.assumptions import (
 )
 from modallab.identification.selection.confidence import confidence, least_strength, strength
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
-from modallab.identification.start.tones import fit_tone
-from modallab.signals.hit import find_hit, windowed_force
+from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment, assessed
 
 Judge = tuple[str, Callable[[], Verdict]]
@@ -67,7 +65,7 @@ def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
         ("linearity", lambda: linearity(*_by_level(signals, rig))),
         ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
         ("reciprocity", _not_in_this_test("a sine test drives one point")),
-        ("driving point", lambda: driving_point(_stepped(signals, rig))),
+        ("driving point", lambda: driving_point(stepped_frf(signals, rig))),
     ]
     return _assessed(model, fit, judges, least_strength(fit, float("nan")))
 
@@ -107,9 +105,9 @@ def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, flo
     """The band up to where the weakest of the hits has fallen by 20 dB: beyond, one hit alone says little."""
     top = band_hz[1]
     for signals in (s for group in groups for s in group):
-        power = np.abs(np.fft.rfft(windowed_force(signals.force, find_hit(signals.force)))) ** 2
-        weak = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
-        top = min(top, float(weak[weak > 2 * band_hz[0]].min(initial=top)))
+        power = np.abs(np.fft.rfft(signals.hit_force)) ** 2
+        quiet = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
+        top = min(top, float(quiet[quiet > 2 * band_hz[0]].min(initial=top)))
     return band_hz[0], top
 
 
@@ -145,10 +143,7 @@ def _with_noise(frf: Frf, noise: NDArray[np.float64], groups: Groups) -> Frf:
     n, rate = first.force.size, first.rate_hz
     place = np.round(frf.frequency_hz * n / rate).astype(int)
     window = np.exp(-frf.damping_shift * np.arange(n) / rate)
-    power = [
-        sum(np.abs(np.fft.rfft(window * windowed_force(s.force, find_hit(s.force)))[place]) ** 2 for s in group)
-        for group in groups
-    ]
+    power = [sum(np.abs(np.fft.rfft(window * s.hit_force)[place]) ** 2 for s in group) for group in groups]
     variance = 2 * noise**2 * np.mean(window**2)
     return replace(frf, variance=variance[:, None, None] / np.stack(power)[None])
 
@@ -161,9 +156,5 @@ def _by_level(signals: Sequence[Signals], rig: Rig) -> tuple[Frf, Frf]:
     shared = sorted(f for f in by_level[0] if f is not None and f in by_level[1])
     if len(shared) < 4:
         raise DataError(f"{len(shared)} frequencies were driven at both levels", remedy="drive the same at both")
-    one, other = (_stepped([of[f] for f in shared], rig) for of in by_level)
+    one, other = (stepped_frf([of[f] for f in shared], rig) for of in by_level)
     return one, replace(other, frequency_hz=one.frequency_hz)
-
-
-def _stepped(signals: Sequence[Signals], rig: Rig) -> Frf:
-    return stepped_frf(signals, [fit_tone(s).fit for s in signals], rig)

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Literal
 
 from modallab.core.array_checks import check_signals
-from modallab.core.block import Block, Campaign, Signals
+from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
@@ -16,10 +16,10 @@ from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.options import Options
-from modallab.identification.sine import fit_tone, identify_sine
+from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_frf, assess_impact, assess_sine
 from modallab.signals.full_scale import overloaded
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
 from modallab.verification.reservations import doubts
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
@@ -147,10 +147,8 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
     signals, notes = usable(campaign, blocks)
     own_model = options.own_model
     if own_model is not None:
-        tones = [fit_tone(s) for s in signals]
         low, high = options.band_hz or (0.0, float("inf"))
-        used = [t for t in tones if low <= t.fit.frequency_hz <= high]
-        frf = stepped_frf([t.signals for t in used], [t.fit for t in used], campaign.rig)
+        frf = stepped_frf([s for s in signals if low <= s.tone.frequency_hz <= high], campaign.rig)
         return Identified("sine", _with_notes(own_model(frf, "sine"), notes), None)
     model, fit = identify_sine(signals, campaign.rig, options)
     assessment = assess_sine(model, fit, signals, campaign.rig)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab import __version__
-from modallab.core.block import Block, Campaign, Signals
+from modallab.core.block import Block, Campaign
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import Test
@@ -17,8 +17,8 @@ from modallab.pipelines.diagram import diagram_of
 from modallab.pipelines.identify import Identified, Result, Unidentified, usable
 from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
 from modallab.reporting.figures.selection import example_block
-from modallab.signals.bandpass import bandpass
-from modallab.signals.scaling import remove_mean, to_signals
+from modallab.signals.bandpass import bandpass, remove_mean
+from modallab.signals.signals import Signals, to_signals
 
 PAPER_BAND = (3.0, 110.0)
 """The paper's band-pass: its three lowest bending modes."""

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Campaign, Signals
+from modallab.core.block import Campaign
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.identification.selection.diagram import Diagram
+from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment
 
 

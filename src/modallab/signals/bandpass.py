@@ -8,6 +8,8 @@ from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
 from modallab.signals.checks import check_rows
 
+Real = NDArray[np.float64]
+
 MOST_TAPS = 2**20
 """A lower edge that needs more is as good as none."""
 
@@ -49,3 +51,13 @@ def bandpass(
     full = signal.fftconvolve(values, np.broadcast_to(window, (*values.shape[:-1], length)), axes=-1)
     delay = (length - 1) // 2
     return full[..., delay : delay + values.shape[-1]]
+
+
+def remove_mean(values: Real) -> Real:
+    """Values (n,) or (rows, n) with each row's mean taken off: the paper's non-zero mean cancellation.
+
+    Raises:
+        DataError: values that are no records.
+    """
+    check_rows(values)
+    return values - values.mean(axis=-1, keepdims=True)

@@ -1,14 +1,13 @@
 """What every public function of this stage rejects: a wrong number here would look right ever after."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import LARGEST, check_signals
+from modallab.core.array_checks import LARGEST
 from modallab.core.axis_checks import check_rate
-from modallab.core.block import Block, Signals
+from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 
@@ -79,21 +78,6 @@ def check_block(block: Block, rig: Rig) -> None:
         raise DataError(found, where=where, remedy="give the unit per count, such as V per count")
 
 
-def check_outputs(signals: Signals, rig: Rig) -> None:
-    """Reject signals of other outputs than the rig's: points and units would be another's.
-
-    Raises:
-        DataError: they are not the rig's, in its order.
-    """
-    names = tuple(c.name for c in rig.responses)
-    if signals.outputs != names:
-        raise DataError(
-            f"outputs {list(signals.outputs)} are not the rig's {list(names)}",
-            where=f"record {signals.block.name}",
-            remedy="use the rig file the record was made with",
-        )
-
-
 def check_positive(value: float, what: str) -> None:
     """Reject a number that is not finite and above 0.
 
@@ -102,24 +86,3 @@ def check_positive(value: float, what: str) -> None:
     """
     if not (np.isfinite(value) and value > 0):
         raise DataError(f"{what} is {value}", remedy="give a finite number above 0")
-
-
-def check_test(signals: Sequence[Signals]) -> None:
-    """Reject blocks that make no test: none at all, unequal ones, or blocks that no living bench records.
-
-    Raises:
-        DataError: as said, with the record's name.
-    """
-    if not signals:
-        raise DataError("there is no block", remedy="give the blocks of one test")
-    shapes = {(s.rate_hz, s.force.size, s.outputs) for s in signals}
-    if len(shapes) > 1:
-        listed = "; ".join(sorted(f"{n} samples of {len(o)} outputs at {rate:g} Hz" for rate, n, o in shapes))
-        raise DataError(f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind by itself")
-    for s in signals:
-        where = f"record {s.block.name}"
-        check_rate(s.rate_hz, where)
-        if s.force.ndim != 1 or s.responses.ndim != 2 or s.responses.shape[1] != s.force.size:
-            found = f"force {s.force.shape} and responses {s.responses.shape} do not belong together"
-            raise DataError(found, where=where, remedy="give force (n,) and responses (outputs, n)")
-        check_signals(np.vstack([s.force, s.responses]), ("force", *s.outputs), where, force="force")

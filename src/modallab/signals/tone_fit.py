@@ -73,6 +73,38 @@ def fit_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float, i
     return fit_at(values, rate_hz, frequency)
 
 
+def own_frequency(values: NDArray[np.float64], rate_hz: float, near_hz: float) -> float:
+    """Frequency in Hz of the sine in (n,) values near `near_hz`; `near_hz` itself where there is no sine to follow.
+
+    Raises:
+        DataError: as for `fit_at`.
+    """
+    _check(values[None], rate_hz, near_hz)
+    try:
+        found = fit_frequency(values[None], rate_hz, near_hz).frequency_hz
+    except DataError:
+        return near_hz
+    return found if abs(found - near_hz) <= rate_hz / values.size / 2 else near_hz
+
+
+def fit_tone(force: NDArray[np.float64], rate_hz: float, requested_hz: float | None, where: str = "") -> SineFit:
+    """The sine in a block's force (n,), at its own frequency, which the generator's clock decides.
+
+    Raises:
+        DataError: no frequency is known, or no such sine stands out of the noise.
+    """
+    if requested_hz is None:
+        raise DataError("no frequency is recorded", where=where, remedy="give the record's frequency_hz")
+    fit = fit_frequency(force[None], rate_hz, strongest_near(force, rate_hz, requested_hz))
+    if np.abs(fit.amplitude[0]) < 5 * fit.residual_rms[0] * np.sqrt(2 / force.size):
+        raise DataError(
+            f"no sine at {requested_hz:.4g} Hz in the force: {np.abs(fit.amplitude[0]):.3g} N",
+            where=where,
+            remedy="check that the shaker was on, or leave the record out",
+        )
+    return fit
+
+
 def strongest_near(values: NDArray[np.float64], rate_hz: float, requested_hz: float) -> float:
     """Frequency of the strongest sine in values (n,) within two lines or 5 % of the requested one: a start for the fit.
 
@@ -107,11 +139,62 @@ def _check(values: NDArray[np.float64], rate_hz: float, frequency_hz: float) -> 
 
 
 def _frequency_step(values: NDArray[np.float64], t: NDArray[np.float64], fit: SineFit) -> float:
+    slope = _slope(t, fit)
+    power = float(np.sum(slope * slope))
+    # A record of zeros holds no sine to follow.
+    return float(np.sum(slope * values)) / power if power > 0 else 0.0
+
+
+def clock_ratio(
+    forces: NDArray[np.float64], rate_hz: float, set_hz: NDArray[np.float64], sigma: float
+) -> tuple[float, float]:
+    """Frequency of sines over what their generator was set to: one number for all blocks, and its deviation.
+
+    Gauss-Newton on the one ratio, amplitudes and means of all blocks solved for (IEEE Std 1057, 4 parameters).
+
+    Args:
+        forces: (blocks, n) N.
+        rate_hz: sampling rate.
+        set_hz: (blocks,) what the generator was set to.
+        sigma: noise of a sample, N.
+    """
+    ratio, spread = _coarse_ratio(forces, rate_hz, set_hz), np.inf
+    t = np.arange(forces.shape[1]) / rate_hz
+    for _ in range(6):
+        num, den = 0.0, 0.0
+        for force, f0 in zip(forces, set_hz * ratio, strict=True):
+            fit = fit_at(force[None], rate_hz, float(f0))
+            slope = _slope(t, fit)[0] * f0
+            num += float(slope @ force)
+            den += float(slope @ slope)
+        step = num / den if den > 0 else 0.0
+        ratio *= 1 + step
+        spread = sigma / np.sqrt(den) if den > 0 else np.inf
+        if abs(step) < 1e-9:
+            break
+    return ratio, float(spread)
+
+
+def _coarse_ratio(forces: NDArray[np.float64], rate_hz: float, set_hz: NDArray[np.float64]) -> float:
+    grid = np.arange(-0.1, 0.1001, 0.002)
+    t = np.arange(forces.shape[1]) / rate_hz
+    # The highest frequencies tell a ratio best.
+    top = np.argsort(set_hz)[-6:]
+    window = np.hanning(len(t))
+    power = [
+        sum(
+            abs(np.sum(window * f * np.exp(-2j * np.pi * h * (1 + g) * t))) ** 2 / max(float(np.sum(f**2)), 1e-300)
+            for f, h in zip(forces[top], set_hz[top], strict=True)
+        )
+        for g in grid
+    ]
+    return 1 + float(grid[int(np.argmax(power))])
+
+
+def _slope(t: NDArray[np.float64], fit: SineFit) -> NDArray[np.float64]:
+    """(channels, n) derivative of the fitted sines by their frequency, less what amplitude and mean take over."""
     angle = 2 * np.pi * fit.frequency_hz * t
     basis = np.stack([np.cos(angle), -np.sin(angle), np.ones_like(t)], axis=1)
     slope = np.real(fit.amplitude[:, None] * 2j * np.pi * t * np.exp(1j * angle))
     orthonormal, _ = np.linalg.qr(basis)
-    slope -= slope @ orthonormal @ orthonormal.T
-    power = float(np.sum(slope * slope))
-    # A record of zeros holds no sine to follow.
-    return float(np.sum(slope * values)) / power if power > 0 else 0.0
+    return slope - slope @ orthonormal @ orthonormal.T

@@ -1,11 +1,13 @@
 """The whole bench as the twin believes it: structure, excitation, measurement chain, clock."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.rig import Rig
+from modallab.core.units import DERIVATIVE
 from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
@@ -34,6 +36,9 @@ class Chain:
         mounts: loose mounts.
         delay_s: every accelerometer reads what was there that long ago.
         skew_s: row k is sampled k times that much later than row 0.
+        integrals: number -> times its sensor integrates the acceleration: 1 for a velocity, 2 for a displacement.
+        lag_s: number -> s by which the rig file says that its samples lag.
+        own_corner_hz: number -> corner of the AC coupling that the rig file tells of.
     """
 
     gain: dict[int, float] = field(default_factory=dict[int, float])
@@ -44,6 +49,26 @@ class Chain:
     mounts: tuple[Mount, ...] = ()
     delay_s: float = 0.0
     skew_s: float = 0.0
+    integrals: dict[int, int] = field(default_factory=dict[int, int])
+    lag_s: dict[int, float] = field(default_factory=dict[int, float])
+    own_corner_hz: dict[int, float] = field(default_factory=dict[int, float])
+
+    @classmethod
+    def of(cls, rig: Rig) -> Self:
+        """The chain as the rig file tells of it, its delays and AC coupling undone: what signals in SI units show."""
+        missing = {c.index: 2 - DERIVATIVE[c.quantity] for c in rig.responses if c.quantity in DERIVATIVE}
+        return cls(integrals={index: count for index, count in missing.items() if count})
+
+    def as_delivered(self, rig: Rig, lags_s: Array) -> Self:
+        """The same with the delays (channels,) and the AC coupling of the rig file: what a device delivers."""
+        corners = {c.index: c.ac_corner_hz for c in rig.channels}
+        # Where all channels share a corner, the measured force has it already.
+        own = corners if len(set(corners.values())) > 1 else {}
+        return replace(
+            self,
+            lag_s={c.index: float(lags_s[c.index]) for c in rig.responses if lags_s[c.index]},
+            own_corner_hz={i: corner for i, corner in own.items() if corner and i != rig.force_channel.index},
+        )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -90,7 +115,10 @@ class Twin:
 
 
 def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
-    """(channels, ...) what the chain makes of an acceleration per measured force at complex frequencies s (...)."""
+    """(channels, ...) what the chain makes of an acceleration per measured force at complex frequencies s (...).
+
+    At s = 0 a high-pass and an integral have no answer; there it is 0.
+    """
     total = np.ones((len(channels), *s.shape), dtype=np.complex128) / chain.force_gain
     if chain.corner_hz:
         total *= s / (s + 2 * np.pi * chain.corner_hz)
@@ -100,6 +128,12 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
         total[i] *= chain.gain.get(channel, 1.0)
         if chain.skew_s:
             total[i] *= np.exp(s * channel * chain.skew_s)
+        if channel in chain.lag_s:
+            total[i] *= np.exp(-s * chain.lag_s[channel])
+        if channel in chain.own_corner_hz:
+            total[i] *= s / (s + 2 * np.pi * chain.own_corner_hz[channel])
+        if channel in chain.integrals:
+            total[i] *= np.where(s == 0, 0, 1 / np.where(s == 0, 1, s)) ** chain.integrals[channel]
     for mount in chain.mounts:
         omega = 2 * np.pi * mount.hz
         total[channels.index(mount.channel)] *= (2 * mount.zeta * omega * s + omega**2) / (
@@ -110,4 +144,12 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
 
 def is_flat(chain: Chain) -> bool:
     """Whether the chain is the same on every frequency."""
-    return not (chain.corner_hz or chain.mounts or chain.delay_s or chain.skew_s)
+    return not (
+        chain.corner_hz
+        or chain.mounts
+        or chain.delay_s
+        or chain.skew_s
+        or chain.integrals
+        or chain.lag_s
+        or chain.own_corner_hz
+    )

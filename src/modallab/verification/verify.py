@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
@@ -18,10 +17,9 @@ from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.sine_block import ToneExcitation, tone
 from modallab.identification.model.modal_model import receptance
-from modallab.identification.start.tones import fit_tone
-from modallab.signals.bandpass import bandpass
-from modallab.signals.checks import check_test
-from modallab.signals.scaling import remove_mean
+from modallab.signals.bandpass import bandpass, remove_mean
+from modallab.signals.same_test import check_test
+from modallab.signals.signals import Signals
 
 FINE_LINES = 2000
 
@@ -105,13 +103,11 @@ def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
     """
     check_test(signals)
     low, high = model.band_hz
-    fits = [fit_tone(s).fit for s in signals]
-    used = [i for i, f in enumerate(fits) if low <= f.frequency_hz <= high]
-    chosen, forces = [signals[i] for i in used], [fits[i] for i in used]
+    chosen = [s for s in signals if low <= s.tone.frequency_hz <= high]
     _require_blocks(fit, chosen)
     regenerated = [_replayed(fit, i, s) for i, s in enumerate(chosen)]
-    measured_frf = convert(stepped_frf(chosen, forces, rig), "mobility")
-    regenerated_frf = convert(stepped_frf(regenerated, forces, rig), "mobility")
+    measured_frf = convert(stepped_frf(chosen, rig), "mobility")
+    regenerated_frf = convert(stepped_frf(regenerated, rig), "mobility")
     return _verification(measured_frf, regenerated_frf, model)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.chain import Chain
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.settled import Floor, SettledCheck, check_settled, fading, floor_of
@@ -16,6 +15,7 @@ from modallab.bench.recut import Recut
 from modallab.core.errors import SamplesLostError
 from modallab.core.events import BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
+from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
 
 MotionWindow = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Context:
         recorder: open.
         emit: takes the events.
         life: the run's state.
-        chain: scales and ranges.
+        conversion: from the device's numbers to SI, and full scale.
         stream: its samples.
         block: samples of a block, as the device counts.
         recut: how blocks are read back at another rate than the device's; None if at its own.
@@ -56,7 +56,7 @@ class Context:
     recorder: Recorder
     emit: Emit
     life: Lifecycle
-    chain: Chain
+    conversion: Conversion
     stream: Stream
     block: int
     recut: Recut | None = None
@@ -75,7 +75,7 @@ class Context:
 
     def motion(self, first: int, count: int) -> MotionWindow:
         """(motion channels, count) counts from a remembered stretch."""
-        return self.stream.cut(first, count)[list(self.chain.motion)].astype(float)
+        return self.stream.cut(first, count)[list(self.conversion.motion)].astype(float)
 
     def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
         """What the last window says; after a restart it must first be read."""

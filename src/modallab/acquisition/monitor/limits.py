@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.chain import Chain, peaks
 from modallab.bench.protocol import Chunk
 from modallab.core.errors import SafetyError
 from modallab.core.rig import Limits, Rig
+from modallab.signals.conversion import Conversion, peaks
 from modallab.storage.samples import Samples
 
 
@@ -56,11 +56,11 @@ class LimitWatch:
         return float((peaks(samples) / self.limit).max())
 
 
-def watch_of(rig: Rig, limits: Limits, chain: Chain) -> LimitWatch:
+def watch_of(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
     """The watch for a rig's limits."""
-    per_count = np.abs(chain.si_per_count)
+    per_count = np.abs(conversion.si_per_count)
     allowed = {"force": limits.force_n, "acceleration": limits.acceleration_m_s2}
     limit = np.array([allowed.get(channel.quantity, np.inf) for channel in rig.channels]) / per_count
-    visible = np.where(np.isfinite(limit) & (limit >= chain.full_scale), chain.full_scale * (1 - 1e-9), limit)
+    visible = np.where(np.isfinite(limit) & (limit >= conversion.full_scale), conversion.full_scale * (1 - 1e-9), limit)
     units = tuple({"force": "N", "acceleration": "m/s^2"}.get(channel.quantity, "") for channel in rig.channels)
-    return LimitWatch(chain.names, visible, per_count, units)
+    return LimitWatch(conversion.names, visible, per_count, units)

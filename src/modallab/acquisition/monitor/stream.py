@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.chain import Chain
 from modallab.bench.protocol import Bench, Chunk, Delivery
 from modallab.core.errors import SamplesLostError
+from modallab.signals.conversion import Conversion
 from modallab.storage.samples import Samples
 
 Watch = Callable[[Chunk], None]
@@ -26,7 +26,7 @@ class Stream:
         self,
         bench: Bench,
         delivery: Delivery,
-        chain: Chain,
+        conversion: Conversion,
         *,
         keep: int,
         chunk: int,
@@ -42,7 +42,7 @@ class Stream:
         self.next = 0
         self.chunk = chunk
         self._bench = bench
-        self._chain = chain
+        self._conversion = conversion
         self._keep = keep
         self._poll = poll
         self._tap = tap
@@ -108,11 +108,11 @@ class Stream:
 
     def overload(self, first: int, count: int) -> tuple[str, ...]:
         """Names of the channels beyond their range in a stretch: by the samples, or by the device's flag."""
-        flags = self._chain.overload(self.cut(first, count))
+        flags = self._conversion.overload(self.cut(first, count))
         for begin, end, flag in self._overloads:
             if begin < first + count and end > first:
                 flags = flags | flag
-        return tuple(name for name, over in zip(self._chain.names, flags, strict=True) if over)
+        return tuple(name for name, over in zip(self._conversion.names, flags, strict=True) if over)
 
     def _remember(self, chunk: Chunk) -> None:
         count = chunk.samples.shape[1]

@@ -67,7 +67,7 @@ def longest_burst_s(plan: SinePlan) -> float:
 def look_at(context: Context, plan: SinePlan, watch: LimitWatch, note: BlockNote, setting: Setting) -> Seen:
     """Look at the block that has just been read."""
     block = context.stream.cut(note.first_sample, context.block)
-    force_n = context.chain.force_n(block)
+    force_n = context.conversion.force_n(block)
     assert note.frequency_hz is not None
     measured = Measured(
         volts=setting.volts,
@@ -94,11 +94,11 @@ def _settling(context: Context, plan: SinePlan, note: BlockNote, setting: Settin
     steady = int((setting.settle_s - plan.ramp_s) * rate_hz)
     before = max(0, min(steady, (FIT_BLOCKS - 1) * context.block))
     samples = context.stream.cut(note.first_sample - before, before + context.block)
-    motion = list(context.chain.motion)
-    values = samples[motion] * context.chain.si_per_count[motion, None]
+    motion = list(context.conversion.motion)
+    values = samples[motion] * context.conversion.si_per_count[motion, None]
     assert note.frequency_hz is not None
     return fit_settling(
-        context.chain.force_n(samples), values.astype(np.float64), rate_hz, before, note.frequency_hz, plan.modes
+        context.conversion.force_n(samples), values.astype(np.float64), rate_hz, before, note.frequency_hz, plan.modes
     )
 
 

@@ -137,7 +137,7 @@ class ImpactTest:
             if context.pause_requested:
                 return None
             chunk = stream.pull(stream.chunk)
-            found = trigger.scan(context.chain.force_n(chunk.samples))
+            found = trigger.scan(context.conversion.force_n(chunk.samples))
             if found is not None:
                 if context.life.state == "armed":
                     context.life.enter("acquiring")
@@ -174,7 +174,7 @@ class ImpactTest:
 
     def _measure(self, first: int) -> tuple[Hit, Ringing]:
         context = self.context
-        force_n = context.chain.force_n(context.stream.cut(first, context.block))
+        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
         hit = hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
         return hit, ringing_before(context, first, self.floor)
 

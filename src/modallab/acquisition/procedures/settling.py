@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.plan import KnownMode
+from modallab.signals.tone_fit import fit_at, own_frequency
 
 Real = NDArray[np.float64]
 Settled = Literal["yes", "no", "unknown"]
-
-LOOKS = 6
-"""Steps towards the generator's own frequency, which its clock decides."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,7 +86,7 @@ def fit_settling(
     if not seen or motion.shape[0] == 0:
         return None
     t = (np.arange(force.size) - before) / rate_hz
-    frequency = _own_frequency(force, t, drive_hz)
+    frequency = own_frequency(force, rate_hz, drive_hz)
     omega = 2 * np.pi * np.array([mode.frequency_hz for mode in seen])
     zeta = np.array([mode.damping_ratio for mode in seen])
     poles = -zeta * omega + 1j * omega * np.sqrt(1 - zeta**2)
@@ -116,29 +114,5 @@ def fit_settling(
 
 def amplitude_at(values: Real, rate_hz: float, drive_hz: float) -> float:
     """Peak amplitude of the sine in (n,) values, at its own frequency near `drive_hz`."""
-    t = np.arange(values.size) / rate_hz
-    basis = _sine(t, _own_frequency(values, t, drive_hz))
-    found = np.linalg.lstsq(basis, values, rcond=None)[0]
-    return float(np.hypot(found[0], found[1]))
-
-
-def _own_frequency(values: Real, t: Real, near_hz: float) -> float:
-    # Gauss-Newton on the frequency; a step past half a line means there is no sine to follow.
-    frequency, line = near_hz, 1 / (t[-1] - t[0])
-    for _ in range(LOOKS):
-        basis = _sine(t, frequency)
-        found = np.linalg.lstsq(basis, values, rcond=None)[0]
-        slope = 2 * np.pi * t * (found[1] * basis[:, 0] - found[0] * basis[:, 1])
-        whole = np.column_stack([basis, slope])
-        step = float(np.linalg.lstsq(whole, values, rcond=None)[0][-1])
-        if not np.isfinite(step) or abs(frequency + step - near_hz) > line / 2:
-            return near_hz
-        frequency += step
-        if abs(step) < 1e-9 * near_hz:
-            break
-    return frequency
-
-
-def _sine(t: Real, frequency_hz: float) -> Real:
-    angle = 2 * np.pi * frequency_hz * t
-    return np.column_stack([np.cos(angle), np.sin(angle), np.ones_like(t)])
+    fit = fit_at(values[None], rate_hz, own_frequency(values, rate_hz, drive_hz))
+    return float(np.abs(fit.amplitude[0]))

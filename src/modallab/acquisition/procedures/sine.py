@@ -195,5 +195,5 @@ def run_sine(context: Context, plan: SinePlan) -> None:
     limits = context.rig.limits
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
-    watch = watch_of(context.rig, limits, context.chain)
+    watch = watch_of(context.rig, limits, context.conversion)
     SineTest(context, plan, limits, measure_floor(context, plan.wait_s, watch), watch).run()

@@ -102,10 +102,10 @@ def wait_for_record(
 
 
 def _reference(context: Context, plan: ImpactPlan, before: int) -> ReferenceTrigger:
-    per_count = context.chain.si_per_count[context.chain.force]
+    per_count = context.conversion.si_per_count[context.conversion.force]
     block = context.block if context.recut is None else context.recut.native
     return ReferenceTrigger(
-        channel=context.chain.force,
+        channel=context.conversion.force,
         level=float(plan.trigger_n / per_count),
         hysteresis=float(abs(plan.hysteresis_n / per_count)),
         pre_trigger=before,

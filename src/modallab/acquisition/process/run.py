@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from modallab.acquisition.monitor.chain import chain_of
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.live import LiveSamples, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
@@ -22,6 +21,7 @@ from modallab.core.errors import BenchError, ModallabError, PlanError
 from modallab.core.events import BlockDropped, Failed, Notice
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
+from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder, Store
 
 Order = Literal["stop", "abort", "emergency", "lost"]
@@ -196,7 +196,7 @@ def _prepare(setup: Setup) -> Context:
     bench, plan = setup.bench, setup.plan
     bench.zero()
     delivery = bench.configure(Request(plan.kind, plan.rate_hz))
-    chain = chain_of(setup.rig, delivery, plan.kind)
+    conversion = Conversion.of(setup.rig, plan.kind, delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut(plan, delivery)
     if recut is None:
@@ -206,10 +206,10 @@ def _prepare(setup: Setup) -> Context:
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
     keep = MEMORY_BLOCKS * block
-    stream = Stream(bench, delivery, chain, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
+    stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
-        bench, setup.rig, setup.recorder, setup.emit, setup.life, chain, stream, block, recut,
+        bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
 

@@ -74,7 +74,7 @@ def _problem(detail: ErrorDetails) -> Problem:
         return Problem(field, "no such field", _nearest(loc))
     found = "missing" if kind == "missing" else f"found {_shown(value)}"
     if kind == "literal_error" and loc == ("format_version",):
-        return Problem(field, found, "1; a newer file needs a newer modallab")
+        return Problem(field, found, "1 or 2; a newer file needs a newer modallab")
     return Problem(field, found, _allowed(detail))
 
 

@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import AFTER, BEFORE, on_line, scaled
+from modallab.gap.conditioning.reduce import on_line, wide_hit
+from modallab.signals.alignment import lags_s
+from modallab.signals.conversion import volts_per_si
+from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -64,8 +67,8 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
     """Rms of the accelerometers before the hits, over their noise; 1 is noise alone."""
     ratios: list[float] = []
     for b in blocks:
-        force, a = scaled(b, rig)
-        before = a[:, : max(1, int(np.argmax(np.abs(force))) - BEFORE)]
+        signals = to_signals(b, rig)
+        before = signals.responses[:, : max(1, wide_hit(signals).first)]
         if before.shape[1] > 20:
             ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _sigma(b, rig, noise_v))))
     return float(np.median(ratios)) if ratios else 1.0
@@ -110,7 +113,7 @@ def _beside_drive(
     window: Callable[[int], Array] = np.ones,
 ) -> Array:
     """(channels, lines) |residual|^2 over the noise after the drive and the decays are taken out; NaN at harmonics."""
-    _, a = scaled(block, rig)
+    a = to_signals(block, rig).responses
     n, dt = block.n_samples, 1 / block.rate_hz
     t = np.arange(n) * dt
     drive = on_line(block.frequency_hz or 0.0, n, dt) * ratio * n * dt
@@ -119,9 +122,9 @@ def _beside_drive(
         wave = np.exp(pole * t)
         columns += [wave.real, wave.imag]
     basis = np.column_stack(columns)
-    rest = a.T - basis @ np.linalg.lstsq(basis, a.T, rcond=None)[0]
+    residual = a.T - basis @ np.linalg.lstsq(basis, a.T, rcond=None)[0]
     w = window(n)
-    power = np.abs(np.fft.rfft(rest.T * w)) ** 2 / np.sum(w**2) / _sigma(block, rig, noise_v)[:, None] ** 2
+    power = np.abs(np.fft.rfft(residual.T * w)) ** 2 / np.sum(w**2) / _sigma(block, rig, noise_v)[:, None] ** 2
     lines = np.arange(power.shape[1])
     for k in range(1, 8):
         power[:, np.abs(lines - k * drive) < 3.5] = np.nan
@@ -139,9 +142,9 @@ def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Compl
     states: dict[str, Complex] = {}
     left, fractions = [], []
     for b in hits:
-        state, rest, fraction = _state(b, rig, noise_v, poles, shapes)
+        state, residual, fraction = _state(b, rig, noise_v, poles, shapes)
         states[b.name] = state
-        left.append(rest)
+        left.append(residual)
         fractions.append(fraction)
     explained = 1 - (np.median(left) ** 2 - 1) / max(z**2 - 1, 1e-9)
     if explained < 0.5:
@@ -153,11 +156,12 @@ def without_ringing(block: Block, rig: Rig, ringing: Ringing) -> Block:
     """The record less its decay from before."""
     if block.name not in ringing.states:
         return block
-    t = np.arange(block.n_samples) / block.rate_hz
-    decay = 2 * np.real(ringing.states[block.name] @ np.exp(ringing.poles[:, None] * t))
     samples = np.array(block.samples, dtype=np.float64)
-    for i, channel in enumerate(rig.responses):
-        samples[channel.index] -= decay[i] * channel.sensitivity(block.test) / block.scale[channel.index]
+    per_si, lags = volts_per_si(rig, block.test) / block.scale, lags_s(rig)
+    for state, channel in zip(ringing.states[block.name], rig.responses, strict=True):
+        t = np.arange(block.n_samples) / block.rate_hz - lags[channel.index]
+        decay = 2 * np.real(state @ np.exp(ringing.poles[:, None] * t))
+        samples[channel.index] -= decay * per_si[channel.index]
     return replace(block, samples=samples)
 
 
@@ -165,9 +169,8 @@ def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
     """(channels, modes) shapes of the decays after the hits, each of unit length."""
     stacks: list[Complex] = []
     for b in hits:
-        force, a = scaled(b, rig)
-        start = int(np.argmax(np.abs(force))) + AFTER
-        stacks.append(_decays(a[:, start:], poles, b.rate_hz))
+        signals = to_signals(b, rig)
+        stacks.append(_decays(signals.responses[:, wide_hit(signals).stop :], poles, b.rate_hz))
     residues = np.array(stacks)
     shapes = np.zeros(residues.shape[1:], dtype=np.complex128)
     for r in range(len(poles)):
@@ -185,23 +188,24 @@ def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
 
 
 def _state(block: Block, rig: Rig, noise_v: Array, poles: Complex, shapes: Complex) -> tuple[Complex, float, float]:
-    force, a = scaled(block, rig)
-    before = max(24, int(np.argmax(np.abs(force))) - BEFORE)
+    signals = to_signals(block, rig)
+    a, hit = signals.responses, wide_hit(signals)
+    before, stop = max(24, hit.first), max(24, hit.first) + hit.stop - hit.first
     sigma = _sigma(block, rig, noise_v)
     t = np.arange(before) / block.rate_hz
     wave = shapes[:, :, None] * np.exp(poles[:, None] * t) / sigma[:, None, None]
     basis = np.concatenate([2 * wave.real, -2 * wave.imag], axis=1).transpose(0, 2, 1).reshape(-1, 2 * len(poles))
     y = (a[:, :before] / sigma[:, None]).ravel()
     found = np.linalg.lstsq(basis, y, rcond=1e-6)[0]
-    rest = float(np.sqrt(np.mean((y - basis @ found) ** 2)))
+    left = float(np.sqrt(np.mean((y - basis @ found) ** 2)))
     amplitude = found[: len(poles)] + 1j * found[len(poles) :]
-    after = _decays(a[:, before + BEFORE + AFTER :], poles, block.rate_hz)
-    later = np.exp(poles * (before + BEFORE + AFTER) / block.rate_hz)
+    after = _decays(a[:, stop:], poles, block.rate_hz)
+    later = np.exp(poles * stop / block.rate_hz)
     # What the hit itself leaves, referred to the start of the record, less what rang before.
     own = np.linalg.norm(after / later - shapes * amplitude, axis=0)
     heard = np.abs(amplitude) / np.maximum(np.abs(np.exp(poles * LEADS)) * own, 1e-300)
-    return shapes * amplitude, rest, float(heard[0])
+    return shapes * amplitude, left, float(heard[0])
 
 
 def _sigma(block: Block, rig: Rig, noise_v: Array) -> Array:
-    return np.array([noise_v[c.index] / abs(c.sensitivity(block.test)) for c in rig.responses])
+    return (noise_v / np.abs(volts_per_si(rig, block.test)))[[c.index for c in rig.responses]]

@@ -26,7 +26,7 @@ class Clipped:
     """A channel that is cut.
 
     Attributes:
-        row: its row, 0 is the force.
+        row: its row.
         volts: the level.
         records: names of the records that reach it.
     """
@@ -36,13 +36,13 @@ class Clipped:
     records: tuple[str, ...]
 
 
-def find_clipped(blocks: Sequence[Block], noise_v: Array, full_scale_v: float) -> list[Clipped]:
-    """Channels with flat tops below the converter's own full scale."""
+def find_clipped(blocks: Sequence[Block], noise_v: Array, full_scale_v: Array, force: int) -> list[Clipped]:
+    """Channels but the force's with flat tops below their (rows,) full scale in V."""
     found: list[Clipped] = []
-    for row in range(1, len(noise_v)):
-        peaks = np.array([np.max(np.abs(b.samples[row])) * b.scale[row] for b in blocks])
+    for row in (r for r in range(len(noise_v)) if r != force):
+        peaks = np.array([np.max(np.abs(b.samples[row] * b.scale[row])) for b in blocks])
         level = float(np.max(peaks))
-        if level > 0.999 * full_scale_v:
+        if level > 0.999 * full_scale_v[row]:
             continue
         near = 6 * noise_v[row]
         flat = [i for i, b in enumerate(blocks) if peaks[i] > level - near and _is_flat(b, row, peaks[i], near)]
@@ -54,13 +54,13 @@ def find_clipped(blocks: Sequence[Block], noise_v: Array, full_scale_v: float) -
 
 
 def _level(block: Block, row: int, peak: float, near: float) -> float:
-    volts = np.abs(block.samples[row]) * block.scale[row]
+    volts = np.abs(block.samples[row] * block.scale[row])
     return float(np.median(volts[volts > peak - near]))
 
 
 def _is_flat(block: Block, row: int, peak: float, near: float) -> bool:
     """Whether more samples, or longer runs of them, stay at the top than a sine of this frequency could."""
-    volts = np.abs(block.samples[row]) * block.scale[row]
+    volts = np.abs(block.samples[row] * block.scale[row])
     top = volts > peak - near
     share = float(np.mean(top))
     if block.test == "impact" or not block.frequency_hz or share < SHARE:

@@ -42,15 +42,17 @@ class Hum:
         seen_hz: where it stands in the records, whose clock may be off.
         volts: (rows,) amplitude.
         z: how many deviations of its noise the force row's amplitude has.
+        force: number of the row of the force.
     """
 
     hz: float
     seen_hz: float
     volts: Array
     z: float
+    force: int
 
 
-def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | None:
+def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
     """Hum that stands in most records on most rows, clear of noise; None if there is none.
 
     It comes with the wiring and is on the row of the force too, where a floor that shakes at the mains' frequency, as
@@ -68,10 +70,10 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | N
             heard = [b for b in blocks if b.test == "impact"]
         if len(heard) < 3:
             continue
-        seen_hz = _tuned(heard, hz)
-        size = np.abs(np.array([_amplitudes(b, seen_hz) for b in heard]))
+        seen_hz = _tuned(heard, hz, force)
+        size = np.abs(np.array([_amplitudes(b, seen_hz, force) for b in heard]))
         volts = np.median(size, axis=0)
-        n = int(np.median([_heard_samples(b) for b in heard]))
+        n = int(np.median([_heard_samples(b, force) for b in heard]))
         sigma = noise_v * np.sqrt(2 / n)
         z = volts / sigma
         # Steady: a response to the drive would change from record to record; hum does not.
@@ -79,7 +81,7 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int = 0) -> Hum | N
         stands = (z > CLEAR) & steady
         clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
         if clear and (best is None or float(z[force]) > best.z):
-            best = Hum(hz, seen_hz, volts, float(z[force]))
+            best = Hum(hz, seen_hz, volts, float(z[force]), force)
     return best
 
 
@@ -87,18 +89,18 @@ def without_hum(block: Block, hum: Hum) -> Block:
     """The record less its hum; the phase is the record's own."""
     volts = block.samples * block.scale[:, None]
     t = np.arange(block.n_samples) / block.rate_hz
-    phases = _amplitudes(block, hum.seen_hz)
+    phases = _amplitudes(block, hum.seen_hz, hum.force)
     # One phase for all rows, weighed by how far each stands out.
     phase = np.angle(np.sum(phases * hum.volts))
     cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
 
 
-def _tuned(heard: Sequence[Block], hz: float) -> float:
+def _tuned(heard: Sequence[Block], hz: float, force: int) -> float:
     """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
 
     def power(f: float) -> float:
-        return float(np.median([np.sum(np.abs(_amplitudes(b, f)) ** 2) for b in heard]))
+        return float(np.median([np.sum(np.abs(_amplitudes(b, f, force)) ** 2) for b in heard]))
 
     if heard[0].test != "sine":
         return hz
@@ -118,15 +120,15 @@ def _clear(block: Block, hz: float) -> bool:
     return abs((block.frequency_hz or 0.0) - hz) > 3.0
 
 
-def _amplitudes(block: Block, hz: float) -> Complex:
+def _amplitudes(block: Block, hz: float, force: int) -> Complex:
     """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
     volts = block.samples * block.scale[:, None]
-    volts = volts[:, : _heard_samples(block)]
+    volts = volts[:, : _heard_samples(block, force)]
     t = np.arange(volts.shape[1]) / block.rate_hz
     columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
     if block.test == "sine" and block.frequency_hz:
         near = abs(block.frequency_hz - hz) < BESIDE_HZ
-        drive = _drive_hz(block, t) if near else _line(block.frequency_hz, t, block.rate_hz)
+        drive = _drive_hz(block, t, force) if near else _line(block.frequency_hz, t, block.rate_hz)
         columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
     window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
     basis = np.column_stack(columns)
@@ -138,11 +140,11 @@ def _line(hz: float, t: Array, rate_hz: float) -> float:
     return round(hz * len(t) / rate_hz) * rate_hz / len(t)
 
 
-def _drive_hz(block: Block, t: Array) -> float:
+def _drive_hz(block: Block, t: Array, force: int) -> float:
     """Where the drive stands in a record, by the row of the force: beside the mains its nominal line is not enough."""
     window = np.hanning(len(t))
-    force = block.samples[0] * block.scale[0]
-    weighed = (force - np.mean(force)) * window
+    row = block.samples[force] * block.scale[force]
+    weighed = (row - np.mean(row)) * window
 
     def power(f: float) -> float:
         return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
@@ -150,7 +152,7 @@ def _drive_hz(block: Block, t: Array) -> float:
     return _strongest(power, _line(block.frequency_hz or 0.0, t, block.rate_hz), 29)
 
 
-def _heard_samples(block: Block) -> int:
-    """Samples from which the hum is read: of a hit those before it, where they suffice."""
-    before = int(np.argmax(np.abs(block.samples[0]))) - 30
+def _heard_samples(block: Block, force: int) -> int:
+    """Samples from which the hum is told: of a hit those before it, where they suffice."""
+    before = int(np.argmax(np.abs(block.samples[force]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples

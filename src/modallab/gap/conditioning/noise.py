@@ -15,25 +15,29 @@ from modallab.core.rig import Rig
 
 Array = NDArray[np.float64]
 
-UPPER_BAND = (0.62, 0.94)
+NOISE_BAND = (0.62, 0.94)
 """Share of the Nyquist frequency in which a bench answers little."""
+LEAST_V = 1e-12
+"""Where neither the rig file nor the numbers say what the noise is, the records must."""
 PRE_TRIGGER = 64
 """Samples before a hit that are used, fewer if there are fewer."""
 
 
 def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
-    """(rows,) V rms the rig file promises: the converter's noise and its rounding."""
-    step = max((float(np.max(b.scale)) for b in blocks), default=0.0)
-    own = rig.converter.noise_rms_v if rig.converter is not None else step
-    return np.full(len(rig.channels), float(np.hypot(own, step / np.sqrt(12))))
+    """(rows,) V rms the rig file promises: the converter's noise, and its rounding."""
+    counted = [b.scale for b in blocks if b.samples.dtype.kind in "iu"]
+    known = rig.converter.volts_per_count if rig.converter is not None else 0.0
+    steps = np.max(np.abs(counted), axis=0) if counted else np.full(len(rig.channels), known)
+    own = rig.converter.noise_rms_v if rig.converter is not None else steps
+    return np.maximum(np.hypot(own, steps / np.sqrt(12)), LEAST_V)
 
 
-def measured_noise(blocks: Sequence[Block]) -> Array:
-    """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record shows it.
+def measured_noise(blocks: Sequence[Block], rig: Rig) -> Array:
+    """(rows,) V rms above 0.6 of the Nyquist frequency, scaled to the whole band; NaN where no record tells.
 
     The lower quartile over the records: what is in every record is noise, what is in some is a response.
     """
-    spreads = [spread for b in blocks if (spread := _of_block(b)) is not None]
+    spreads = [spread for b in blocks if (spread := _of_block(b, rig.force_channel.index)) is not None]
     if not spreads:
         return np.full(len(blocks[0].scale) if blocks else 0, np.nan)
     return np.quantile(np.array(spreads), 0.25, axis=0)
@@ -41,21 +45,21 @@ def measured_noise(blocks: Sequence[Block]) -> Array:
 
 def lines_behind(blocks: Sequence[Block]) -> int:
     """Lines of spectra that the measured noise rests on."""
-    share = (UPPER_BAND[1] - UPPER_BAND[0]) / 2
+    share = (NOISE_BAND[1] - NOISE_BAND[0]) / 2
     return sum(int(share * (b.n_samples if b.test == "sine" else PRE_TRIGGER)) for b in blocks)
 
 
-def _of_block(block: Block) -> Array | None:
+def _of_block(block: Block, force: int) -> Array | None:
     volts = block.samples * block.scale[:, None]
     if block.test == "impact":
-        before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[0]))) - 30)
+        before = min(PRE_TRIGGER, int(np.argmax(np.abs(volts[force]))) - 30)
         if before < 24:
             return None
         volts = volts[:, :before]
     n = volts.shape[1]
     window = np.hanning(n)
     spectrum = np.fft.rfft((volts - volts.mean(axis=1, keepdims=True)) * window, axis=1)
-    low, high = (int(share * n / 2) for share in UPPER_BAND)
+    low, high = (int(share * n / 2) for share in NOISE_BAND)
     power = np.abs(spectrum[:, low:high]) ** 2
     # The median of an exponential variable is its mean times ln 2; a line of a harmonic cannot move it.
     return np.sqrt(np.median(power, axis=1) / np.log(2) / np.sum(window**2))

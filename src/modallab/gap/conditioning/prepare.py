@@ -1,7 +1,7 @@
 """From a campaign to what the fits see: noise, overloads, hum, ringing, floor, poles."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,12 +9,18 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.rig import Rig
 from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
 from modallab.gap.conditioning.hum import Hum, find_hum, without_hum
 from modallab.gap.conditioning.noise import believed_noise, lines_behind, measured_noise, noise_in_use
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
+from modallab.signals.checks import check_block
+from modallab.signals.conversion import Conversion, in_volts
+from modallab.signals.full_scale import overloaded
+from modallab.signals.hit import find_hit
+from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -32,7 +38,7 @@ class Prepared:
     """A campaign made ready.
 
     Attributes:
-        campaign: with its records as they came.
+        campaign: with its records as they came, in V.
         blocks: records cleaned of hum and ringing.
         believed_v: (rows,) noise by the rig file.
         noise_v: (rows,) noise in use.
@@ -70,17 +76,17 @@ def prepare(campaign: Campaign) -> Prepared:
     Raises:
         DataError: there are no records, or none that says what drove it.
     """
-    blocks = usable(campaign)
+    campaign = as_volts(campaign)
+    blocks, force = usable(campaign), campaign.rig.force_channel.index
     believed = believed_noise(campaign.rig, blocks)
-    measured = measured_noise(blocks)
+    measured = measured_noise(blocks, campaign.rig)
     noise = noise_in_use(measured, believed)
-    overloaded = _overloaded(blocks)
-    full_scale = _full_scale_v(blocks)
-    clipped = tuple(find_clipped(blocks, noise, full_scale))
-    masked = overloaded | {(name, c.row) for c in clipped for name in c.records}
+    at_full_scale = _overloaded(blocks, campaign.rig)
+    clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
+    masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_behind(blocks))
-    repeated = _repeating(blocks, noise)
-    hum = find_hum(blocks, noise, campaign.rig.force_channel.index)
+    repeated = _repeating(blocks, noise, force)
+    hum = find_hum(blocks, noise, force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
     floor = find_floor(cleaned, campaign.rig, noise, poles, _ratio(campaign, cleaned, noise))
@@ -101,8 +107,19 @@ def prepare(campaign: Campaign) -> Prepared:
         () if floor is not None else tuple(row for row in noisy if row not in repeated),
         repeated,
         poles,
-        _notes(campaign, blocks, overloaded),
+        _notes(campaign, blocks, at_full_scale),
     )
+
+
+def as_volts(campaign: Campaign) -> Campaign:
+    """The campaign with every record as its converter saw it: noise, hum and flat tops are of volts.
+
+    Raises:
+        DataError: a record with other channels than the rig's, or in units that are none of its channels'.
+    """
+    for block in campaign.blocks:
+        check_block(block, campaign.rig)
+    return replace(campaign, blocks=tuple(in_volts(b, campaign.rig) for b in campaign.blocks))
 
 
 def usable(campaign: Campaign) -> tuple[Block, ...]:
@@ -116,9 +133,8 @@ def usable(campaign: Campaign) -> tuple[Block, ...]:
         b
         for b in campaign.blocks
         if b.drive_point is not None
-        and len(b.samples) == len(rig.channels)
         and np.ptp(b.samples[rig.force_channel.index]) > 0
-        and (b.test == "impact" or b.frequency_hz)
+        and (_has_hit(b, rig) if b.test == "impact" else bool(b.frequency_hz))
     ]
     if not found:
         raise DataError(
@@ -129,34 +145,32 @@ def usable(campaign: Campaign) -> tuple[Block, ...]:
     return tuple(sorted(found, key=lambda b: b.order))
 
 
+def _has_hit(block: Block, rig: Rig) -> bool:
+    force = Conversion.of_block(block, rig).force_n(block.samples)
+    try:
+        find_hit(force)
+    except DataError:
+        return False
+    return True
+
+
 def _ratio(campaign: Campaign, blocks: Sequence[Block], noise_v: Array) -> float:
     sines = [b for b in blocks if b.test == "sine"]
     if not sines:
         return 1.0
-    ratio, spread = sine_ratio(sines, campaign.rig, Weights(noise_v).force(campaign.rig, "sine"))
+    signals = [to_signals(b, campaign.rig) for b in sines]
+    ratio, spread = sine_ratio(signals, Weights(noise_v).force(campaign.rig, "sine"))
     return ratio if abs(ratio - 1) > 5 * spread else 1.0
 
 
-def _overloaded(blocks: Sequence[Block]) -> set[tuple[str, int]]:
-    found: set[tuple[str, int]] = set()
-    for b in blocks:
-        top = _top(b)
-        if top is None:
-            continue
-        for row in np.flatnonzero(np.max(np.abs(b.samples.astype(np.int64)), axis=1) >= top):
-            found.add((b.name, int(row)))
-    return found
+def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:
+    rows = {c.name: c.index for c in rig.channels}
+    return {(b.name, rows[name]) for b in blocks for name in overloaded(b, rig)}
 
 
-def _full_scale_v(blocks: Sequence[Block]) -> float:
-    top = _top(blocks[0])
-    return float("inf") if top is None else top * float(np.max(blocks[0].scale))
-
-
-def _top(block: Block) -> int | None:
-    """Largest count of the converter, None if the record holds no counts."""
-    bits = {"int16": 15, "int32": 31}.get(block.samples.dtype.name)
-    return None if bits is None else 2**bits - 1
+def _full_scale_v(blocks: Sequence[Block], rig: Rig) -> Array:
+    first = blocks[0]
+    return Conversion.of_block(first, rig).full_scale * np.abs(first.scale)
 
 
 def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
@@ -167,7 +181,7 @@ def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
 
 
-def _repeating(blocks: Sequence[Block], noise_v: Array) -> tuple[int, ...]:
+def _repeating(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ...]:
     """Rows that hold a value over samples between which a signal of this size moves on."""
     shares: list[Array] = []
     for b in blocks:
@@ -177,7 +191,7 @@ def _repeating(blocks: Sequence[Block], noise_v: Array) -> tuple[int, ...]:
     stack = np.ma.masked_invalid(np.array(shares))
     middle = np.ma.median(stack, axis=0).filled(0.0)
     counted = stack.count(axis=0)
-    return tuple(int(i) for i in np.flatnonzero((middle > REPEATS) & (counted > 2)) if i > 0)
+    return tuple(int(i) for i in np.flatnonzero((middle > REPEATS) & (counted > 2)) if i != force)
 
 
 def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]) -> Complex:
@@ -194,12 +208,13 @@ def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, i
     return poles[-poles.real / np.abs(poles) > 2e-4]
 
 
-def _notes(campaign: Campaign, blocks: Sequence[Block], overloaded: set[tuple[str, int]]) -> tuple[str, ...]:
+def _notes(campaign: Campaign, blocks: Sequence[Block], at_full_scale: set[tuple[str, int]]) -> tuple[str, ...]:
     notes: list[str] = []
     if len(blocks) < len(campaign.blocks):
-        notes.append(f"{len(campaign.blocks) - len(blocks)} records were left out: no force, drive point or frequency.")
-    if overloaded:
-        notes.append(f"{len(overloaded)} channels of records ran into the converter's full scale and were left out.")
+        left_out = len(campaign.blocks) - len(blocks)
+        notes.append(f"{left_out} records were excluded: no force, hit, drive point or frequency.")
+    if at_full_scale:
+        notes.append(f"{len(at_full_scale)} channels of records ran into the converter's full scale and were left out.")
     tests = {b.test for b in blocks}
     if tests == {"impact"}:
         notes.append("Only an impact test: effects of the shaker, of level and of the clock cannot be examined.")

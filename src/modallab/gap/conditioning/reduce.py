@@ -18,6 +18,10 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.rig import Rig
 from modallab.core.units import Test
+from modallab.signals.conversion import volts_per_si
+from modallab.signals.hit import Hit
+from modallab.signals.signals import Signals, to_signals
+from modallab.signals.tone_fit import clock_ratio, fit_at
 from modallab.twin.response import HISTORY_S, RAMP_S, Hits, Rise, Sines
 
 Array = NDArray[np.float64]
@@ -25,8 +29,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 IMPACT_BAND = 0.2
 """Share of the rate up to which hits are used."""
-BEFORE, AFTER = 24, 40
-"""Samples about the peak of a hit that hold all of it."""
+BEFORE_S, AFTER_S = 0.012, 0.02
+"""About the peak of a hit, at least: a steep anti-alias filter rings there, below the noise of one sample."""
 NEIGHBOURS = 2
 """Lines on either side of a sine's own."""
 
@@ -36,7 +40,7 @@ class Rows:
     """One kind of data: responses per unit force on lines.
 
     Attributes:
-        y: (channels, rows) measured, m/s^2 per N.
+        y: (channels, rows) measured, SI units of each channel's quantity per N.
         sigma: (channels, rows) noise of each part, real and imaginary; inf where not to be used.
         common: (rows,) variance of the force's noise along the response, in units of sigma.
         direction: (channels, rows) unit vectors of that response, whitened.
@@ -130,8 +134,8 @@ class Weights:
     floor: Array | None = None
 
     def sigma(self, rig: Rig, test: Test, lines: Array) -> Array:
-        """(channels, lines) noise per sample in m/s^2."""
-        white = np.array([self.noise_v[c.index] / abs(c.sensitivity(test)) for c in rig.responses])
+        """(channels, lines) noise per sample in SI units."""
+        white = self._si(rig, test)[[c.index for c in rig.responses]]
         total = np.repeat(white[:, None], len(lines), axis=1)
         if self.floor is None:
             return total
@@ -140,7 +144,10 @@ class Weights:
 
     def force(self, rig: Rig, test: Test) -> float:
         """Noise of the force per sample in N."""
-        return float(self.noise_v[rig.force_channel.index] / abs(rig.force_channel.sensitivity(test)))
+        return float(self._si(rig, test)[rig.force_channel.index])
+
+    def _si(self, rig: Rig, test: Test) -> Array:
+        return self.noise_v / np.abs(volts_per_si(rig, test))
 
 
 def reduce(campaign: Campaign, blocks: Sequence[Block], weights: Weights) -> Reduced:
@@ -162,21 +169,19 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     first = blocks[0]
     n, dt = first.n_samples, 1 / first.rate_hz
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
-    pulses, starts, spectra, responses = [], [], [], []
-    for block in blocks:
-        force, acceleration = scaled(block, rig)
-        pulse, start = hit(force)
+    signals = [to_signals(b, rig) for b in blocks]
+    pulses, starts = hit_pulses(signals)
+    spectra: list[Complex] = []
+    for pulse, start in zip(pulses, starts, strict=True):
         windowed = np.zeros(n)
         windowed[start : start + len(pulse)] = pulse[: n - start]
-        pulses.append(pulse)
-        starts.append(start)
         spectra.append(np.fft.rfft(windowed)[1 : len(lines) + 1])
-        responses.append(np.fft.rfft(acceleration, axis=1)[:, 1 : len(lines) + 1])
-    F, Y = np.array(spectra), np.array(responses)
+    F = np.array(spectra)
+    Y = np.array([np.fft.rfft(s.responses, axis=1)[:, 1 : len(lines) + 1] for s in signals])
     power = np.sum(np.abs(F) ** 2, axis=0)
     sigma = weights.sigma(rig, "impact", lines) * np.sqrt(n / 2 / power)
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
-    force_noise = weights.force(rig, "impact") * np.sqrt((BEFORE + AFTER) / 2 / power)
+    force_noise = weights.force(rig, "impact") * np.sqrt(pulses.shape[1] / 2 / power)
     conj = F.conj() / power
     piece = Piece(
         f"impact_p{first.drive_point:02d}",
@@ -185,17 +190,26 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         None,
         tuple(b.name for b in blocks),
     )
-    source = Hits(lines, n, dt, np.array(pulses), np.array(starts), conj)
+    source = Hits(lines, n, dt, pulses, starts, conj)
     return ImpactData(piece, source, _rows(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))
 
 
-def hit(force: Array) -> tuple[Array, int]:
-    """The stretch of the force that holds the hit, its mean before taken off, and where it begins."""
-    start = max(0, int(np.argmax(np.abs(force))) - BEFORE)
-    pulse = np.zeros(BEFORE + AFTER)
-    piece = force[start : start + BEFORE + AFTER]
-    pulse[: len(piece)] = piece - force[: max(1, start)].mean()
-    return pulse, start
+def hit_pulses(signals: Sequence[Signals]) -> tuple[Array, NDArray[np.int64]]:
+    """(hits, m) force in N about each hit without its offset, and (hits,) the sample at which each begins."""
+    windows = [wide_hit(s) for s in signals]
+    pulses = np.zeros((len(signals), max(w.stop - w.first for w in windows)))
+    for pulse, s, w in zip(pulses, signals, windows, strict=True):
+        pulse[: w.stop - w.first] = s.force[w.first : w.stop] - w.offset
+    return pulses, np.array([w.first for w in windows])
+
+
+def wide_hit(signals: Signals) -> Hit:
+    """The hit with the stretch about its peak in which an anti-alias filter still rings."""
+    hit, rate = signals.hit, signals.rate_hz
+    first = max(0, min(hit.first, hit.peak - round(BEFORE_S * rate)))
+    stop = min(signals.force.size, max(hit.stop, hit.peak + round(AFTER_S * rate)))
+    offset = float(signals.force[: max(1, first)].mean())
+    return replace(hit, first=first, stop=stop, offset=offset)
 
 
 def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineData:
@@ -203,17 +217,17 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     first = blocks[0]
     n, dt = first.n_samples, 1 / first.rate_hz
     offsets = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-    signals = [scaled(block, rig) for block in blocks]
+    signals = [to_signals(block, rig) for block in blocks]
     force_sigma = weights.force(rig, "sine")
-    ratio, ratio_sigma = sine_ratio(blocks, rig, force_sigma)
+    ratio, ratio_sigma = sine_ratio(signals, force_sigma)
     scale = ratio if abs(ratio - 1) > 5 * ratio_sigma else 1.0
     lines, drive, forces, y, sigma, noise, pieces = [], [], [], [], [], [], []
-    for block, (force, acceleration) in zip(blocks, signals, strict=True):
+    for block, signal in zip(blocks, signals, strict=True):
         f0 = on_line(block.frequency_hz or 0.0, n, dt) * scale
         line = round(f0 * n * dt)
-        amplitude = harmonic(force, f0, dt)
+        amplitude = force_amplitude(signal, f0)
         at = line + offsets
-        spectrum = np.fft.rfft(acceleration, axis=1)[:, np.abs(at)]
+        spectrum = np.fft.rfft(signal.responses, axis=1)[:, np.abs(at)]
         spread = weights.sigma(rig, "sine", at.astype(float)) * np.sqrt(2 / n) / abs(amplitude)
         spread[[(block.name, c.index) in weights.masked for c in rig.responses]] = np.inf
         spread[:, at == 0] = np.inf
@@ -241,80 +255,22 @@ def rise_of(blocks: Sequence[Block]) -> Rise:
     )
 
 
-def sine_ratio(blocks: Sequence[Block], rig: Rig, force_sigma: float) -> tuple[float, float]:
+def sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, float]:
     """Frequency of the sines in the records over what the generator was set to, and its deviation."""
-    first = blocks[0]
-    n, dt = first.n_samples, 1 / first.rate_hz
-    set_hz = np.array([on_line(b.frequency_hz or 0.0, n, dt) for b in blocks])
-    return frequency_ratio(np.array([scaled(b, rig)[0] for b in blocks]), set_hz, dt, force_sigma)
+    rate, n = signals[0].rate_hz, signals[0].force.size
+    set_hz = np.array([on_line(s.block.frequency_hz or 0.0, n, 1 / rate) for s in signals])
+    return clock_ratio(np.array([s.force for s in signals]), rate, set_hz, force_sigma)
 
 
-def scaled(block: Block, rig: Rig) -> tuple[Array, Array]:
-    """Force (n,) in N and accelerations (channels, n) in m/s^2 at the rig's sensitivities."""
-    volts = block.samples * block.scale[:, None]
-    sensitivity = np.array([c.sensitivity(block.test) for c in rig.channels])
-    values = volts / sensitivity[:, None]
-    return values[rig.force_channel.index], values[[c.index for c in rig.responses]]
+def force_amplitude(signals: Signals, frequency_hz: float) -> complex:
+    """Complex amplitude of the force in N at a known frequency: f(t) = Re(amplitude exp(j omega t))."""
+    return complex(fit_at(signals.force[None], signals.rate_hz, frequency_hz).amplitude[0])
 
 
 def on_line(hz: float, n: int, dt: float) -> float:
     """A frequency that was rounded when it was written down, put back on its DFT line."""
     line = hz * n * dt
     return round(line) / (n * dt) if abs(line - round(line)) < 2e-3 else hz
-
-
-def harmonic(force: Array, f0: float, dt: float) -> complex:
-    """Complex amplitude of a sine of known frequency, beside a mean."""
-    t = np.arange(len(force)) * dt
-    basis = np.column_stack([np.cos(2 * np.pi * f0 * t), -np.sin(2 * np.pi * f0 * t), np.ones(len(t))])
-    a, b, _ = np.linalg.lstsq(basis, force, rcond=None)[0]
-    return complex(a, b)
-
-
-def frequency_ratio(forces: Array, set_hz: Array, dt: float, sigma: float) -> tuple[float, float]:
-    """Frequency of the force over what the generator was set to, with its deviation: one number for all blocks.
-
-    The four-parameter sine fit of IEEE Std 1057 by Gauss-Newton steps, amplitudes and means projected out of the slope.
-
-    Args:
-        forces: (blocks, n) in N.
-        set_hz: (blocks,) what the generator was set to.
-        dt: time between samples, s.
-        sigma: noise of a force sample, N.
-    """
-    ratio = _coarse_ratio(forces, set_hz, dt)
-    spread = np.inf
-    for _ in range(6):
-        num, den = 0.0, 0.0
-        t = np.arange(forces.shape[1]) * dt
-        for force, f0 in zip(forces, set_hz * ratio, strict=True):
-            c, s = np.cos(2 * np.pi * f0 * t), np.sin(2 * np.pi * f0 * t)
-            basis = np.column_stack([c, s, np.ones(len(t))])
-            a, b, _ = np.linalg.lstsq(basis, force, rcond=None)[0]
-            slope = 2 * np.pi * f0 * t * (b * c - a * s)
-            slope = slope - basis @ np.linalg.lstsq(basis, slope, rcond=None)[0]
-            num += float(slope @ force)
-            den += float(slope @ slope)
-        ratio *= 1 + num / den
-        spread = sigma / np.sqrt(den)
-        if abs(num / den) < 1e-9:
-            break
-    return ratio, float(spread)
-
-
-def _coarse_ratio(forces: Array, set_hz: Array, dt: float) -> float:
-    grid = np.arange(-0.1, 0.1001, 0.002)
-    t = np.arange(forces.shape[1]) * dt
-    top = np.argsort(set_hz)[-6:]
-    window = np.hanning(len(t))
-    power = [
-        sum(
-            abs(np.sum(window * f * np.exp(-2j * np.pi * h * (1 + g) * t))) ** 2 / np.sum(f**2)
-            for f, h in zip(forces[top], set_hz[top], strict=True)
-        )
-        for g in grid
-    ]
-    return 1 + float(grid[int(np.argmax(power))])
 
 
 def _rows(y: Complex, sigma: Array, force_noise: Array) -> Rows:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.reduce import AFTER, scaled
+from modallab.gap.conditioning.reduce import wide_hit
 from modallab.identification.realization import block_hankel, state_poles
+from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -49,11 +50,11 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
 
 
 def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Array, float]:
-    force, acceleration = scaled(block, rig)
-    start = int(np.argmax(np.abs(force))) + AFTER
+    signals = to_signals(block, rig)
+    motion, start = signals.responses, wide_hit(signals).stop
     step = max(1, int(block.rate_hz / (2.2 * top_hz)))
-    spectrum = np.fft.rfft(acceleration[list(keep), start:], axis=1)
-    length = acceleration.shape[1] - start
+    spectrum = np.fft.rfft(motion[list(keep), start:], axis=1)
+    length = motion.shape[1] - start
     hz = np.fft.rfftfreq(length, 1 / block.rate_hz)
     smooth = np.fft.irfft(spectrum * (1 / (1 + (hz / (1.05 * top_hz)) ** 16)), n=length, axis=1)
     # The cut at both ends rings under the filter: leave those samples out.

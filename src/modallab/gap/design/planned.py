@@ -15,8 +15,8 @@ from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import (
-    AFTER,
-    BEFORE,
+    AFTER_S,
+    BEFORE_S,
     IMPACT_BAND,
     NEIGHBOURS,
     ImpactData,
@@ -80,9 +80,10 @@ def _rows(sigma: Array) -> Rows:
 def _hits(rig: Rig, plan: ImpactPlan, point: int, weights: Weights, order: float) -> ImpactData:
     n, dt = round(plan.block_s * plan.rate_hz), 1 / plan.rate_hz
     lines = np.arange(1.0, int(IMPACT_BAND * n) + 1)
-    t = np.arange(BEFORE + AFTER) * dt - BEFORE * dt
+    before, after = round(BEFORE_S / dt), round(AFTER_S / dt)
+    t = np.arange(-before, after) * dt
     pulse = HIT_N * np.where(np.abs(t) < HIT_S / 2, np.cos(np.pi * t / HIT_S), 0.0)
-    start = max(0, round(plan.pre_trigger_s * plan.rate_hz) - BEFORE)
+    start = max(0, round(plan.pre_trigger_s * plan.rate_hz) - before)
     whole = np.zeros(n)
     whole[start : start + len(pulse)] = pulse
     F = np.fft.rfft(whole)[1 : len(lines) + 1]

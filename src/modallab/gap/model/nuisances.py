@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
-from modallab.twin.bench import Twin
+from modallab.twin.bench import Chain, Twin
 from modallab.twin.structure import MODES, Structure, believed_root
 
 Array = NDArray[np.float64]
@@ -100,7 +100,7 @@ class Nuisances:
             root_rotation=nominal.root_rotation * float(np.exp(_held(u[-2]) * ROOT)) if self.root else 0.0,
         )
         # Between none of the modes left out and all of them, with some room for what else is stiff and light.
-        twin = Twin(structure, residual_compliance=float(0.5 + _held(u[-1] - 0.5, 0.6, 1.0)))
+        twin = Twin(structure, Chain.of(self.rig), residual_compliance=float(0.5 + _held(u[-1] - 0.5, 0.6, 1.0)))
         if not self.gains:
             return twin
         first = 3 + self.modes

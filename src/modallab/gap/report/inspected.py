@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Found
 from modallab.core.effects import kind_of
+from modallab.core.rig import Rig
+from modallab.core.units import DERIVATIVE
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.model.predicted_records import predict_record
+from modallab.signals.conversion import volts_per_si
 from modallab.twin.base_motion import base_transmission
 from modallab.twin.bench import Twin
 
@@ -70,10 +73,11 @@ def _noisy(prepared: Prepared, twin: Twin) -> list[Found]:
 
 def _noisy_row(prepared: Prepared, row: int) -> Found:
     others = np.delete(prepared.measured_v, row)
-    # The quantile the measurement takes reads all rows a little low: the rows without added noise say by how much.
-    bias = float(np.median(others / prepared.believed_v[0]))
+    # The quantile the measurement takes reads all rows a little low: the other rows say by how much.
+    bias = float(np.median(others / np.delete(prepared.believed_v, row)))
     rig = prepared.campaign.rig
-    step = float(np.max(prepared.blocks[0].scale)) / np.sqrt(12)
+    counted = prepared.blocks[0].samples.dtype.kind in "iu"
+    step = abs(float(prepared.blocks[0].scale[row])) / np.sqrt(12) if counted else 0.0
     own = rig.converter.noise_rms_v if rig.converter is not None else float(np.median(others))
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
@@ -116,15 +120,13 @@ def _peak(prepared: Prepared, twin: Twin, row: int) -> float:
     rig = prepared.campaign.rig
     at = [c.index for c in rig.responses].index(row)
     last = float(max(1, *(b.order for b in prepared.campaign.blocks)))
-    peaks = [
-        float(np.max(np.abs(predict_record(twin, rig, b, last)[at])) * abs(rig.channels[row].sensitivity(b.test)))
-        for b in prepared.blocks
-    ]
-    return max(peaks)
+    peaks = [np.max(np.abs(predict_record(twin, rig, b, last)[at])) for b in prepared.blocks]
+    per_si = [abs(volts_per_si(rig, b.test)[row]) for b in prepared.blocks]
+    return float(max(peak * volts for peak, volts in zip(peaks, per_si, strict=True)))
 
 
 def _base_motion(prepared: Prepared, twin: Twin) -> float:
-    """Rms of the base's acceleration: each line by the channels that neither ring nor rest there."""
+    """Rms of the base's acceleration: each line by the channels that neither ring nor stand still there."""
     floor = prepared.floor
     assert floor is not None
     rig = prepared.campaign.rig
@@ -134,14 +136,21 @@ def _base_motion(prepared: Prepared, twin: Twin) -> float:
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
     gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / (n * dt))) ** 2
     near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * n * dt / (2 * np.pi)), axis=1, initial=np.inf)
-    usable = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
-    base = np.ma.median(np.ma.masked_where(~usable, floor.density / gain), axis=0)
+    reported = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
+    base = np.ma.median(np.ma.masked_where(~reported, _as_acceleration(floor.density, rig, n * dt) / gain), axis=0)
     known = ~np.ma.getmaskarray(base)
     known[0] = False
     if not np.any(known):
         return floor.rms_acc
     whole = np.interp(lines[1:], lines[known], base.data[known])
     return float(np.sqrt(2 / n * np.sum(whole)))
+
+
+def _as_acceleration(density: Array, rig: Rig, length_s: float) -> Array:
+    """(channels, lines) variances of velocities and displacements as those of the accelerations."""
+    omega = 2 * np.pi * np.arange(density.shape[1]) / length_s
+    missing = np.array([2 - DERIVATIVE[c.quantity] for c in rig.responses])
+    return density * omega ** (2 * missing[:, None])
 
 
 INSPECTIONS = {

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.frf import DERIVATIVES
 from modallab.core.rig import Rig
 from modallab.frf.estimate import lines, output_quantity, pre_trigger_level
 from modallab.identification.likelihood.basis import LineBlock
 from modallab.identification.likelihood.excitation import Grid, HitExcitation
-from modallab.signals.hit import Hit, find_hit, windowed_force
+from modallab.signals.hit import Hit, windowed_force
+from modallab.signals.signals import Signals
 
 MOST_FORCE_SAMPLES = 1500
 """More unknown force samples than these, over all blocks, take too long."""
@@ -61,7 +61,7 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Hi
     flat = [s for group in groups for s in group]
     of_block = [index for index, group in enumerate(groups) for _ in group]
     ringing = [s.block.name for s in flat if _rings_before(s)]
-    found = [find_hit(s.force) for s in flat]
+    found = [s.hit for s in flat]
     wide = _with_tails(found, n)
     by_sample = wide is not None
     found = found if wide is None else wide
@@ -115,8 +115,8 @@ def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
 
 
 def _rings_before(signals: Signals) -> bool:
-    """Whether most outputs' neighbouring samples before the hit correlate by more than 0.5."""
-    stop = find_hit(signals.force).first
+    """Whether the outputs move before the hit by more than the quietest stretch of that output in any block would."""
+    stop = signals.hit.first
     if stop < 32:
         return False
     before = signals.responses[:, :stop] - signals.responses[:, :stop].mean(axis=1, keepdims=True)

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.selection.confidence import MODEL_ERROR_FROM
-from modallab.signals.hit import find_hit
+from modallab.signals.signals import Signals
 
 SAMPLES_NEEDED = 1000
 """Samples before the hits, over all outputs and blocks, that determine the noise to some 2 %."""
@@ -25,7 +24,7 @@ def model_error(fit: Fit, signals: Sequence[Signals]) -> float:
 
 def pre_trigger_noise(signals: Sequence[Signals]) -> NDArray[np.float64] | None:
     """Noise (outputs,) of a DFT line's real part, from the samples before the hits; None if there are too few."""
-    cut = [s.responses[:, : find_hit(s.force).first] for s in signals]
+    cut = [s.responses[:, : s.hit.first] for s in signals]
     centred = [q - q.mean(axis=1, keepdims=True) for q in cut if q.shape[1] > 1]
     free = sum(q.shape[1] - 1 for q in centred)
     if free * len(signals[0].outputs) < SAMPLES_NEEDED:
@@ -41,5 +40,5 @@ def model_error_notes(ratio: float) -> tuple[str, ...]:
         return ()
     return (
         f"The fit's residual is {ratio:.3g} times the pre-trigger noise: something acts that no linear modes explain. "
-        " The uncertainties are too small, and weak modes may stand for what is wrong.",
+        "The uncertainties are too small, and weak modes may stand for what is wrong.",
     )

@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.rig import Rig
 from modallab.reporting.figures import style
 from modallab.reporting.figures.quarters import amplitude, quarters
+from modallab.signals.signals import Signals
 
 
 def impact_block(

@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from modallab.core.block import Signals
 from modallab.core.rig import Rig
 from modallab.core.units import SI_UNIT
 from modallab.reporting.figures import style
 from modallab.reporting.figures.selection import place
+from modallab.signals.signals import Signals
 
 
 def quarters(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Figure, list[Axes]]:

@@ -2,10 +2,10 @@
 
 from matplotlib.figure import Figure
 
-from modallab.core.block import Signals
 from modallab.core.rig import Rig
 from modallab.reporting.figures import style
 from modallab.reporting.figures.quarters import quarters
+from modallab.signals.signals import Signals
 
 
 def sine_block(signals: Signals, output: int, rig: Rig, to_hz: float = 220.0) -> Figure:

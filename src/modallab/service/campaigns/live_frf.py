@@ -5,10 +5,9 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.start.tones import fit_tone
 from modallab.service.errors import ConflictError
 from modallab.signals.full_scale import overloaded
-from modallab.signals.scaling import to_signals_of
+from modallab.signals.signals import to_signals_of
 from modallab.storage import Store
 
 LOWEST_HZ = 0.5
@@ -39,5 +38,4 @@ def _impact(blocks: list[Block], rig: Rig) -> Frf:
 def _sine(blocks: list[Block], rig: Rig) -> Frf:
     # One level only: FRFs of different levels are what is compared, never averaged.
     level = blocks[-1].level
-    tones = [fit_tone(signals) for signals in to_signals_of([b for b in blocks if b.level == level], rig)]
-    return stepped_frf([tone.signals for tone in tones], [tone.fit for tone in tones], rig)
+    return stepped_frf(to_signals_of([b for b in blocks if b.level == level], rig), rig)

@@ -1,10 +1,11 @@
 """A small campaign made by the twin itself, block by block."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.block import Block
+from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
@@ -64,3 +65,63 @@ def sine(rig: Rig, twin: Twin, line: int, level: str, rng: np.random.Generator, 
     force = np.real(amplitude * np.exp(2j * np.pi * hz * np.arange(n) / 1000.0))
     block = _block(rig, f"sine_{level}_{hz:07.3f}", "sine", 1000.0, 4, level=level, frequency_hz=round(hz, 3))
     return _finish(rig, block, force * twin.chain.force_gain, answer * twin.chain.force_gain, rng, spoil)
+
+
+def link() -> Rig:
+    """What the operator believes of the bench."""
+    channels = [
+        {
+            "index": 0,
+            "name": "force",
+            "quantity": "force",
+            "unit": "N",
+            "sensitivity_v_per_unit": {"impact": 0.02, "sine": 0.5},
+        }
+    ]
+    channels += [
+        {
+            "index": k,
+            "name": f"a{k:02d}",
+            "quantity": "acceleration",
+            "unit": "m/s^2",
+            "point": k,
+            "sensitivity_v_per_unit": {"impact": 0.01, "sine": 0.1},
+        }
+        for k in range(1, 11)
+    ]
+    return Rig.model_validate(
+        {
+            "name": "test link",
+            "beam": {
+                "length_m": LENGTH,
+                "width_m": 0.05,
+                "thickness_m": 0.006,
+                "youngs_modulus_pa": 2.05e11,
+                "density_kg_m3": 7850.0,
+            },
+            "tolerance": {"youngs_modulus": 0.012, "thickness": 0.003, "density": 0.003},
+            "points": [{"id": k, "x_m": LENGTH * k / 10} for k in range(1, 11)],
+            "channels": channels,
+            "converter": {"bits": 16, "range_v": 10.0, "noise_rms_v": NOISE},
+            "shaker_point": 4,
+        }
+    )
+
+
+def built(
+    rig: Rig,
+    *effects: Effect,
+    seed: int = 1,
+    tests: tuple[str, ...] = ("impact", "sine"),
+    spoil: Callable[[np.ndarray, Block], np.ndarray] = lambda volts, _: volts,
+) -> Campaign:
+    """Campaign of a bench with effects; `spoil` may change the volts (rows, n) of each record."""
+    rng = np.random.default_rng(seed)
+    twin = bench(rig, effects)
+    blocks: list[Block] = []
+    if "impact" in tests:
+        blocks += [make_hit(rig, twin, point, hit, rng, spoil) for point in (6, 10, 3) for hit in range(2)]
+    if "sine" in tests:
+        blocks += [sine(rig, twin, line, level, rng, spoil) for level in ("low", "high") for line in LINES]
+    blocks = [replace(b, order=i) for i, b in enumerate(blocks)]
+    return Campaign(rig, tuple(blocks), source="made by the test")

@@ -1,0 +1,42 @@
+"""What a set of blocks must be to make one test of one rig."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from modallab.core.array_checks import check_signals
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.signals.signals import Signals
+
+
+def check_outputs(signals: Signals, rig: Rig) -> None:
+    """Reject signals of other outputs than the rig's: points and units would be another's.
+
+    Raises:
+        DataError: they are not the rig's, in its order.
+    """
+    names = tuple(c.name for c in rig.responses)
+    if signals.outputs != names:
+        raise DataError(
+            f"outputs {list(signals.outputs)} are not the rig's {list(names)}",
+            where=f"record {signals.block.name}",
+            remedy="use the rig file the record was made with",
+        )
+
+
+def check_test(signals: Sequence[Signals]) -> None:
+    """Reject blocks that make no test: none at all, unequal ones, or blocks that no living bench records.
+
+    Raises:
+        DataError: as said, with the record's name.
+    """
+    if not signals:
+        raise DataError("there is no block", remedy="give the blocks of one test")
+    shapes = {(s.rate_hz, s.force.size, s.outputs) for s in signals}
+    if len(shapes) > 1:
+        listed = "; ".join(sorted(f"{n} samples of {len(o)} outputs at {rate:g} Hz" for rate, n, o in shapes))
+        raise DataError(f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind by itself")
+    for s in signals:
+        where = f"record {s.block.name}"
+        check_signals(np.vstack([s.force, s.responses]), ("force", *s.outputs), where, force="force")

@@ -1,0 +1,119 @@
+"""A block in SI units: step A of the paper, and what is found in it at once, its hit or its tone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.axis_checks import check_rate
+from modallab.core.block import Block
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.signals.ac_coupling import uncoupled
+from modallab.signals.alignment import aligned, lags_s
+from modallab.signals.checks import check_block, check_rows
+from modallab.signals.conversion import Conversion, require_one_axis
+from modallab.signals.hit import Hit, find_hit, windowed_force
+from modallab.signals.tone_fit import SineFit, fit_tone
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Force and responses of one block, positive along the drive, validated when they are made.
+
+    Attributes:
+        force: (n,) in N.
+        responses: (outputs, n) in SI units of each output's quantity.
+        rate_hz: sampling rate.
+        outputs: (outputs,) channel names.
+        block: the block it came from.
+
+    Raises:
+        DataError: no rate, shapes that do not belong together, values that are no finite numbers.
+    """
+
+    force: Real
+    responses: Real
+    rate_hz: float
+    outputs: tuple[str, ...]
+    block: Block
+
+    def __post_init__(self) -> None:
+        where = f"record {self.block.name}"
+        check_rate(self.rate_hz, where)
+        shape = self.responses.shape
+        if self.force.ndim != 1 or len(shape) != 2 or shape != (len(self.outputs), self.force.size):
+            raise DataError(
+                f"force {self.force.shape}, responses {shape} and {len(self.outputs)} outputs do not belong together",
+                where=where,
+                remedy="give force (n,) and responses (outputs, n), one row for each output",
+            )
+        check_rows(self.force, f"force of {where}")
+        check_rows(self.responses, f"responses of {where}")
+
+    @cached_property
+    def hit(self) -> Hit:
+        """Where the hit lies in the force.
+
+        Raises:
+            DataError: no sample stands out of the noise.
+        """
+        return find_hit(self.force)
+
+    @cached_property
+    def hit_force(self) -> Real:
+        """(n,) force in N without its offset, zero outside the hit."""
+        return windowed_force(self.force, self.hit)
+
+    @cached_property
+    def tone(self) -> SineFit:
+        """The sine in the force, at its own frequency, which the generator's clock decides.
+
+        Raises:
+            DataError: the record has no frequency, or its force no such sine.
+        """
+        return fit_tone(self.force, self.rate_hz, self.block.frequency_hz, f"record {self.block.name}")
+
+
+def to_signals(block: Block, rig: Rig) -> Signals:
+    """Scale a block to SI units; a sensor against the drive is turned, one that lags is aligned, AC coupling is undone.
+
+    Args:
+        block: as delivered, channels in rig order.
+        rig: sensitivities, units, directions, delays and corners.
+
+    Raises:
+        DataError: channels other than the rig's, a unit that is not the channel's, a scale of nothing, a channel across
+            the drive, or samples that are no records.
+    """
+    check_block(block, rig)
+    require_one_axis(rig, f"record {block.name}")
+    conversion = Conversion.of_block(block, rig)
+    values = uncoupled(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
+    values = aligned(values, block.rate_hz, lags_s(rig))
+    return Signals(
+        force=values[conversion.force],
+        responses=values[list(conversion.responses)],
+        rate_hz=block.rate_hz,
+        outputs=tuple(c.name for c in rig.responses),
+        block=block,
+    )
+
+
+def to_signals_of(blocks: Sequence[Block], rig: Rig) -> list[Signals]:
+    """`to_signals` for several blocks, which must share rate and length.
+
+    Raises:
+        DataError: the blocks differ in rate or length.
+    """
+    shapes = {(b.rate_hz, b.n_samples) for b in blocks}
+    if len(shapes) > 1:
+        listed = ", ".join(f"{n} samples at {rate:g} Hz" for rate, n in sorted(shapes))
+        raise DataError(
+            f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind in a campaign of its own"
+        )
+    return [to_signals(b, rig) for b in blocks]
