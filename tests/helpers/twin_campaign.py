@@ -8,7 +8,8 @@ import numpy as np
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.twin.bench import Twin
+from modallab.signals.alignment import lags_s
+from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import apply
 from modallab.twin.predict import predict_hit, predict_sine
 from modallab.twin.structure import Structure
@@ -22,7 +23,8 @@ def bench(rig: Rig, effects: tuple[Effect, ...]) -> Twin:
     assert rig.beam is not None
     structure = Structure.of(rig.beam, 0.006)
     zeta = structure.zeta * np.linspace(0.7, 1.5, len(structure.zeta))
-    twin = Twin(replace(structure, youngs_modulus_pa=2.06e11, density_kg_m3=7840.0, zeta=zeta))
+    chain = Chain.of(rig).as_delivered(rig, lags_s(rig))
+    twin = Twin(replace(structure, youngs_modulus_pa=2.06e11, density_kg_m3=7840.0, zeta=zeta), chain)
     for effect in effects:
         twin = apply(twin, effect, rig)
     return twin
@@ -37,16 +39,18 @@ def _finish(rig: Rig, block: Block, force: np.ndarray, answer: np.ndarray, rng: 
 
 def _block(rig: Rig, name: str, test: str, rate: float, point: int, **more) -> Block:
     names = tuple(c.name for c in rig.channels)
-    empty = np.zeros((11, 1), dtype=np.int16)
-    return Block(name, test, 0, rate, empty, np.full(11, STEP), ("V",) * 11, names, drive_point=point, **more)
+    rows = len(names)
+    empty = np.zeros((rows, 1), dtype=np.int16)
+    return Block(name, test, 0, rate, empty, np.full(rows, STEP), ("V",) * rows, names, drive_point=point, **more)
 
 
 def make_hit(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generator, spoil) -> Block:
     n, start = 2048, 100 + int(rng.integers(0, 3))
     force = np.zeros(n)
     force[start : start + 9] = 60 * rng.uniform(0.8, 1.2) * np.hanning(9)
-    x = np.array([LENGTH * k / 10 for k in range(1, 11)])
-    answer = predict_hit(twin, force, 2000.0, LENGTH * point / 10, tuple(range(1, 11)), x, 0.0)
+    channels = tuple(c.index for c in rig.responses)
+    x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
+    answer = predict_hit(twin, force, 2000.0, LENGTH * point / 10, channels, x, 0.0)
     return _finish(
         rig,
         _block(rig, f"impact_p{point:02d}_{hit}", "impact", 2000.0, point),
@@ -60,8 +64,9 @@ def make_hit(rig: Rig, twin: Twin, point: int, hit: int, rng: np.random.Generato
 def sine(rig: Rig, twin: Twin, line: int, level: str, rng: np.random.Generator, spoil) -> Block:
     n, hz = 1024, line / 1.024
     amplitude = {"low": 0.1, "high": 0.4}[level] * np.exp(1j * rng.uniform(0, 2 * np.pi))
-    x = np.array([LENGTH * k / 10 for k in range(1, 11)])
-    answer = predict_sine(twin, complex(amplitude), hz, n, 1000.0, 0.4 * LENGTH, tuple(range(1, 11)), x, 0.5)
+    channels = tuple(c.index for c in rig.responses)
+    x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
+    answer = predict_sine(twin, complex(amplitude), hz, n, 1000.0, 0.4 * LENGTH, channels, x, 0.5)
     force = np.real(amplitude * np.exp(2j * np.pi * hz * np.arange(n) / 1000.0))
     block = _block(rig, f"sine_{level}_{hz:07.3f}", "sine", 1000.0, 4, level=level, frequency_hz=round(hz, 3))
     return _finish(rig, block, force * twin.chain.force_gain, answer * twin.chain.force_gain, rng, spoil)

@@ -4,7 +4,14 @@ from collections.abc import Mapping, Sequence
 from datetime import date
 from typing import Annotated, Literal, Self, cast
 
-from pydantic import Field, PositiveFloat, PositiveInt, model_validator
+from pydantic import (
+    Field,
+    PositiveFloat,
+    PositiveInt,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from modallab.core.errors import RigError
 from modallab.core.frozen import Frozen
@@ -48,6 +55,11 @@ class Tolerance(Frozen):
     density: NonNegative = 0.003
     sensitivity: NonNegative = 0.01
     meaning: str = "one standard deviation, relative"
+
+    @model_serializer(mode="wrap")
+    def _as_stated(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        # What a rig file does not state must not look stated once the rig was stored and read again.
+        return {name: value for name, value in handler(self).items() if name in self.model_fields_set}
 
 
 class DampingPrior(Frozen):

@@ -47,7 +47,8 @@ def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
 def _check(records: Sequence[RunRecord], where: str, invalid: bool) -> None:
     if not records:
         raise StorageError("no runs were named", where=where, remedy="name at least one run")
-    if len({record.rig_hash for record in records}) > 1:
+    # By the rigs themselves: the hash of the same rig may have been taken by an earlier version.
+    if any(record.rig != records[0].rig for record in records):
         rigs = ", ".join(f"{record.id}: {record.rig_hash[:12]}" for record in records)
         raise StorageError(
             f"the runs are of different rigs ({rigs})", where=where, remedy="take runs of one rig revision only"

@@ -1,0 +1,120 @@
+"""What a rig file declares of its channels changes the recordings, and not what is found in them."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from convention import scaled_sensitivity
+from twin_campaign import built, link
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab.gap import diagnose, predict
+from modallab.identification import Options
+from modallab.pipelines.identify import identify_campaign
+from modallab.signals.signals import to_signals
+
+MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
+TRUE_HZ_OF_3 = (4.6, 29.2, 81.6)
+
+
+def changed(of_channel: Callable[[dict], dict]) -> Rig:
+    believed = link().model_dump()
+    return Rig.model_validate({**believed, "channels": [{**c, **of_channel(c)} for c in believed["channels"]]})
+
+
+def motion(fields: Callable[[int], dict]) -> Rig:
+    return changed(lambda c: {} if c["quantity"] == "force" else fields(c["index"]))
+
+
+def sensing(quantity: str, unit: str, factor: float) -> Rig:
+    rig = link()
+    return motion(
+        lambda k: {
+            "quantity": quantity,
+            "unit": unit,
+            "sensitivity_v_per_unit": scaled_sensitivity(rig.channels[k], factor),
+        }
+    )
+
+
+def few() -> Rig:
+    believed = link().model_dump()
+    kept = [c for c in believed["channels"] if c["name"] in ("force", "a03", "a06", "a10")]
+    return Rig.model_validate({**believed, "channels": [{**c, "index": k} for k, c in enumerate(kept)]})
+
+
+CHAINS: dict[str, Callable[[], Rig]] = {
+    "delay": lambda: motion(lambda _: {"delay_s": 0.00037}),
+    "skew": lambda: motion(lambda k: {"skew_s": 8e-6 * k}),
+    "AC corner": lambda: motion(lambda _: {"ac_corner_hz": 0.5}),
+    "delay, skew and AC corner, -z": lambda: motion(
+        lambda k: {"delay_s": 0.0002, "skew_s": 5e-6 * k, "ac_corner_hz": 0.3, "direction": "-z"}
+    ),
+    "velocity": lambda: sensing("velocity", "m/s", 100.0),
+    "velocity in mm/s": lambda: sensing("velocity", "mm/s", 0.1),
+    "displacement": lambda: sensing("displacement", "mm", 10.0),
+    "3 of 10 sensors": few,
+}
+
+
+@pytest.fixture(scope="module")
+def campaigns() -> dict[str, Campaign]:
+    return {name: built(rig(), MASS) for name, rig in CHAINS.items()}
+
+
+@pytest.fixture(scope="module")
+def usual() -> Campaign:
+    return built(link(), MASS)
+
+
+@pytest.mark.parametrize("name", [n for n in CHAINS if n not in ("velocity", "velocity in mm/s", "displacement")])
+def test_the_signals_are_those_of_a_plain_chain(campaigns: dict[str, Campaign], usual: Campaign, name: str) -> None:
+    other = campaigns[name]
+    for one, two in zip(usual.blocks[::9], other.blocks[::9], strict=True):
+        a, b = to_signals(one, usual.rig), to_signals(two, other.rig)
+        inside = slice(64, -64)
+        rows = [a.outputs.index(o) for o in b.outputs]
+        noise = np.std(a.responses[rows, :40]) if one.test == "impact" else 0.005
+        off = (b.responses - a.responses[rows])[:, inside]
+        off -= off.mean(axis=1, keepdims=True)
+        size = np.linalg.norm(a.responses[rows]) / np.sqrt(off.size)
+        assert np.linalg.norm(off) / np.sqrt(off.size) < 2 * noise + 2e-3 * size
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_modal_model_is_the_same_within_its_sigma(
+    campaigns: dict[str, Campaign], usual: Campaign, name: str
+) -> None:
+    one, two = (identify_campaign(c, Options(band_hz=(3.0, 200.0)), "impact").identified[0].model
+                for c in (usual, campaigns[name]))  # fmt: skip
+    assert one.n_modes == two.n_modes == 4
+    both = np.hypot(one.frequency_sigma_hz, two.frequency_sigma_hz)
+    assert np.all(np.abs(two.frequency_hz - one.frequency_hz) < 5 * both + 1e-5 * one.frequency_hz)
+    both = np.hypot(one.damping_sigma, two.damping_sigma)
+    assert np.all(np.abs(two.damping_ratio - one.damping_ratio) < 5 * both + 1e-3 * one.damping_ratio)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_diagnosis_is_the_same(campaigns: dict[str, Campaign], name: str) -> None:
+    found = diagnose(campaigns[name], allowed=lambda n: n in ("added_mass", "polarity", "trigger_delay", "ac_coupling"))
+    assert (found.verdict, found.where.stage) == ("known", "structure")
+    (effect,) = found.effects
+    assert effect.effect == "added_mass"
+    assert effect.parameters["mass"] == pytest.approx(0.05, rel=0.01)
+    assert effect.place["x_m"] == pytest.approx(0.8, abs=0.005)
+    assert found.gap.after < 1.1
+
+
+@pytest.mark.parametrize("name", ["delay, skew and AC corner, -z", "velocity in mm/s", "3 of 10 sensors"])
+def test_a_prediction_reads_as_the_recording_does(campaigns: dict[str, Campaign], name: str) -> None:
+    campaign = campaigns[name]
+    found = diagnose(campaign, allowed=lambda n: n == "added_mass")
+    for record, values in predict(found, campaign).items():
+        block = next(b for b in campaign.blocks if b.name == record)
+        per_unit = np.array([[c.sensitivity(block.test)] for c in campaign.rig.responses])
+        read = np.array([block.samples[c.index] * block.scale[c.index] for c in campaign.rig.responses]) / per_unit
+        noise = 4 * 0.000313 / per_unit * np.sqrt(block.n_samples)
+        off = np.linalg.norm(values - read, axis=1, keepdims=True)
+        assert np.all(off < noise + 0.01 * np.linalg.norm(read, axis=1, keepdims=True))
