@@ -48,12 +48,44 @@ class Beam(Frozen):
 
 
 class Tolerance(Frozen):
-    """One standard deviation, relative, of what is believed about the beam and the sensors."""
+    """One standard deviation of what is believed about the bench, relative unless the name holds a unit.
+
+    The first three have a value where a rig file states none; of the others none is free unless it is stated.
+
+    Attributes:
+        youngs_modulus: of E.
+        thickness: of the beam's thickness.
+        density: of rho.
+        sensitivity: of each accelerometer.
+        position_m: of each accelerometer along the beam.
+        hit_position_m: of each hit along the beam.
+        hit_gain: of what the beam gets of each hit over what the hammer reads.
+        clamp_compliance: rotation of the root in L / EI; positive.
+        sensor_mass_kg: of cable and glue at each accelerometer; positive.
+        stiffness_field: of the factors 1 + a cos(k pi x / L) on EI, k = 1 to 3.
+        mass_field: the same on rho A.
+        stiffness_drift: of EI from the first record to the last.
+        damper_n_s_per_m: of one damper to ground somewhere; positive.
+        shaker_mass_kg: of what hangs on the beam at the shaker point in the sine test; positive.
+        stinger_rotation: of the rotational spring there, in EI / L; positive.
+        meaning: in words.
+    """
 
     youngs_modulus: NonNegative = 0.012
     thickness: NonNegative = 0.003
     density: NonNegative = 0.003
     sensitivity: NonNegative = 0.01
+    position_m: NonNegative = 0.0
+    hit_position_m: NonNegative = 0.0
+    hit_gain: NonNegative = 0.0
+    clamp_compliance: NonNegative = 0.0
+    sensor_mass_kg: NonNegative = 0.0
+    stiffness_field: NonNegative = 0.0
+    mass_field: NonNegative = 0.0
+    stiffness_drift: NonNegative = 0.0
+    damper_n_s_per_m: NonNegative = 0.0
+    shaker_mass_kg: NonNegative = 0.0
+    stinger_rotation: NonNegative = 0.0
     meaning: str = "one standard deviation, relative"
 
     @model_serializer(mode="wrap")

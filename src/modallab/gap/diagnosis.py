@@ -13,9 +13,8 @@ from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.contradictions import contradictions
-from modallab.gap.report.initial_gap import TOP_HZ, as_came, bench_of, weights_of
+from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import inspected, shown
 from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, squares
@@ -44,7 +43,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
-    free = nuisances(campaign.rig, TOP_HZ)
+    free = free_of(campaign)
     prepared = prepare(campaign)
     campaign = prepared.campaign
     fitted, held = split(prepared.blocks, hold_out)

@@ -82,6 +82,8 @@ class Twin:
         drift_curve: (order over the last order, share of the drift) by which the change went; empty for evenly.
         clock: relative error of the converter's rate.
         hit_shift_m: every hit lands that much farther from the clamp.
+        hit_offsets_m: (drive point in m, m) by which hits meant for one point land farther still.
+        hit_gains: (drive point in m, factor) on what the beam gets of the hits there.
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
         stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
         residual_compliance: share of the static compliance of all modes above the twin's own that counts; 1: all.
@@ -93,6 +95,8 @@ class Twin:
     drift_curve: tuple[tuple[float, float], ...] = ()
     clock: float = 0.0
     hit_shift_m: float = 0.0
+    hit_offsets_m: tuple[tuple[float, float], ...] = ()
+    hit_gains: tuple[tuple[float, float], ...] = ()
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
     residual_compliance: float = 0.0
@@ -103,6 +107,15 @@ class Twin:
             return np.asarray(tau, dtype=np.float64)
         at, share = np.array(self.drift_curve).T
         return np.interp(tau, at, share)
+
+    def struck_x_m(self, drive_x_m: float) -> float:
+        """Where hits meant for a point land, on the beam."""
+        x = drive_x_m + self.hit_shift_m + dict(self.hit_offsets_m).get(drive_x_m, 0.0)
+        return min(max(x, 0.0), self.structure.length_m)
+
+    def hit_gain(self, drive_x_m: float) -> float:
+        """What the beam gets of hits meant for a point, over what the hammer reads."""
+        return dict(self.hit_gains).get(drive_x_m, 1.0)
 
     def in_sine(self, shaker_x_m: float) -> Structure:
         """The structure while the shaker hangs on it."""

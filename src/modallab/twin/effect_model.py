@@ -33,6 +33,7 @@ class Search:
         needs: the test that distinguishes it from what is free anyhow; None if either will do.
         absorbed_by: which numbers of the beam take its work over in a fit without it.
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
+        replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
     """
 
@@ -42,6 +43,7 @@ class Search:
     needs: Test | None = None
     absorbed_by: Absorber = "nothing"
     replaces_gain: bool = False
+    replaces: str = ""
     is_clock: bool = False
 
 

@@ -30,7 +30,7 @@ def predict_hit(
     """
     n, dt = len(force_n), 1 / rate_hz / (1 + twin.clock)
     modes = drifted(solve(twin.structure), twin.ei_drift, float(twin.drifted(tau)))
-    x = min(max(drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
+    x = twin.struck_x_m(drive_x_m)
     struck = np.flatnonzero(force_n)
     first, last = (int(struck[0]), int(struck[-1]) + 1) if len(struck) else (0, 1)
     spectrum = np.fft.rfft(force_n)
@@ -48,7 +48,7 @@ def predict_hit(
     chain = transfer(twin.chain, channels, source.s)
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
-    return _swapped(twin.chain, channels, np.fft.irfft(total, n=n, axis=1))
+    return _swapped(twin.chain, channels, twin.hit_gain(drive_x_m) * np.fft.irfft(total, n=n, axis=1))
 
 
 def predict_sine(

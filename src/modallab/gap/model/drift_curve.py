@@ -12,6 +12,7 @@ from modallab.gap.conditioning.reduce import Piece
 from modallab.gap.model.fit import Fit, Problem, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
+from modallab.twin.effects import search_of
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ ROUNDS = 3
 
 def with_drift_curve(fit: Fit) -> Fit:
     """The fit with the share of the drift at each piece of the campaign freed; the same fit if it has no drift."""
-    if not fit.problem.twin(fit.u).ei_drift:
+    if not any(search_of(c.effect).replaces == "stiffness_drift" for c in fit.problem.candidates):
         return fit
     best = fit
     for _ in range(ROUNDS):

@@ -81,7 +81,9 @@ class Problem:
         """The twin at u."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
         held = [c.place[0][1] for c in self.candidates if search_of(c.effect).replaces_gain]
-        twin = self.free.build(self.free.without_gains(u[: self.free.size], held))
+        own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
+        replaced = [(tolerance, dict(c.place).get("channel")) for tolerance, c in own]
+        twin = self.free.build(self.free.without_gains(u[: self.free.size], held), replaced)
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin

@@ -47,16 +47,17 @@ def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tu
     """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
     tau = d.piece.order / data.last_order
     scale = np.sqrt(max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau))))
-    drive = modes.at(min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m))[0]
+    drive = modes.at(twin.struck_x_m(d.piece.drive_x_m))[0] * twin.hit_gain(d.piece.drive_x_m)
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
 
 
 def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
     tau = d.piece.order / data.last_order
-    drive = min(max(d.piece.drive_x_m + twin.hit_shift_m, 0.0), modes.length_m)
+    drive = twin.struck_x_m(d.piece.drive_x_m)
     softer = max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau)))
-    return twin.residual_compliance / softer * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
+    share = twin.residual_compliance / softer * twin.hit_gain(d.piece.drive_x_m)
+    return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
 
 def sine_residual(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> Array:

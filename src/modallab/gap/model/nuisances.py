@@ -4,7 +4,7 @@ Priors are log-normal for what is positive: u deviations multiply a number by ex
 cantilever by Blevins, Formulas for Dynamics, Acoustics and Vibration, 2016.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,16 +12,11 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
+from modallab.gap.model.tolerances import Deviation, applied, deviations, held
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.structure import MODES, Structure, believed_root
 
 Array = NDArray[np.float64]
-
-
-FREE = 3.0
-"""Deviations of a tolerance up to which they are free."""
-MOST = 4.5
-"""Deviations of a tolerance above which Young's modulus, thickness and density never go."""
 
 
 ROOT = 0.1
@@ -41,6 +36,7 @@ class Nuisances:
         gains: accelerometers whose sensitivity is free.
         tolerance: relative deviation of a sensitivity.
         root: whether the root's spring is free.
+        deviations: further tolerances that the rig file states.
     """
 
     rig: Rig
@@ -48,11 +44,17 @@ class Nuisances:
     gains: tuple[int, ...] = ()
     tolerance: float = 0.0
     root: bool = False
+    deviations: tuple[Deviation, ...] = ()
 
     @property
     def size(self) -> int:
         """How many."""
-        return 4 + self.modes + len(self.gains) + self.root
+        return 4 + self.modes + len(self.gains) + len(self.deviations) + self.root
+
+    @property
+    def first_deviation(self) -> int:
+        """Where the deviations begin."""
+        return 3 + self.modes + len(self.gains)
 
     @property
     def axes(self) -> Array:
@@ -82,13 +84,18 @@ class Nuisances:
                 u[3 + self.modes + i] = 0.0
         return u
 
-    def build(self, u: Array) -> Twin:
-        """The twin without effects."""
+    def build(self, u: Array, replaced: Collection[tuple[str, float | None]] = ()) -> Twin:
+        """The twin without effects.
+
+        Args:
+            u: (size,) the free numbers.
+            replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
+        """
         beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
         assert beam is not None
         nominal = Structure.of(beam, damping.guess)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
-        u = np.concatenate([_held(u[:3]), u[3:]])
+        u = np.concatenate([held(u[:3]), u[3:]])
         zeta = nominal.zeta.copy()
         zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
         structure = replace(
@@ -97,26 +104,26 @@ class Nuisances:
             thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
             density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
             zeta=np.minimum(zeta, 0.95),
-            root_rotation=nominal.root_rotation * float(np.exp(_held(u[-2]) * ROOT)) if self.root else 0.0,
+            root_rotation=nominal.root_rotation * float(np.exp(held(u[-2]) * ROOT)) if self.root else 0.0,
         )
         # Between none of the modes left out and all of them, with some room for what else is stiff and light.
-        twin = Twin(structure, Chain.of(self.rig), residual_compliance=float(0.5 + _held(u[-1] - 0.5, 0.6, 1.0)))
+        twin = Twin(structure, Chain.of(self.rig), residual_compliance=float(0.5 + held(u[-1] - 0.5, 0.6, 1.0)))
+        if self.deviations:
+            coordinates = u[self.first_deviation : self.first_deviation + len(self.deviations)].tolist()
+            numbers = zip(self.deviations, coordinates, strict=True)
+            gone = set(replaced)
+            kept = [(d, v) for d, v in numbers if not {(d.tolerance, None), (d.tolerance, d.at)} & gone]
+            twin = applied(twin, self.rig, kept)
         if not self.gains:
             return twin
         first = 3 + self.modes
-        factors = np.exp(_held(u[first : first + len(self.gains)]) * self.tolerance)
+        factors = np.exp(held(u[first : first + len(self.gains)]) * self.tolerance)
         gain = dict(zip(self.gains, factors.tolist(), strict=True))
         return replace(twin, chain=replace(twin.chain, gain=gain))
 
 
-def _held(u: Array, free: float = FREE, most: float = MOST) -> Array:
-    """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
-    room = most - free
-    return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
-
-
-def nuisances(rig: Rig, top_hz: float) -> Nuisances:
-    """The nuisances of a rig whose data reach up to `top_hz`.
+def nuisances(rig: Rig, top_hz: float, hits: Collection[tuple[float, int]] = ()) -> Nuisances:
+    """The nuisances of a rig whose data reach up to `top_hz`, with hits at these places, in m, so many at each.
 
     Raises:
         RigError: the rig has no beam.
@@ -134,4 +141,4 @@ def nuisances(rig: Rig, top_hz: float) -> Nuisances:
     stated = "sensitivity" in rig.tolerance.model_fields_set and rig.tolerance.sensitivity > 0
     gains = tuple(c.index for c in rig.responses) if stated else ()
     tolerance = rig.tolerance.sensitivity if stated else 0.0
-    return Nuisances(rig, modes, gains, tolerance, believed_root(beam) > 0)
+    return Nuisances(rig, modes, gains, tolerance, believed_root(beam) > 0, deviations(rig, hits))

@@ -6,7 +6,7 @@ Bending frequencies go with t sqrt(E / rho) / L^2, so deviations of E, t and rho
 J. 7 (1965), 308.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -84,6 +84,8 @@ def start(candidates: tuple[Candidate, ...], effect_u: Array, free: Nuisances, p
     """A start with these effect coordinates; Young's modulus and damping follow from the poles."""
     u = np.concatenate([np.zeros(free.size), effect_u])
     twin, at = free.build(u[: free.size]), free.size
+    # The tolerances of a damper are no reason to doubt what the ring-down says of the damping.
+    twin = replace(twin, structure=replace(twin.structure, dampers=()))
     for candidate in candidates:
         twin = apply(twin, candidate.at(u[at : at + len(candidate.slots)]), free.rig)
         at += len(candidate.slots)

@@ -1,5 +1,6 @@
 """How a diagnosis begins: what may be fitted with which weights, and the gap before anything is explained."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 from modallab.core.block import Block, Campaign
@@ -21,10 +22,18 @@ def gap_before(campaign: Campaign) -> float:
         DataError: there is nothing to compare.
         RigError: the rig has no beam.
     """
-    free = nuisances(campaign.rig, TOP_HZ)
+    free = free_of(campaign)
     prepared = prepare(campaign)
     base = baseline(bench_of(prepared, prepared.blocks, free, lambda _: False))
     return as_came(prepared, base.problem.twin(base.u)).gap
+
+
+def free_of(campaign: Campaign) -> Nuisances:
+    """What is free in every fit of a campaign, whichever of its records are held out."""
+    rig = campaign.rig
+    counts = Counter(b.drive_point for b in campaign.blocks if b.test == "impact")
+    hits = [(rig.x_of(point), count) for point, count in sorted(counts.items()) if point is not None]
+    return nuisances(rig, TOP_HZ, hits)
 
 
 def bench_of(prepared: Prepared, fitted: Sequence[Block], free: Nuisances, allowed: Callable[[str], bool]) -> Bench:

@@ -38,6 +38,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=10, slots=_slots),
+    search=Search(rank=10, slots=_slots, replaces="clamp_compliance"),
     experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",
 )

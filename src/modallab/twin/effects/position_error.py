@@ -32,6 +32,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=230, slots=_slots),
+    search=Search(rank=230, slots=_slots, replaces="position_m"),
     experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",
 )

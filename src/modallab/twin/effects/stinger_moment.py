@@ -32,6 +32,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=100, slots=_slots, needs="sine"),
+    search=Search(rank=100, slots=_slots, needs="sine", replaces="stinger_rotation"),
     experiment="Repeat the sines with the shaker at another point, or with a thinner stinger.",
 )

@@ -30,6 +30,7 @@ MODEL = EffectModel(
         rank=80,
         slots=lambda _: (Slot("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
         absorbed_by="Young's modulus",
+        replaces="stiffness_drift",
     ),
     experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
     rivals=(Rival("clamp_rotation", "Repeat the first hits at the end.", rank=90),),

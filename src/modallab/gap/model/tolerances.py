@@ -1,0 +1,131 @@
+"""The tolerances that a rig file states beyond those of the beam, as free numbers with their priors.
+
+Each number is normal with deviation 1. What may have either sign is that many deviations; what has one sign only is
+half-normal, by the quantile transform (Gelman et al., Bayesian Data Analysis, 2013, ch. 10).
+"""
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from modallab.core.rig import Rig
+from modallab.twin.bench import Twin
+from modallab.twin.elements import FIELD_TERMS
+
+Array = NDArray[np.float64]
+
+FREE = 3.0
+"""Deviations of a tolerance up to which they are free."""
+MOST = 4.5
+"""Deviations of a tolerance above which no number goes."""
+LEAST = -6.0
+"""Smallest coordinate of a positive number: a billionth of its tolerance."""
+
+PLACE = "place of damper_n_s_per_m"
+"""The number that says where the damper is: any place is as likely."""
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """One free number.
+
+    Attributes:
+        tolerance: its name in the rig file, or `PLACE`.
+        at: channel, drive point in m, or term of a field, where there are several.
+        sigma: its deviation, in the tolerance's unit.
+        sign: 1 or -1 where it has one sign only, else 0.
+    """
+
+    tolerance: str
+    at: float
+    sigma: float
+    sign: int = 0
+
+    def value(self, u: float) -> float:
+        """The number at coordinate u."""
+        if self.tolerance == PLACE:
+            return float(ndtr(np.clip(u, -4, 4)))
+        if self.sign:
+            return self.sign * self.sigma * float(-ndtri(ndtr(-max(float(held(u)), LEAST)) / 2))
+        return self.sigma * float(held(u))
+
+
+def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
+    """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
+    room = most - free
+    return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
+
+
+def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation, ...]:
+    """The free numbers of the tolerances that a rig file states.
+
+    Args:
+        rig: the bench as believed.
+        hits: place in m and number of the hits at each drive point: what is left of many hits is their mean.
+    """
+    t = rig.tolerance
+    assert rig.beam is not None
+    tip = rig.beam.length_m - 1e-9
+    sensors = [(float(c.index), rig.x_of(c.point)) for c in rig.responses if c.point is not None]
+    one = [Deviation(name, 0.0, getattr(t, name), 1) for name in ("clamp_compliance", "damper_n_s_per_m")]
+    if rig.shaker_point is not None:
+        one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
+    found = [
+        # Nothing sits beyond the tip.
+        *(Deviation("position_m", c, t.position_m, -int(x >= tip)) for c, x in sensors),
+        *(Deviation("sensor_mass_kg", c, t.sensor_mass_kg, 1) for c, _ in sensors),
+        *(Deviation("hit_position_m", x, t.hit_position_m / np.sqrt(count), -int(x >= tip)) for x, count in hits),
+        *(Deviation("hit_gain", x, t.hit_gain / np.sqrt(count)) for x, count in hits),
+        *(Deviation("stiffness_field", float(k), t.stiffness_field) for k in range(FIELD_TERMS)),
+        *(Deviation("mass_field", float(k), t.mass_field) for k in range(FIELD_TERMS)),
+        Deviation("stiffness_drift", 0.0, t.stiffness_drift),
+        *one,
+    ]
+    place = (Deviation(PLACE, 0.0, 1.0),) if t.damper_n_s_per_m else ()
+    return (*(d for d in found if d.sigma), *place)
+
+
+def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) -> Twin:
+    """The twin with these deviations, each with its coordinate."""
+    values: dict[str, dict[float, float]] = {}
+    for deviation, u in numbers:
+        values.setdefault(deviation.tolerance, {})[deviation.at] = deviation.value(u)
+
+    def of(name: str) -> dict[float, float]:
+        return values.get(name, {})
+
+    def one(name: str) -> float:
+        return of(name).get(0.0, 0.0)
+
+    s = twin.structure
+    x_of = {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
+    damper = ((one(PLACE) * s.length_m, one("damper_n_s_per_m")),) if of("damper_n_s_per_m") else ()
+    structure = replace(
+        s,
+        ei_field=_added(s.ei_field, of("stiffness_field")),
+        mass_field=_added(s.mass_field, of("mass_field")),
+        root_rotation=s.root_rotation + one("clamp_compliance"),
+        masses=(*s.masses, *((x_of[c], kg) for c, kg in of("sensor_mass_kg").items())),
+        dampers=(*s.dampers, *damper),
+    )
+    return replace(
+        twin,
+        structure=structure,
+        chain=replace(twin.chain, shift={int(c): dx for c, dx in of("position_m").items()}),
+        ei_drift=one("stiffness_drift"),
+        hit_offsets_m=tuple(of("hit_position_m").items()),
+        hit_gains=tuple((x, 1 + gain) for x, gain in of("hit_gain").items()),
+        shaker_mass_kg=one("shaker_mass_kg"),
+        stinger_k_rot=one("stinger_rotation") * s.bending_stiffness / s.length_m,
+    )
+
+
+def _added(field: Array, terms: dict[float, float]) -> Array:
+    total = field.copy()
+    for k, a in terms.items():
+        total[int(k)] += a
+    return total
