@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 STEP = 1e-4
 """Step of the numerical derivative, in deviations of the prior or in coordinates of an effect."""
 
+FIRST = 1.0
+"""First damping where tolerances are free, in squares of the priors' deviations."""
+
 
 def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4) -> Fit:
     """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
@@ -31,6 +34,8 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
     cost = float(r @ r + problem.priors(u)[0])
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
     damping = 1e-4 if problem.floor else 1e-8
+    if problem.free.deviations:
+        damping = FIRST
     normal = np.eye(len(u))
     for _ in range(iterations):
         J = jacobian(problem, u, r)
@@ -98,6 +103,9 @@ def _scale(problem: Problem, normal: Array) -> Array:
     the rotary inertia only. Damped along E, t and rho, a fit would creep along that valley and seem to have ended.
     """
     axes = np.eye(len(normal))
+    if problem.free.deviations:
+        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it.
+        return axes
     if not problem.floor:
         axes[:3, :3] = problem.free.axes
     across = np.linalg.inv(axes)

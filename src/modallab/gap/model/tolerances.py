@@ -1,7 +1,9 @@
 """The tolerances that a rig file states beyond those of the beam, as free numbers with their priors.
 
-Each number is normal with deviation 1. What may have either sign is that many deviations; what has one sign only is
-half-normal, by the quantile transform (Gelman et al., Bayesian Data Analysis, 2013, ch. 10).
+Each number is normal with deviation 1. What may have either sign is that many deviations. What has one sign only is
+half-normal: its prior is the normal one of the same mean and deviation (Johnson, Kotz and Balakrishnan, Continuous
+Univariate Distributions 1, 1994, ch. 13), which keeps fits straight. A root has no negative compliance: there the
+quantile transform keeps the sign.
 """
 
 from collections.abc import Collection
@@ -22,11 +24,13 @@ FREE = 3.0
 """Deviations of a tolerance up to which they are free."""
 MOST = 4.5
 """Deviations of a tolerance above which no number goes."""
-LEAST = -6.0
-"""Smallest coordinate of a positive number: a billionth of its tolerance."""
+LEAST = -5.0
+"""Smallest coordinate of a root's compliance."""
+MEAN, SPREAD = float(np.sqrt(2 / np.pi)), float(np.sqrt(1 - 2 / np.pi))
+"""Of a half-normal number, in its tolerance."""
 
-PLACE = "place of damper_n_s_per_m"
-"""The number that says where the damper is: any place is as likely."""
+DAMPERS = 6
+"""Places along the beam at which dampers stand for one that may be anywhere: its modal matrix is smooth in its place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +38,8 @@ class Deviation:
     """One free number.
 
     Attributes:
-        tolerance: its name in the rig file, or `PLACE`.
-        at: channel, drive point in m, or term of a field, where there are several.
+        tolerance: its name in the rig file.
+        at: channel, place in m, or term of a field, where there are several.
         sigma: its deviation, in the tolerance's unit.
         sign: 1 or -1 where it has one sign only, else 0.
     """
@@ -47,11 +51,10 @@ class Deviation:
 
     def value(self, u: float) -> float:
         """The number at coordinate u."""
-        if self.tolerance == PLACE:
-            return float(ndtr(np.clip(u, -4, 4)))
-        if self.sign:
-            return self.sign * self.sigma * float(-ndtri(ndtr(-max(float(held(u)), LEAST)) / 2))
-        return self.sigma * float(held(u))
+        deviations = float(held(u))
+        if self.tolerance == "clamp_compliance":
+            return self.sigma * float(-ndtri(ndtr(-max(deviations, LEAST)) / 2))
+        return self.sigma * (self.sign * (MEAN + SPREAD * deviations) if self.sign else deviations)
 
 
 def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
@@ -71,7 +74,7 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     assert rig.beam is not None
     tip = rig.beam.length_m - 1e-9
     sensors = [(float(c.index), rig.x_of(c.point)) for c in rig.responses if c.point is not None]
-    one = [Deviation(name, 0.0, getattr(t, name), 1) for name in ("clamp_compliance", "damper_n_s_per_m")]
+    one = [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
     if rig.shaker_point is not None:
         one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
     found = [
@@ -83,10 +86,10 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
         *(Deviation("stiffness_field", float(k), t.stiffness_field) for k in range(FIELD_TERMS)),
         *(Deviation("mass_field", float(k), t.mass_field) for k in range(FIELD_TERMS)),
         Deviation("stiffness_drift", 0.0, t.stiffness_drift),
+        *(Deviation("damper_n_s_per_m", tip * k / DAMPERS, t.damper_n_s_per_m) for k in range(1, DAMPERS + 1)),
         *one,
     ]
-    place = (Deviation(PLACE, 0.0, 1.0),) if t.damper_n_s_per_m else ()
-    return (*(d for d in found if d.sigma), *place)
+    return tuple(d for d in found if d.sigma)
 
 
 def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) -> Twin:
@@ -103,14 +106,13 @@ def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) 
 
     s = twin.structure
     x_of = {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
-    damper = ((one(PLACE) * s.length_m, one("damper_n_s_per_m")),) if of("damper_n_s_per_m") else ()
     structure = replace(
         s,
         ei_field=_added(s.ei_field, of("stiffness_field")),
         mass_field=_added(s.mass_field, of("mass_field")),
         root_rotation=s.root_rotation + one("clamp_compliance"),
         masses=(*s.masses, *((x_of[c], kg) for c, kg in of("sensor_mass_kg").items())),
-        dampers=(*s.dampers, *damper),
+        dampers=(*s.dampers, *of("damper_n_s_per_m").items()),
     )
     return replace(
         twin,
