@@ -29,6 +29,8 @@ OFF = 0.035
 """Relative error of a converter's clock within which the mains is looked for."""
 BESIDE_HZ = 8.0
 """So near the mains, a drive must be known better than by its line."""
+WEAK = 2.0
+"""Median power over the noise's, over the rows, from which weak hum is weighed."""
 PLAINLY = 1.02
 """How much more power another frequency must hold."""
 
@@ -156,3 +158,19 @@ def _heard_samples(block: Block, force: int) -> int:
     """Samples from which the hum is told: of a hit those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[force]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples
+
+
+def weak_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[float, Array]:
+    """Frequency and (rows,) V amplitude of hum too weak to be taken out, its noise subtracted; amplitudes 0 if none."""
+    best, strongest = (MAINS_HZ[0], np.zeros(len(noise_v))), WEAK
+    for hz in MAINS_HZ:
+        heard = [b for b in blocks if b.test == "sine" and abs((b.frequency_hz or 0.0) - hz) > 2 * BESIDE_HZ]
+        if len(heard) < 4:
+            continue
+        power = np.median(np.abs(np.array([_amplitudes(b, hz, force) for b in heard])) ** 2, axis=0)
+        # Under a Hann window noise scatters by 1.5 times as much; of an exponential variable the median is ln 2.
+        noise = 3 * np.log(2) * noise_v**2 * 2 / heard[0].n_samples
+        z = float(np.median(power / noise))
+        if z > strongest:
+            best, strongest = (hz, np.sqrt(np.maximum(power - noise, 0.0))), z
+    return best

@@ -22,6 +22,13 @@ LEAST_V = 1e-12
 PRE_TRIGGER = 64
 """Samples before a hit that are used, fewer if there are fewer."""
 
+FAR_HZ, LOW_HZ = 60.0, 9.0
+"""A drive above the first leaves nothing below the second under a Hann window."""
+LEAST_BLOCKS = 4
+"""Blocks from which the rise of the noise to low frequencies can be estimated."""
+RISES_HZ = 2.5
+"""Corner from which noise counts as rising: beyond chance in a few blocks."""
+
 
 def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
     """(rows,) V rms the rig file promises: the converter's noise, and its rounding."""
@@ -68,3 +75,23 @@ def _of_block(block: Block, force: int) -> Array | None:
 def noise_in_use(measured: Array, believed: Array) -> Array:
     """(rows,) V rms to weigh with: what was measured where it is beyond doubt larger than believed."""
     return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)
+
+
+def corner(blocks: Sequence[Block], noise_v: Array, force: int) -> float:
+    """Frequency in Hz below which the noise's power rises as 1 / f; 0 if it is white.
+
+    From the force's row in sine blocks far above: no motion of the bench is in it, and all rows share their converter.
+    """
+    far = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) > FAR_HZ]
+    if len(far) < LEAST_BLOCKS:
+        return 0.0
+    powers: list[Array] = []
+    for b in far:
+        volts = b.samples[force] * b.scale[force]
+        window = np.hanning(b.n_samples)
+        powers.append(np.abs(np.fft.rfft((volts - volts.mean()) * window)) ** 2 / np.sum(window**2))
+    power = np.median(np.array(powers), axis=0) / np.log(2) / noise_v[force] ** 2
+    hz = np.arange(len(power)) * far[0].rate_hz / far[0].n_samples
+    low = (np.arange(len(power)) > 1) & (hz < LOW_HZ)
+    found = float(np.mean(hz[low] * (power[low] - 1))) if np.any(low) else 0.0
+    return found if found > RISES_HZ else 0.0

@@ -12,8 +12,8 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
-from modallab.gap.conditioning.hum import Hum, find_hum, without_hum
-from modallab.gap.conditioning.noise import believed_noise, lines_behind, measured_noise, noise_in_use
+from modallab.gap.conditioning.hum import Hum, find_hum, weak_hum, without_hum
+from modallab.gap.conditioning.noise import believed_noise, corner, lines_behind, measured_noise, noise_in_use
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import check_block
@@ -45,6 +45,8 @@ class Prepared:
         measured_v: (rows,) noise the records show.
         masked: (record, row) not to be used.
         hum: mains hum, None if there is none.
+        weak_hum: frequency and (rows,) V of hum too weak to be taken out.
+        corner_hz: below which the noise rises as 1 / f; 0 if it is white.
         clipped: channels with flat tops.
         ringing: decays before the hits.
         floor: motion of the base.
@@ -61,6 +63,8 @@ class Prepared:
     measured_v: Array
     masked: frozenset[tuple[str, int]]
     hum: Hum | None
+    weak_hum: tuple[float, Array] | None
+    corner_hz: float
     clipped: tuple[Clipped, ...]
     ringing: Ringing | None
     floor: Floor | None
@@ -101,6 +105,8 @@ def prepare(campaign: Campaign) -> Prepared:
         measured,
         frozenset(masked),
         hum,
+        weak_hum(blocks, noise, force) if hum is None else None,
+        corner(blocks, noise, force),
         clipped,
         ringing,
         floor,

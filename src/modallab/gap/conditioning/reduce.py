@@ -127,20 +127,39 @@ class Weights:
         noise_v: (rows,) V rms of each row.
         masked: (record, row) that must not be used: cut or overloaded.
         floor: (channels, lines) variance per sample that a shaking base adds on each line of a sine block; or None.
+        corner_hz: below which the noise's power rises as 1 / f; 0 for white noise.
+        hum_v: (rows,) V amplitude of hum too weak to be taken out.
+        hum_hz: its frequency.
     """
 
     noise_v: Array
     masked: frozenset[tuple[str, int]] = frozenset()
     floor: Array | None = None
+    corner_hz: float = 0.0
+    hum_v: Array | None = None
+    hum_hz: float = 50.0
 
-    def sigma(self, rig: Rig, test: Test, lines: Array) -> Array:
-        """(channels, lines) noise per sample in SI units."""
-        white = self._si(rig, test)[[c.index for c in rig.responses]]
-        total = np.repeat(white[:, None], len(lines), axis=1)
+    def sigma(self, rig: Rig, test: Test, lines: Array, block_s: float) -> Array:
+        """(channels, lines) noise per sample in SI units, on the lines of a block of `block_s` seconds."""
+        rows = [c.index for c in rig.responses]
+        total = self._si(rig, test)[rows][:, None] * self.rise(np.abs(lines) / block_s)
         if self.floor is None:
             return total
         at = np.minimum(np.abs(lines).astype(int), self.floor.shape[1] - 1)
         return np.sqrt(total**2 + self.floor[:, at])
+
+    def rise(self, hz: Array) -> Array:
+        """(hz,) factor on the white noise at these frequencies."""
+        return np.sqrt(1 + self.corner_hz / np.maximum(hz, 0.5))
+
+    def hum(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
+        """(channels, lines) SI amplitude that hum of unknown phase leaves on the lines of a block, of n / 2."""
+        if self.hum_v is None:
+            return np.zeros((len(rig.responses), len(lines)))
+        a = 2j * np.pi * (self.hum_hz * dt - np.abs(lines) / n)
+        leaked = np.abs((1 - np.exp(a * n)) / np.where(np.abs(a) < 1e-9, 1, 1 - np.exp(a))) / n
+        size = (self.hum_v / np.abs(volts_per_si(rig, test)))[[c.index for c in rig.responses]]
+        return size[:, None] * np.where(np.abs(a) < 1e-9, 1.0, leaked)
 
     def force(self, rig: Rig, test: Test) -> float:
         """Noise of the force per sample in N."""
@@ -179,10 +198,16 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     F = np.array(spectra)
     Y = np.array([np.fft.rfft(s.responses, axis=1)[:, 1 : len(lines) + 1] for s in signals])
     power = np.sum(np.abs(F) ** 2, axis=0)
-    sigma = weights.sigma(rig, "impact", lines) * np.sqrt(n / 2 / power)
+    conj = F.conj() / power
+    if _apart(rig):
+        # Each hit lands elsewhere: alike weights leave one mean place on all lines.
+        conj = 1 / F / len(F)
+        power = 1 / np.sum(np.abs(conj) ** 2, axis=0)
+    sigma = weights.sigma(rig, "impact", lines, n * dt) * np.sqrt(n / 2 / power)
+    # Half of the hum's power falls on either part, and its phase changes from hit to hit.
+    sigma = np.hypot(sigma, weights.hum(rig, "impact", lines, n, dt) * n / 2 / np.sqrt(2 * power))
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
     force_noise = weights.force(rig, "impact") * np.sqrt(pulses.shape[1] / 2 / power)
-    conj = F.conj() / power
     piece = Piece(
         f"impact_p{first.drive_point:02d}",
         float(np.mean([b.order for b in blocks])),
@@ -192,6 +217,10 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
     )
     source = Hits(lines, n, dt, pulses, starts, conj)
     return ImpactData(piece, source, _rows(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))
+
+
+def _apart(rig: Rig) -> bool:
+    return bool(rig.tolerance.hit_position_m or rig.tolerance.hit_gain)
 
 
 def hit_pulses(signals: Sequence[Signals]) -> tuple[Array, NDArray[np.int64]]:
@@ -228,7 +257,8 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         amplitude = force_amplitude(signal, f0)
         at = line + offsets
         spectrum = np.fft.rfft(signal.responses, axis=1)[:, np.abs(at)]
-        spread = weights.sigma(rig, "sine", at.astype(float)) * np.sqrt(2 / n) / abs(amplitude)
+        spread = weights.sigma(rig, "sine", at.astype(float), n * dt) * np.sqrt(2 / n) / abs(amplitude)
+        spread = np.hypot(spread, weights.hum(rig, "sine", at.astype(float), n, dt) / np.sqrt(2) / abs(amplitude))
         spread[[(block.name, c.index) in weights.masked for c in rig.responses]] = np.inf
         spread[:, at == 0] = np.inf
         lines.append(at.astype(float))
@@ -236,7 +266,8 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         forces.append(amplitude)
         y.append(np.where(at < 0, spectrum.conj(), spectrum) * 2 / n / amplitude)
         sigma.append(spread)
-        noise.append(np.where(offsets == 0, force_sigma * np.sqrt(2 / n) / abs(amplitude), 0.0))
+        louder = float(weights.rise(np.array(f0)))
+        noise.append(np.where(offsets == 0, louder * force_sigma * np.sqrt(2 / n) / abs(amplitude), 0.0))
         pieces.append(
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )

@@ -89,7 +89,7 @@ def _hits(rig: Rig, plan: ImpactPlan, point: int, weights: Weights, order: float
     F = np.fft.rfft(whole)[1 : len(lines) + 1]
     power = plan.hits * np.abs(F) ** 2
     source = Hits(lines, n, dt, np.array([pulse]), np.array([start]), (F.conj() / np.abs(F) ** 2)[None])
-    sigma = weights.sigma(rig, "impact", lines) * np.sqrt(n / 2 / power)
+    sigma = weights.sigma(rig, "impact", lines, n * dt) * np.sqrt(n / 2 / power)
     return ImpactData(Piece(f"impact_p{point:02d}", order, rig.x_of(point), None, ()), source, _rows(sigma))
 
 
@@ -106,7 +106,8 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> SineData
     rise = Rise(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
     source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
     sigma = np.concatenate(
-        [weights.sigma(rig, "sine", at) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)], axis=1
+        [weights.sigma(rig, "sine", at, n * dt) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)],
+        axis=1,
     )
     x = rig.x_of(rig.shaker_point)
     pieces = tuple(Piece(f"sine_{v}_{hz:.3f}", order + i, x, v, ()) for i, (v, _, hz) in enumerate(pairs))

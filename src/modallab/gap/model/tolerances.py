@@ -30,7 +30,7 @@ MEAN, SPREAD = float(np.sqrt(2 / np.pi)), float(np.sqrt(1 - 2 / np.pi))
 """Of a half-normal number, in its tolerance."""
 
 DAMPERS = 6
-"""Places along the beam at which dampers stand for one that may be anywhere: its modal matrix is smooth in its place."""
+"""Places at which dampers stand for one that may be anywhere: the modal damping is smooth in its place."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,8 @@ def as_came(prepared: Prepared, twin: Twin) -> Squares:
 def weights_of(prepared: Prepared) -> Weights:
     """How much each row of the records counts."""
     floor = prepared.floor.spectrum if prepared.floor is not None else None
-    return Weights(prepared.noise_v, prepared.masked, floor)
+    hz, hum = prepared.weak_hum or (0.0, None)
+    return Weights(prepared.noise_v, prepared.masked, floor, prepared.corner_hz, hum, hz)
 
 
 def _flat(prepared: Prepared) -> float:
