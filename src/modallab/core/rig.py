@@ -88,6 +88,12 @@ class Tolerance(Frozen):
     stinger_rotation: NonNegative = 0.0
     meaning: str = "one standard deviation, relative"
 
+    @property
+    def of_assembly(self) -> bool:
+        """Whether it says how well the bench is put together, not only how well beam and sensors are known."""
+        own = {"youngs_modulus", "thickness", "density", "sensitivity", "meaning"}
+        return any(getattr(self, name) for name in self.model_fields_set - own)
+
     @model_serializer(mode="wrap")
     def _as_stated(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
         # What a rig file does not state must not look stated once the rig was stored and read again.

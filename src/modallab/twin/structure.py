@@ -126,7 +126,39 @@ def believed_root(beam: Beam) -> float:
 
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    omega, phi, out_of_band = _undamped(structure)
+    return _damped(structure, *_undamped(structure))
+
+
+def alike(structure: Structure, other: Structure) -> bool:
+    """Whether two structures have the same modes."""
+    if structure.dampers != other.dampers or not np.array_equal(structure.zeta, other.zeta):
+        return False
+    return _undamped_key(structure) == _undamped_key(other)
+
+
+def solve_near(structure: Structure, other: Structure) -> Modes:
+    """The modes of a structure next to another one, to first order in what differs.
+
+    Fox and Kapoor, AIAA J. 6 (1968), 2426, eqs. 4 and 16, the modes beyond those kept by their static compliance.
+    """
+    if _undamped_key(structure) == _undamped_key(other):
+        return solve(structure)
+    free = _free(structure)
+    if not np.array_equal(free, _free(other)):
+        return solve(structure)
+    omega, phi, out_of_band = _undamped(other)
+    stiffer, heavier = (a - b for a, b in zip(matrices(structure), matrices(other), strict=True))
+    squared = omega**2
+    # Columns: what the change does on each mode.
+    pushed = stiffer @ phi - (heavier @ phi) * squared
+    coupling = phi.T @ pushed
+    apart = squared - squared[:, None]
+    mixing = coupling / np.where(apart == 0, np.inf, apart) - 0.5 * np.diag(np.einsum("ip,ip->p", phi, heavier @ phi))
+    moved = phi + phi @ mixing - out_of_band @ pushed
+    return _damped(structure, np.sqrt(np.maximum(squared + np.diag(coupling), 1e-12)), moved, out_of_band)
+
+
+def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
         return Modes(poles, phi @ mixing, structure.length_m, out_of_band)

@@ -29,6 +29,10 @@ REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
 """A row this far above the others is noisy."""
+NOISY_AS_BUILT = 2.5
+"""The same where the rig file states how well the bench is put together: its rows differ by up to 1.6 / 0.7."""
+FAINT = 1.5
+"""Amplitude of hum, over the noise's rms, up to which it is ordinary on such a bench: taken out, but no gap."""
 CHANCE = 4.0
 """The same over what one line scatters, where there are few lines: beyond chance in eleven rows."""
 
@@ -88,7 +92,8 @@ def prepare(campaign: Campaign) -> Prepared:
     at_full_scale = _overloaded(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
-    noisy = _standing_out(measured, lines_behind(blocks))
+    as_built = campaign.rig.tolerance.of_assembly
+    noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
     repeated = _repeating(blocks, noise, force)
     hum = find_hum(blocks, noise, force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
@@ -179,10 +184,10 @@ def _full_scale_v(blocks: Sequence[Block], rig: Rig) -> Array:
     return Conversion.of_block(first, rig).full_scale * np.abs(first.scale)
 
 
-def _standing_out(measured: Array, lines: int) -> tuple[int, ...]:
+def _standing_out(measured: Array, lines: int, least: float) -> tuple[int, ...]:
     """Rows whose noise stands above the others by more than chance, where so many lines show it."""
     middle = float(np.nanmedian(measured)) if np.any(np.isfinite(measured)) else np.inf
-    limit = max(NOISY, 1 + CHANCE / np.sqrt(max(lines, 1)))
+    limit = max(least, 1 + CHANCE / np.sqrt(max(lines, 1)))
     raised = np.flatnonzero(np.nan_to_num(measured) > limit * middle)
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
 

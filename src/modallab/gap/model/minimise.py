@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 STEP = 1e-4
 """Step of the numerical derivative, in deviations of the prior or in coordinates of an effect."""
 
+FELT = 0.02
+"""Relative error that is forgiven, from which the deviations of an ordinary bench are not felt."""
 FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
 
@@ -57,17 +59,24 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     J = np.zeros((len(r), len(u)))
     here = problem.twin(u)
     moved = u + STEP * np.eye(len(u))
-    twins = [problem.twin(v) for v in moved]
-    smooth = [k for k, twin in enumerate(twins) if smooth_in(here, twin)]
+    first = problem.free.first_deviation
+    deviations = range(first, first + len(problem.free.deviations))
+    # While more is forgiven than the deviations can do, they stay where their priors want them.
+    used = [k for k in range(len(u)) if k not in deviations or problem.floor < FELT]
+    twins = {k: problem.twin(moved[k]) for k in used}
+    smooth = [k for k, twin in twins.items() if smooth_in(here, twin)]
+    # The deviations are many and each is small: for them the first order of the eigenvalue problem will do.
+    smooth.sort(key=lambda k: k in deviations)
     if smooth:
-        J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], len(r)) / STEP
-    for k in set(range(len(u))) - set(smooth):
+        near = sum(k in deviations for k in smooth)
+        J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], near, len(r)) / STEP
+    for k in set(used) - set(smooth):
         J[:, k] = (problem.residual(moved[k]) - r) / STEP
     return J
 
 
-def _columns(problem: Problem, here: Twin, twins: list[Twin], size: int) -> Array:
-    changes = Tangent(here, problem.data).changes(twins)
+def _columns(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:
+    changes = Tangent(here, problem.data).changes(twins, near)
     weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
     values = np.concatenate(
         [w.whiten(-y).reshape(len(twins), -1) for w, y in zip(weights, changes, strict=True)], axis=1

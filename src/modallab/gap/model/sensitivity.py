@@ -27,7 +27,7 @@ from modallab.gap.model.forward import (
 )
 from modallab.twin.bench import Chain, Twin, transfer
 from modallab.twin.response import Hits, Sines
-from modallab.twin.structure import Modes, solve
+from modallab.twin.structure import Modes, alike, solve, solve_near
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -51,22 +51,40 @@ class Tangent:
 
     def __init__(self, twin: Twin, data: Reduced) -> None:
         """Evaluate the kernels of `twin` on `data`."""
-        self.data = data
-        modes = solve(twin.structure)
+        self.data, self.twin = data, twin
+        modes = self._modes = solve(twin.structure)
         self._parts: list[_Hit | _Sine] = [_Hit(twin, modes, d, data) for d in data.impacts]
         if data.sines is not None:
             self._parts.append(_Sine(twin, _hung(twin, modes, data), data.sines, data))
 
-    def changes(self, twins: Sequence[Twin]) -> list[Complex]:
-        """(twins, channels, rows) each: what twins of nearly the same structure, places and gains add."""
-        modes = [solve(t.structure) for t in twins]
+    def changes(self, twins: Sequence[Twin], near: int = 0) -> list[Complex]:
+        """(twins, channels, rows) each: what twins of nearly the same structure, places and gains add.
+
+        Args:
+            twins: the other twins.
+            near: so many of them, the last, are solved to first order only.
+        """
+        first = len(twins) - near
+        modes = [self._solved(t, self.twin, i >= first) for i, t in enumerate(twins)]
         found: list[Complex] = []
         for part in self._parts:
-            own = (
-                modes if isinstance(part, _Hit) else [_hung(t, m, self.data) for t, m in zip(twins, modes, strict=True)]
-            )
+            own = modes if isinstance(part, _Hit) else self._all_hung(twins, modes, first)
             found.append(part.changes(twins, own))
         return found
+
+    def _solved(self, twin: Twin, here: Twin, near: bool) -> Modes:
+        if not near:
+            return solve(twin.structure)
+        return self._modes if alike(twin.structure, here.structure) else solve_near(twin.structure, here.structure)
+
+    def _all_hung(self, twins: Sequence[Twin], modes: Sequence[Modes], first: int) -> list[Modes]:
+        assert self.data.sines is not None
+        x = self.data.sines.pieces[0].drive_x_m
+        here = self.twin.in_sine(x)
+        same = solve(here) if len(twins) > first else modes[0]
+        hung = [t.in_sine(x) for t in twins[first:]]
+        near = [same if alike(s, here) else solve_near(s, here) for s in hung]
+        return [*(_hung(t, m, self.data) for t, m in zip(twins[:first], modes[:first], strict=True)), *near]
 
 
 def _hung(twin: Twin, modes: Modes, data: Reduced) -> Modes:

@@ -51,7 +51,8 @@ class Deviation:
 
     def value(self, u: float) -> float:
         """The number at coordinate u."""
-        deviations = float(held(u))
+        # Thousands of times a fit, and next to never beyond.
+        deviations = u if abs(u) < FREE else float(held(u))
         if self.tolerance == "clamp_compliance":
             return self.sigma * float(-ndtri(ndtr(-max(deviations, LEAST)) / 2))
         return self.sigma * (self.sign * (MEAN + SPREAD * deviations) if self.sign else deviations)

@@ -15,7 +15,7 @@ from modallab.core.diagnosis import Found
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.prepare import FAINT, Prepared
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.conversion import volts_per_si
 from modallab.twin.base_motion import base_transmission
@@ -82,6 +82,13 @@ def _noisy_row(prepared: Prepared, row: int) -> Found:
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
     return _found("noisy_channel", {"factor": factor}, {"factor": (factor * 0.94, factor * 1.06)}, {"channel": row})
+
+
+def _hums(prepared: Prepared) -> bool:
+    if prepared.hum is None:
+        return False
+    ordinary = FAINT * float(np.median(prepared.noise_v)) if prepared.campaign.rig.tolerance.of_assembly else 0.0
+    return float(np.median(prepared.hum.volts)) > ordinary
 
 
 def _hum(prepared: Prepared, twin: Twin) -> list[Found]:
@@ -155,7 +162,7 @@ def _as_acceleration(density: Array, rig: Rig, length_s: float) -> Array:
 
 INSPECTIONS = {
     "noisy_channel": Inspection(lambda prepared: bool(prepared.noisy), _noisy),
-    "mains_hum": Inspection(lambda prepared: prepared.hum is not None, _hum),
+    "mains_hum": Inspection(_hums, _hum),
     "clipping": Inspection(lambda prepared: bool(prepared.clipped), _clipping),
     "residual_ringing": Inspection(lambda prepared: prepared.ringing is not None, _ringing),
     "floor_vibration": Inspection(lambda prepared: prepared.floor is not None, _floor),
