@@ -1,0 +1,65 @@
+"""The tolerances of a bench as free numbers: only what is stated is free, and it moves the twin as its physics says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.rig import Beam, Tolerance
+from modallab.gap.model.tolerances import Deviation, held
+from modallab.twin.bench import Twin
+from modallab.twin.structure import Structure, solve, solve_near
+
+BEAM = Beam(length_m=0.9, width_m=0.05, thickness_m=0.005, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
+
+
+def test_a_tolerance_that_is_not_stated_is_none() -> None:
+    assert not Tolerance().of_assembly
+    assert Tolerance().position_m == 0
+    assert Tolerance(position_m=5e-4).of_assembly
+    assert "position_m" not in Tolerance(sensitivity=0.01).model_dump()
+
+
+def test_a_number_never_goes_far_beyond_its_tolerance() -> None:
+    position = Deviation("position_m", 3.0, 1e-3)
+    assert position.value(2.0) == pytest.approx(2e-3)
+    assert position.value(50.0) == pytest.approx(4.5e-3)
+    assert float(held(-50.0)) == pytest.approx(-4.5)
+
+
+def test_a_root_is_never_stiffer_than_rigid() -> None:
+    root = Deviation("clamp_compliance", 0.0, 2e-3, 1)
+    values = [root.value(u) for u in (-9.0, -2.0, 0.0, 2.0)]
+    assert values[0] > 0
+    assert values == sorted(values)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ei_field": np.array([1e-5, 0.0, 0.0])},
+        {"mass_field": np.array([0.0, 1e-5, 0.0])},
+        {"masses": ((0.45, 1e-5),)},
+        {"rotation_springs": ((0.36, 1e-3),)},
+        {"dampers": ((0.6, 0.501),)},
+    ],
+)
+def test_first_order_modes_follow_a_small_change(change: dict[str, object]) -> None:
+    here = replace(Structure.of(BEAM, 0.006), dampers=((0.6, 0.5),))
+    there = replace(here, **change)  # pyright: ignore[reportArgumentType]
+    exact, near, before = solve(there), solve_near(there, here), solve(here)
+    x = np.linspace(0.1, 0.9, 5)
+    moved = exact.poles[:8] - before.poles[:8]
+    assert np.allclose(near.poles[:8] - before.poles[:8], moved, atol=2e-3 * float(np.max(np.abs(moved))))
+    # A shape's sign is free, a residue's is not.
+    residues = [(m.at(x) * m.at(0.54)[0])[:, :6] for m in (exact, near, before)]
+    step = residues[0] - residues[2]
+    assert np.allclose(residues[1] - residues[2], step, atol=0.02 * float(np.max(np.abs(step))))
+
+
+def test_a_twin_takes_its_hits_where_they_land() -> None:
+    twin = replace(Twin(Structure.of(BEAM, 0.006)), hit_offsets_m=((0.36, 2e-3),), hit_gains=((0.36, 1.01),))
+    assert twin.struck_x_m(0.36) == pytest.approx(0.362)
+    assert twin.struck_x_m(0.54) == 0.54
+    assert twin.hit_gain(0.36) == 1.01
+    assert twin.hit_gain(0.54) == 1.0
