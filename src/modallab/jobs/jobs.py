@@ -34,24 +34,26 @@ class Jobs:
         with _database_errors(engine):
             make_table(engine)
 
-    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str]) -> Job:
+    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str], revision: str = "") -> Job:
         """Order a job. The same work that is waiting, going on or done is not done again: that job is given back.
 
         Args:
             kind: name of a registered kind.
             parameters: JSON values.
             inputs: names of what it works on.
+            revision: of what the inputs hold now, as the kind's `revision` gives it; other contents are other work.
 
         Raises:
             JobError: parameters that cannot be kept.
         """
-        key = job_key(kind, parameters, inputs, __version__)
+        key = job_key(kind, parameters, inputs, revision, __version__)
         row = {
             "id": _name(kind),
             "key": key,
             "kind": kind,
             "parameters": parameters,
             "inputs": list(inputs),
+            "revision": revision,
             "code_version": __version__,
             "state": "queued",
             "created_utc": utc_now(),

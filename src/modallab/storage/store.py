@@ -1,8 +1,9 @@
 """A data folder: its catalogue, its sample files, and what is read back from them."""
 
 import hashlib
+import json
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Self, TypedDict
@@ -128,6 +129,18 @@ class Store:
             raise StorageError(f"there is no block {name!r} in run {run}", where=str(self.folder), remedy="list them")
         with open_samples(self.samples_file(run)) as reader:
             return _block(record, rows[-1], reader)
+
+    def revision(self, runs: Sequence[str]) -> str:
+        """SHA-256 of what decides what is computed of runs: each one's rig, and its blocks with whether they count.
+
+        Raises:
+            StorageError: no such run.
+        """
+        held = [
+            (run, self.catalogue.run(run).rig_hash, [(row.n, row.crc32, row.note.accepted) for row in rows])
+            for run, rows in ((run, self.catalogue.blocks(run)) for run in runs)
+        ]
+        return hashlib.sha256(json.dumps(held).encode()).hexdigest()
 
     def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
         """Leave one accepted block of a run out from now on; its samples stay, and `rejected` still reads them.

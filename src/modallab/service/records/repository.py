@@ -137,25 +137,26 @@ class CampaignRepository:
         return tuple(found)
 
     def add_job(self, campaign: str, job: Job, operator: str) -> None:
-        """Keep that a job is of a campaign; nothing to do if that is known.
+        """Keep that a job is of a campaign, and its newest of this kind; nothing to do if it is that already.
 
         Raises:
             StorageError: it could not be kept.
         """
-        mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.job == job.id
+        mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.kind == job.kind
+        newest = select(CAMPAIGN_JOBS.c.job).where(*mine).order_by(CAMPAIGN_JOBS.c.n.desc()).limit(1)
         with writing(self._engine) as connection:
-            if connection.scalar(select(CAMPAIGN_JOBS.c.job).where(*mine)) is not None:
+            if connection.scalar(newest) == job.id:
                 return
             connection.execute(insert(CAMPAIGN_JOBS).values(campaign=campaign, job=job.id, kind=job.kind))
             audit.note(connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)})
 
     def jobs(self, campaign: str, kind: str | None = None) -> list[str]:
-        """Names of the jobs of a campaign, of one kind or of all, the newest first."""
+        """Names of the jobs of a campaign, of one kind or of all, the one that was ordered last first."""
         query = select(CAMPAIGN_JOBS.c.job).where(CAMPAIGN_JOBS.c.campaign == campaign)
         if kind is not None:
             query = query.where(CAMPAIGN_JOBS.c.kind == kind)
         with reading(self._engine) as connection:
-            return list(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc())))
+            return list(dict.fromkeys(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc()))))
 
     def campaign_of_job(self, job: str) -> str:
         """The campaign a job was ordered for first, else ""."""
