@@ -182,12 +182,17 @@ class Controller:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
         self._diary.reset(self.bench.id, reason, operator)
 
-    def close(self) -> None:
-        """Stop what is active, bring the output to zero, release the bench."""
+    def ask_to_close(self) -> None:
+        """End what is active as interrupted, bring the output to zero, release the bench; waits for nothing."""
         self._closing.set()
         process = self._process
         if process is not None:
-            process.close()
+            process.ask_to_leave()
+
+    def close(self) -> None:
+        """As `ask_to_close`, and wait until it has happened."""
+        # The thread that follows the run also reads its end: two readers of one pipe take each other's reports.
+        self.ask_to_close()
         self._thread.join(BEGIN_S)
 
     def _work(self) -> None:
