@@ -94,6 +94,7 @@ class Supervisor:
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
         self._computing: dict[str, int] = {}
+        self._jobs_owner = ""
         self.controllers.others = self._processes
         self._api.look()
         for work in (self._keep, self._guard):
@@ -111,10 +112,16 @@ class Supervisor:
     def close(self) -> None:
         """Leave every rig at rest, and end the processes."""
         self._closing.set()
-        self._stop.close()
+        # The outputs first; then nobody is waited for who was not asked to leave yet.
+        self.controllers.ask_to_close()
+        for child in (self._api, self._jobs):
+            child.ask_to_leave()
         self.controllers.close()
-        self._api.close()
-        self._jobs.close()
+        self._stop.close()
+        for child in (self._api, self._jobs):
+            child.close()
+        if self._jobs_owner:
+            self._free_jobs(self._jobs_owner)
         self._lock.release()
         self.store.close()
 
@@ -136,6 +143,7 @@ class Supervisor:
             while True:
                 reported: Computing = connection.recv()
                 owner, self._computing = reported.owner, reported.processes
+                self._jobs_owner = owner
         self._computing = {}
         if owner and not self._closing.is_set():
             self._free_jobs(owner)
