@@ -35,6 +35,7 @@ LOOKED_AT = (
 )
 LEFT_OUT = ("tests/data/", "docs/images/", GLOSSARY)
 SUFFIXES = ("", ".py", ".md", ".toml", ".yaml", ".yml", ".json", ".html", ".css", ".js", ".sh", ".txt", ".sql")
+OLD_SECTION = "## Changed words"
 OLD_NAMES = "renamed"
 """Assignments to this name hold the names of earlier versions."""
 
@@ -104,7 +105,7 @@ def check(path: str, text: str, rules: list[Rule]) -> list[str]:
     rules = [rule for rule in rules if rule.hint.search(path) or rule.hint.search(text)]
     if not rules:
         return []
-    old = _old_names(text) if path.endswith(".py") else set[int]()
+    old = _old_names(text) if path.endswith(".py") else _old_section(text)
     names, lines = _names(path, text), list(enumerate(text.splitlines(), start=1))
     wrong: list[str] = []
     for rule in rules:
@@ -136,6 +137,17 @@ def _old_names(text: str) -> set[int]:
         )
         if any(isinstance(t, ast.Name) and t.id.lower() == OLD_NAMES for t in targets):
             lines.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return lines
+
+
+def _old_section(text: str) -> set[int]:
+    """Lines of the sections of a page that list names of earlier versions."""
+    lines: set[int] = set()
+    inside = False
+    for n, line in enumerate(text.splitlines(), start=1):
+        inside = line.strip() == OLD_SECTION if line.startswith("## ") else inside
+        if inside:
+            lines.add(n)
     return lines
 
 

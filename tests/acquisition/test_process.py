@@ -60,14 +60,14 @@ def test_leaving_the_events_early_stops_the_run(link_rig: Rig, tmp_path: Path) -
         assert [r.state for r in store.catalogue.runs()] == ["done", "done"]
 
 
-def test_closing_in_a_run_stops_it_in_good_order(link_rig: Rig, tmp_path: Path) -> None:
+def test_closing_in_a_run_ends_it_as_interrupted_in_good_order(link_rig: Rig, tmp_path: Path) -> None:
     with RigProcess(URL, link_rig, tmp_path) as process:
         events = process.run(ImpactPlan(points=(10,), hits=500))
         next(e for e in events if e.kind == "block")
     assert process.process.exitcode == 0
     with Store(tmp_path) as store:
         (run,) = store.catalogue.runs()
-        assert (run.state, run.reason) == ("done", "stopped by the operator")
+        assert (run.state, run.reason) == ("failed", "interrupted: the service was ended")
 
 
 def test_an_error_arrives_as_itself_after_its_events_and_the_process_goes_on(link_rig: Rig, tmp_path: Path) -> None:

@@ -11,13 +11,6 @@ from modallab.cli import main
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("demo")
-    assert main(["demo", "--out", str(folder), "--seed", "7"]) == 0
-    return folder
-
-
 def test_the_demo_leaves_everything_in_one_folder(demo):
     assert {"report.html", "campaign.h5", "models.json", "rig.yaml"} <= {p.name for p in demo.iterdir()}
     assert len(read_campaign(demo / "campaign.h5").blocks) == 39

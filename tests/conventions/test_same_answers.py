@@ -98,7 +98,9 @@ def test_the_diagnosis(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None
     assert two.parameters == pytest.approx(one.parameters, rel=1e-5)
     assert two.place["x_m"] == pytest.approx(one.place["x_m"], rel=1e-5)
     assert two.probability == pytest.approx(one.probability, abs=1e-4)
-    assert found.gap.by_channel == pytest.approx(diagnosed.gap.by_channel, rel=1e-4)
+    # Before the effect the model is wrong, and its fit ends where it no longer pays, not at a sharp minimum.
+    assert found.gap.by_channel == pytest.approx(diagnosed.gap.by_channel, rel=0.02)
+    assert found.gap.after_by_channel == pytest.approx(diagnosed.gap.after_by_channel, rel=1e-3)
     assert found.shrink.closed == pytest.approx(diagnosed.shrink.closed, rel=1e-4)
 
 

@@ -8,6 +8,7 @@ import io
 import re
 import runpy
 import shlex
+import shutil
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from functools import cache
 from itertools import chain, pairwise
@@ -30,10 +31,12 @@ ELSEWHERE = {"docs/how-to/first-connection.md"}
 """Pages whose commands need a device, or are run by tests of their own."""
 
 
-def test_every_command_prints_what_its_page_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_command_prints_what_its_page_says(tmp_path: Path, demo: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     wrong: list[str] = []
-    printed: dict[str, list[str]] = {}
+    # The demo is run once for all tests.
+    shutil.copytree(demo, tmp_path / "demo")
+    printed = {"modallab demo --out demo": (demo.parent / "printed.txt").read_text(encoding="utf-8").splitlines()}
     for page in WALK:
         if name(page) not in ELSEWHERE:
             wrong += _walk(fenced(page), tmp_path, printed)

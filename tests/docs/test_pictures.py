@@ -7,7 +7,7 @@ from pages import ROOT
 
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
-from modallab.cli.demo import demo_rig
+from modallab.cli.demo_rig import demo_rig
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.storage import Store, campaign_of
 

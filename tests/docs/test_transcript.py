@@ -7,8 +7,10 @@ def test_equal_words_agree_wherever_the_lines_break() -> None:
 
 
 def test_numbers_may_differ_a_little_and_words_may_not() -> None:
-    assert difference(["1 4.7549(9) Hz"], ["1 4.7551(12) Hz"]) == ""
-    assert difference(["1 4.7549 Hz"], ["1 5.2 Hz"]) != ""
+    assert difference(["1 4.7549(9) Hz"], ["1 4.7550(12) Hz"]) == ""
+    assert difference(["1 4.7549 Hz"], ["1 4.7551 Hz"]) != ""
+    assert difference(["150000.000 Pa"], ["150001.400 Pa"]) == ""
+    assert difference(["15 hits"], ["16 hits"]) != ""
     assert difference(["1 4.7549 Hz"], ["1 4.7549 kHz"]) != ""
     assert difference(["read 7.06, so"], ["read 7.05, so"]) == ""
 

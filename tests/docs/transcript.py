@@ -1,14 +1,14 @@
 """Whether a command printed what a page says it prints.
 
 Words are compared one after another; where lines break, ruled lines and the width of columns do not count. `...` alone
-on a line stands for any words. Numbers may differ by 2 %, and their uncertainties by more: the last digits are those of
-one machine's arithmetic. Times of day and durations are not compared.
+on a line stands for any words. Numbers may differ by 1e-5, or by one in the last digit that the page shows, which is
+that of one machine's rounding; their uncertainties by more. Times of day and durations are not compared.
 """
 
 import re
 from itertools import zip_longest
 
-TOLERANCE = 0.02
+TOLERANCE = 1e-5
 
 _NUMBER = re.compile(r"([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)(?:\([\d.?]+\))?(\D*)")
 _CLOCK = re.compile(r"\d+:\d\d:\d\d")
@@ -60,4 +60,11 @@ def _same(said: str, printed: str) -> bool:
     a, b = _NUMBER.fullmatch(said), _NUMBER.fullmatch(printed)
     if a is None or b is None or a[2] != b[2]:
         return False
-    return abs(float(a[1]) - float(b[1])) <= TOLERANCE * abs(float(a[1]))
+    return abs(float(a[1]) - float(b[1])) <= max(TOLERANCE * abs(float(a[1])), 1.001 * _last_digit(a[1]))
+
+
+def _last_digit(number: str) -> float:
+    """One in the last digit of a number as it is written; of a whole number nothing, since it may be a count."""
+    digits, _, power = number.lower().partition("e")
+    _, point, behind = digits.partition(".")
+    return 10.0 ** (int(power or 0) - len(behind)) if point else 0.0

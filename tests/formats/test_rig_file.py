@@ -69,7 +69,7 @@ CASES: list[tuple[str, Any, list[str]]] = [
     ("limits", {"drive_v": 1}, ["limits.slew_v_per_s: missing", "limits.max_burst_s: missing"]),
     ("converter", {"bits": 64}, ["converter.bits: found 64; allowed: 32 or less"]),
     ("shaker_point", 7, ["shaker_point: found 7; allowed: the id of a point"]),
-    ("format_version", 2, ["format_version: found 2; allowed: 1; a newer file needs a newer modallab"]),
+    ("format_version", 3, ["format_version: found 3; allowed: 1 or 2; a newer file needs a newer modallab"]),
     ("model", "plate", ["model: found 'plate'; allowed: 'cantilever' or 'unknown'"]),
 ]
 

@@ -1,7 +1,6 @@
 """The service within the test's own process: the same rules and application, with a real rig process behind."""
 
 import secrets
-import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +20,7 @@ from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
+from modallab.service.process.supervisor import bound
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller
@@ -47,7 +47,7 @@ class Lab:
         self.controllers = Controllers([self.controller], Leases(engine, boot))
         self.service: Service = open_service(folder, self.controllers, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
-        listener = socket.create_server(("127.0.0.1", 0))
+        listener = bound("127.0.0.1", 0)
         self.url = f"http://127.0.0.1:{listener.getsockname()[1]}"
         self._server = uvicorn.Server(
             uvicorn.Config(self.app, log_config=None, ws="websockets-sansio", timeout_graceful_shutdown=1)

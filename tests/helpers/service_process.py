@@ -20,7 +20,14 @@ COMMAND = Path(sys.executable).with_name("modallab")
 class ServiceProcess:
     """Starts `modallab serve` on free ports, and ends it."""
 
-    def __init__(self, data: Path, *options: str, bench: str = "", env: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        data: Path,
+        *options: str,
+        bench: str = "",
+        env: Mapping[str, str] | None = None,
+        start_new_session: bool = False,
+    ) -> None:
         self.data = data
         self._log = (data.parent.parent / f"{data.parent.name}-{data.name}.log").open("a+")
         command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
@@ -30,6 +37,7 @@ class ServiceProcess:
             stdout=subprocess.PIPE,
             stderr=self._log,
             text=True,
+            start_new_session=start_new_session,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {}),
         )
         try:

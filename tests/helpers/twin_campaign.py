@@ -8,6 +8,7 @@ import numpy as np
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
+from modallab.core.units import si_factor
 from modallab.signals.alignment import lags_s
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import apply
@@ -23,7 +24,9 @@ def bench(rig: Rig, effects: tuple[Effect, ...]) -> Twin:
     assert rig.beam is not None
     structure = Structure.of(rig.beam, 0.006)
     zeta = structure.zeta * np.linspace(0.7, 1.5, len(structure.zeta))
-    chain = Chain.of(rig).as_delivered(rig, lags_s(rig))
+    lags = lags_s(rig)
+    # The force is written down as it acts: the others lag it, or are ahead.
+    chain = Chain.of(rig).as_delivered(rig, lags - lags[rig.force_channel.index])
     twin = Twin(replace(structure, youngs_modulus_pa=2.06e11, density_kg_m3=7840.0, zeta=zeta), chain)
     for effect in effects:
         twin = apply(twin, effect, rig)
@@ -31,8 +34,9 @@ def bench(rig: Rig, effects: tuple[Effect, ...]) -> Twin:
 
 
 def _finish(rig: Rig, block: Block, force: np.ndarray, answer: np.ndarray, rng: np.random.Generator, spoil) -> Block:
-    sensitivity = np.array([c.sensitivity(block.test) for c in rig.channels])
-    volts = np.vstack([force, answer]) * sensitivity[:, None]
+    sign = np.array([1.0 if c.direction == rig.drive_direction else -1.0 for c in rig.channels])
+    per_si = [c.sensitivity(block.test) / si_factor(c.quantity, c.unit) for c in rig.channels]
+    volts = np.vstack([force, answer]) * (sign * per_si)[:, None]
     volts = spoil(volts + NOISE * rng.standard_normal(volts.shape), block)
     return replace(block, samples=np.clip(np.round(volts / STEP), -32768, 32767).astype(np.int16))
 

@@ -145,9 +145,8 @@ def with_responses(signals, change):
     ids=["nothing", "nan", "dead", "transposed", "two rates", "no rate", "no force"],
 )
 def test_what_is_no_impact_test_is_rejected(change, says):
-    signals, rig = spoiled(change)
     with pytest.raises(DataError, match=says):
-        identify_impact(signals, rig, Options(band_hz=(2.9, 400.0)))
+        identify_impact(*spoiled(change), Options(band_hz=(2.9, 400.0)))
 
 
 def test_what_no_linear_modes_explain_is_said():

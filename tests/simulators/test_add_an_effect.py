@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 from added_effect import NAME, added, page_files
-from modallab.gap.diagnose import diagnose
 
 from modallab.cli import main
 from modallab.core.effects import Effect, catalogue
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
+from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.candidates import of_bench
 from modallab.twin.effects import model_of
 from modallab_simulators.cantilever.draw_effect import draw_effect

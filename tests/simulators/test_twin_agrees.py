@@ -14,8 +14,8 @@ from noiseless_bench import noiseless_rig
 from modallab.core.block import Block
 from modallab.core.effects import Effect, catalogue
 from modallab.core.units import Test
-from modallab.gap.conditioning.reduce import scaled
 from modallab.gap.model.predicted_records import predict_record
+from modallab.signals.signals import to_signals
 from modallab.twin.bench import Twin
 from modallab.twin.effect_model import NoChange
 from modallab.twin.effects import apply, models
@@ -86,7 +86,7 @@ def records(test: Test, effects: tuple[Effect, ...]) -> list[Block]:
 
 
 def measured(block: Block) -> np.ndarray:
-    return scaled(block, RIG)[1]
+    return to_signals(block, RIG).responses
 
 
 def predicted(twin: Twin, block: Block) -> np.ndarray:

@@ -56,13 +56,14 @@ def test_a_folder_of_version_1_becomes_one_of_today_and_goes_on(old: Path) -> No
 def test_facts_of_older_programs_are_read_under_todays_names(old: Path) -> None:
     former = {"at_rest_before": "yes", "rest_level": 0.5, "rest_excess": 1.5, "rest_line_hz": 4.5, "peak_n": 51.5}
     with Store(old) as store, begin(store) as recorder:
-        recorder.record(noise(9), BlockNote("impact_p01_1_refused_1", "impact", 0, accepted=False, facts=former))
+        renamed = "impact_p01_1_refused_1"
+        recorder.record(noise(9), BlockNote(renamed, "impact", 0, accepted=False, facts=former))
         recorder.enter("done")
         (row,) = store.catalogue.blocks(recorder.run)
     assert row.note.facts == {
         "settled_before": "yes", "motion_level": 0.5, "motion_excess": 1.5, "motion_line_hz": 4.5, "peak_n": 51.5,
     }  # fmt: skip
-    assert row.note.name == "impact_p01_1_refused_1"
+    assert row.note.name == renamed
 
 
 def test_a_step_that_fails_leaves_the_folder_as_it_was(old: Path) -> None:

@@ -1,19 +1,18 @@
 """`modallab demo`: both tests on the simulated bench, from the first hit to the report."""
 
 import argparse
-from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
 from rich.console import Console
 
+from modallab.cli.demo_rig import demo_rig
 from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
-from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.formats.rig.rig_file import parse_rig, write_rig
+from modallab.formats.rig.rig_file import write_rig
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import write_models
@@ -51,12 +50,6 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("report.html", "campaign.h5", "models.json", "rig.yaml"):
         console.print(f"  {folder / name}", markup=False, highlight=False)
     return 0
-
-
-def demo_rig() -> Rig:
-    """The paper's link as a rig."""
-    resource = files("modallab.cli").joinpath("link_rig.yaml")
-    return parse_rig(resource.read_text(encoding="utf-8"), "the demo's rig")
 
 
 def demo_plans() -> tuple[Plan, ...]:

@@ -4,7 +4,7 @@ import argparse
 import signal
 from typing import Any
 
-from modallab.cli.demo import demo_rig
+from modallab.cli.demo_rig import demo_rig
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings

@@ -159,6 +159,24 @@ class DiskFullError(StorageError):
     http = Http(507, "The disk is full", "Free space; what was acknowledged is kept.")
 
 
+class DatabaseLostError(StorageError):
+    """The database server cannot be reached, or ended the connection."""
+
+    code = "database-lost"
+    http = Http(503, "The database cannot be reached", "Look at its server; the service goes on by itself with it.")
+
+
+class BlockDamagedError(StorageError):
+    """The samples of a block on the disk are not those that were recorded."""
+
+    code = "block-damaged"
+    http = Http(
+        500,
+        "A block is damaged",
+        "The samples on the disk are not those recorded. Restore the run's file from a backup, or reject the block.",
+    )
+
+
 class JobError(ModallabError):
     """A job cannot be ordered or computed as asked."""
 

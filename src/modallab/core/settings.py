@@ -9,6 +9,10 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 
 
+RENAMED = ("MODALLAB_HEARTBEAT_TIMEOUT_S", "MODALLAB_SILENCE_S")
+"""The time-out of the heartbeat; the second name is what older installations set."""
+
+
 class Settings(BaseSettings):
     """How the service runs.
 
@@ -53,10 +57,9 @@ class Settings(BaseSettings):
     scheduler_key: Path | None = None
     jobs: bool = True
     workers: Annotated[int, Field(ge=1)] | None = None
-    # The second name is what older installations set.
     heartbeat_timeout_s: Annotated[
         float,
-        Field(ge=1, le=60, validation_alias=AliasChoices("MODALLAB_HEARTBEAT_TIMEOUT_S", "MODALLAB_SILENCE_S")),
+        Field(ge=1, le=60, validation_alias=AliasChoices(*RENAMED)),
     ] = 1.0
     log_level: str = "INFO"
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 
 from modallab.core.discovery import declaration, declared_names
 from modallab.core.errors import ConfigurationError, DataError
-from modallab.formats import known
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -23,6 +22,9 @@ if TYPE_CHECKING:
 
 Part = Literal["records", "FRFs", "modes"]
 Option = Literal["test", "rate_hz", "drive_point", "volts"]
+
+PACKAGE = "modallab.formats.known"
+"""Where they are declared, one module each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +87,7 @@ def all_formats() -> tuple[Format, ...]:
     Raises:
         ConfigurationError: a file declares nothing, or not all.
     """
-    return tuple(declaration(known, name, "FORMAT", Format) for name in declared_names(known))
+    return tuple(declaration(PACKAGE, name, "FORMAT", Format) for name in declared_names(PACKAGE))
 
 
 def readers() -> tuple[Format, ...]:

@@ -11,7 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.signals.same_test import check_outputs, check_test
+from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
 Estimator = Literal["H1", "H2", "Hv"]

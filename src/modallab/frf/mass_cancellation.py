@@ -15,7 +15,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import convert, output_quantity
-from modallab.signals.same_test import check_outputs, check_test
+from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Literal
 
 from modallab.core.discovery import declaration, declared_names
 from modallab.core.errors import ConfigurationError, IdentificationError
-from modallab.identification import estimators
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +25,9 @@ if TYPE_CHECKING:
 
 USUAL = "plscf"
 """The estimator that is taken where none is named."""
+
+PACKAGE = "modallab.identification.estimators"
+"""Where they are declared, one module each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +126,7 @@ class Estimator:
 
 def estimator_names() -> tuple[str, ...]:
     """Names of the estimators there are; none of them is imported."""
-    return declared_names(estimators)
+    return declared_names(PACKAGE)
 
 
 def find_estimator(name: str) -> Estimator:
@@ -138,7 +140,7 @@ def find_estimator(name: str) -> Estimator:
         raise IdentificationError(
             f"there is no estimator {name!r}", remedy=f"ask for one of {', '.join(estimator_names())}"
         )
-    return declaration(estimators, name, "ESTIMATOR", Estimator)
+    return declaration(PACKAGE, name, "ESTIMATOR", Estimator)
 
 
 def estimator_of(method: str) -> Estimator | None:

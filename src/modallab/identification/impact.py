@@ -21,7 +21,7 @@ from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.confidence import least_strength, strength
 from modallab.identification.selection.operator_choice import chosen, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
-from modallab.signals.same_test import check_test
+from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
 LEAK = 300.0

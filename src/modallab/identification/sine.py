@@ -34,7 +34,7 @@ from modallab.identification.start.missed_modes import with_missing
 from modallab.identification.start.refine_start import polished
 from modallab.identification.start.stabilisation import Tolerance
 from modallab.identification.start.tones import clock_notes, default_band
-from modallab.signals.same_test import check_test
+from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
 Real = NDArray[np.float64]

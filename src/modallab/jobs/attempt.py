@@ -9,7 +9,7 @@ from distributed import Client, Future
 from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
-from modallab.core.errors import ModallabError
+from modallab.core.errors import JobError, ModallabError
 from modallab.jobs.kind import Computed, Kind
 from modallab.jobs.leases import Leases, Taken
 from modallab.jobs.task import compute, interrupt
@@ -40,13 +40,23 @@ class Attempt:
     def run(self) -> None:
         """Do all of it. However it ends, the table says so."""
         try:
-            payload = self._kind.load(dict(self.taken.job.parameters), self.taken.job.inputs)
+            payload = self._load()
         except ModallabError as error:
             self._leases.failed(self.taken, str(error))
         except Exception as error:
             self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
         else:
             self._compute(payload)
+
+    def _load(self) -> Any:
+        job = self.taken.job
+        payload = self._kind.load(dict(job.parameters), job.inputs)
+        # Looked at last: what changes from here on is not in the payload.
+        if job.revision and self._kind.revision(job.inputs) != job.revision:
+            raise JobError(
+                "the blocks that count have changed since it was ordered", where=job.id, remedy="order it again"
+            )
+        return payload
 
     def abandon(self) -> None:
         """The runner stops, or its scheduler is gone: give the job back."""

@@ -31,6 +31,7 @@ class Job(Frozen):
         created_utc: for people, ISO 8601.
         ended_utc: "" until it has ended.
         code_version: of the modallab that took the order.
+        revision: of what its inputs held when it was ordered; "" if that cannot change.
         result: what it gave; None unless it is done.
         error: why it failed, and what to do; None unless it has.
     """
@@ -45,6 +46,7 @@ class Job(Frozen):
     created_utc: str
     ended_utc: str = ""
     code_version: str
+    revision: str = ""
     result: JsonValue = None
     error: str | None = None
 
@@ -61,13 +63,13 @@ class JobPage(Frozen):
     cursor: str | None
 
 
-def job_key(kind: str, parameters: dict[str, Any], inputs: Sequence[str], code_version: str) -> str:
+def job_key(kind: str, parameters: dict[str, Any], inputs: Sequence[str], revision: str, code_version: str) -> str:
     """SHA-256 over all that decides a result. The order of inputs counts, the order of parameters does not.
 
     Raises:
         JobError: a parameter is no JSON value, or is NaN or infinite.
     """
-    content = [kind, parameters, list(inputs), code_version]
+    content = [kind, parameters, list(inputs), revision, code_version]
     try:
         text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     except (TypeError, ValueError) as error:

@@ -7,10 +7,10 @@ from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import Connection, Engine, insert, select, update
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, IntegrityError, InterfaceError, OperationalError, SQLAlchemyError
 
 from modallab import __version__
-from modallab.core.errors import JobError, StorageError, UnknownJobError
+from modallab.core.errors import DatabaseLostError, JobError, StorageError, UnknownJobError
 from modallab.jobs.job import OPEN, Job, JobPage, JobState, job_key
 from modallab.jobs.table import JOBS, job_of, make_table
 
@@ -34,24 +34,26 @@ class Jobs:
         with _database_errors(engine):
             make_table(engine)
 
-    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str]) -> Job:
+    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str], revision: str = "") -> Job:
         """Order a job. The same work that is waiting, going on or done is not done again: that job is given back.
 
         Args:
             kind: name of a registered kind.
             parameters: JSON values.
             inputs: names of what it works on.
+            revision: of what the inputs hold now, as the kind's `revision` gives it; other contents are other work.
 
         Raises:
             JobError: parameters that cannot be kept.
         """
-        key = job_key(kind, parameters, inputs, __version__)
+        key = job_key(kind, parameters, inputs, revision, __version__)
         row = {
             "id": _name(kind),
             "key": key,
             "kind": kind,
             "parameters": parameters,
             "inputs": list(inputs),
+            "revision": revision,
             "code_version": __version__,
             "state": "queued",
             "created_utc": utc_now(),
@@ -185,8 +187,15 @@ def _database_errors(engine: Engine) -> Generator[None]:
     try:
         yield
     except SQLAlchemyError as error:
+        where = engine.url.render_as_string(hide_password=True)
+        if isinstance(error, OperationalError | InterfaceError) and engine.dialect.name != "sqlite":
+            raise DatabaseLostError(
+                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
+            ) from error
+        # Without the statement and its parameters, which SQLAlchemy adds.
+        said = error.orig if isinstance(error, DBAPIError) else error
         raise StorageError(
-            f"the table of jobs cannot be used: {error}",
-            where=engine.url.render_as_string(hide_password=True),
+            f"the table of jobs cannot be used: {said}",
+            where=where,
             remedy="look at the database and its disk",
         ) from error

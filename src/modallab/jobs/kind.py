@@ -42,6 +42,8 @@ class Kind:
         compute: (payload, notify) -> what was found.
         keep: (name, computed) -> the job's result. `name` is another for each attempt, so that two attempts never write
             to the same place.
+        revision: inputs -> a text that changes when what they hold does. A job whose inputs have changed between order
+            and load fails: its key would say otherwise than its result.
         limit_s: a computation longer than this is given up.
     """
 
@@ -50,3 +52,4 @@ class Kind:
     compute: Callable[[Any, Notify], Computed]
     keep: Callable[[str, Computed], JsonValue]
     limit_s: float = 3600.0
+    revision: Callable[[tuple[str, ...]], str] = lambda _: ""

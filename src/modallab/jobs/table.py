@@ -35,6 +35,7 @@ JOBS = Table(
     Column("parameters", JSON, nullable=False),
     Column("inputs", JSON, nullable=False),
     Column("code_version", String(64), nullable=False),
+    Column("revision", String(64), nullable=False, default="", server_default=""),
     Column("state", String(16), nullable=False),
     Column("progress", Float, nullable=False, default=0.0),
     Column("attempts", Integer, nullable=False, default=0),
@@ -64,14 +65,18 @@ def make_table(engine: Engine) -> None:
     with engine.begin() as connection:
         if connection.dialect.name == "postgresql":
             connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _LOCK})
-        _rename_beat(connection)
+        _bring_up_to_date(connection)
         METADATA.create_all(connection)
 
 
-def _rename_beat(connection: Connection) -> None:
-    found = inspect(connection)
-    if found.has_table(JOBS.name) and any(column["name"] == _BEAT_BEFORE for column in found.get_columns(JOBS.name)):
+def _bring_up_to_date(connection: Connection) -> None:
+    if not inspect(connection).has_table(JOBS.name):
+        return
+    known = {column["name"] for column in inspect(connection).get_columns(JOBS.name)}
+    if _BEAT_BEFORE in known:
         connection.execute(text(f"ALTER TABLE {JOBS.name} RENAME COLUMN {_BEAT_BEFORE} TO beat"))
+    if JOBS.c.revision.name not in known:
+        connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN revision VARCHAR(64) DEFAULT '' NOT NULL"))
 
 
 def job_of(row: Mapping[Any, Any]) -> Job:

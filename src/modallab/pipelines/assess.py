@@ -106,8 +106,8 @@ def _loud_band(groups: Groups, band_hz: tuple[float, float]) -> tuple[float, flo
     top = band_hz[1]
     for signals in (s for group in groups for s in group):
         power = np.abs(np.fft.rfft(signals.hit_force)) ** 2
-        quiet = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
-        top = min(top, float(quiet[quiet > 2 * band_hz[0]].min(initial=top)))
+        weak = np.flatnonzero(power < LOUD * power.max()) * signals.rate_hz / signals.force.size
+        top = min(top, float(weak[weak > 2 * band_hz[0]].min(initial=top)))
     return band_hz[0], top
 
 

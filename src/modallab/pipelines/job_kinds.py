@@ -27,15 +27,17 @@ RESULTS = "results"
 """Folder of what jobs leave, in the data folder: `results/<attempt>/<file>`."""
 
 Campaigns = Callable[[tuple[str, ...]], Campaign]
+Revision = Callable[[tuple[str, ...]], str]
 Payload = tuple[Campaign, Any]
 
 
-def kinds(campaigns: Campaigns, folder: Path) -> tuple[Kind, ...]:
+def kinds(campaigns: Campaigns, folder: Path, revision: Revision = lambda _: "") -> tuple[Kind, ...]:
     """All kinds of job.
 
     Args:
         campaigns: the recordings that a job's inputs name; `campaigns_of(store)` for runs.
         folder: the data folder, where results are kept.
+        revision: of what a job's inputs hold; `store.revision` for runs.
     """
 
     def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
@@ -45,7 +47,7 @@ def kinds(campaigns: Campaigns, folder: Path) -> tuple[Kind, ...]:
         def keep(attempt: str, computed: Computed) -> JsonValue:
             return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
 
-        return Kind(name, load, compute, keep, limit_s)
+        return Kind(name, load, compute, keep, limit_s, revision)
 
     return kind("identify", _identify, 3600.0), kind("report", _report, 3600.0), kind("diagnose", _diagnose, 4 * 3600.0)
 

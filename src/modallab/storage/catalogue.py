@@ -167,7 +167,7 @@ def _block_row(block: BlockRecord) -> dict[str, Any]:
     return row | {key: getattr(block.note, key) for key in _NOTE} | {"overload": list(block.note.overload)}
 
 
-FORMERLY = {
+RENAMED = {
     "at_rest_before": "settled_before",
     "rest_level": "motion_level",
     "rest_excess": "motion_excess",
@@ -178,7 +178,7 @@ FORMERLY = {
 
 def _block(row: Any) -> BlockRecord:
     note: dict[str, Any] = {key: row[key] for key in _NOTE} | {"overload": tuple(row["overload"])}
-    note["facts"] = {FORMERLY.get(key, key): value for key, value in row["facts"].items()}
+    note["facts"] = {RENAMED.get(key, key): value for key, value in row["facts"].items()}
     return BlockRecord(**{key: row[key] for key in _OWN}, note=BlockNote(**note))
 
 

@@ -5,9 +5,16 @@ from contextlib import contextmanager
 
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy.exc import (
+    ArgumentError,
+    DBAPIError,
+    InterfaceError,
+    NoSuchModuleError,
+    OperationalError,
+    SQLAlchemyError,
+)
 
-from modallab.core.errors import StorageError
+from modallab.core.errors import DatabaseLostError, StorageError
 from modallab.storage.durable import failure
 
 BUSY_S = 30.0
@@ -82,7 +89,7 @@ def writing(engine: Engine) -> Generator[Connection]:
         with engine.begin() as connection:
             yield connection
     except SQLAlchemyError as error:
-        raise failure(error, database_name(engine)) from error
+        raise lost(error, engine) or failure(_said(error), database_name(engine)) from error
 
 
 @contextmanager
@@ -96,9 +103,25 @@ def reading(engine: Engine) -> Generator[Connection]:
         with engine.connect().execution_options(reading=True) as connection:
             yield connection
     except SQLAlchemyError as error:
-        raise StorageError(
-            f"cannot be read: {error}", where=database_name(engine), remedy="look at the disk"
+        raise lost(error, engine) or StorageError(
+            f"cannot be read: {_said(error)}", where=database_name(engine), remedy="look at the disk"
         ) from error
+
+
+def lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | None:
+    """What to raise where a server cannot be reached; None if it is another error. Its own words are for its log."""
+    gone = isinstance(error, (OperationalError, InterfaceError)) or getattr(error, "connection_invalidated", False)
+    if engine.dialect.name == "sqlite" or not gone:
+        return None
+    return DatabaseLostError(
+        "the database cannot be reached", where=database_name(engine), remedy="look at its server, and ask again"
+    )
+
+
+def _said(error: SQLAlchemyError) -> Exception:
+    # SQLAlchemy adds the statement and its parameters, which are nobody's business who asks.
+    found = error.orig if isinstance(error, DBAPIError) else None
+    return found if isinstance(found, Exception) else error
 
 
 def database_name(engine: Engine) -> str:

@@ -29,6 +29,16 @@ CAMPAIGN_RUNS = Table(
     Column("code", String(64), nullable=False, default=""),
 )
 
+RUN_KEYS = Table(
+    "run_keys",
+    METADATA,
+    Column("key", String(128), primary_key=True),
+    Column("request", String(64), nullable=False),
+    Column("run", String(64), nullable=False),
+    Column("created_utc", String(32), nullable=False),
+)
+"""The idempotency key each run was asked for under, kept by whoever owns the run."""
+
 CAMPAIGN_JOBS = Table(
     "campaign_jobs",
     METADATA,

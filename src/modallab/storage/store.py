@@ -1,8 +1,9 @@
 """A data folder: its catalogue, its sample files, and what is read back from them."""
 
 import hashlib
+import json
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Self, TypedDict
@@ -13,7 +14,7 @@ from modallab import __version__
 from modallab.bench.protocol import BenchInfo
 from modallab.bench.recut import Recut
 from modallab.core.block import Block, Ramp
-from modallab.core.errors import StorageError
+from modallab.core.errors import BlockDamagedError, StorageError
 from modallab.core.plan import Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.storage.address import database_of
@@ -22,7 +23,7 @@ from modallab.storage.durable import require_local
 from modallab.storage.lease import Lease
 from modallab.storage.recorder import Recorder, checksum, drop, utc_now
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, RunRecord
-from modallab.storage.samples import SampleReader, open_samples
+from modallab.storage.samples import SampleReader, Samples, open_samples
 from modallab.storage.seal import seal
 
 INTERRUPTED = "interrupted"
@@ -129,6 +130,18 @@ class Store:
         with open_samples(self.samples_file(run)) as reader:
             return _block(record, rows[-1], reader)
 
+    def revision(self, runs: Sequence[str]) -> str:
+        """SHA-256 of what decides what is computed of runs: each one's rig, and its blocks with whether they count.
+
+        Raises:
+            StorageError: no such run.
+        """
+        held = [
+            (run, self.catalogue.run(run).rig_hash, [(row.n, row.crc32, row.note.accepted) for row in rows])
+            for run, rows in ((run, self.catalogue.blocks(run)) for run in runs)
+        ]
+        return hashlib.sha256(json.dumps(held).encode()).hexdigest()
+
     def drop(self, run: str, block: str, reason: str = "dropped by the operator") -> None:
         """Leave one accepted block of a run out from now on; its samples stay, and `rejected` still reads them.
 
@@ -184,12 +197,7 @@ def _facts(bench: BenchInfo) -> dict[str, str]:
 
 def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
     samples = reader.read(row.offset, row.count)
-    if checksum(samples) != row.crc32:
-        raise StorageError(
-            f"the samples on the disk are not those recorded: CRC-32 {checksum(samples):08x}, {row.crc32:08x} expected",
-            where=f"run {run.id}, block {row.note.name}",
-            remedy="restore the run's file from a copy, or leave this block out",
-        )
+    require_intact(samples, row)
     assert run.rates is not None  # a block is recorded after the delivery is known
     recut = Recut.read(row.note.facts)
     over = set(row.note.overload)
@@ -211,6 +219,21 @@ def _block(run: RunRecord, row: BlockRecord, reader: SampleReader) -> Block:
         overload=tuple(channel.name in over for channel in run.rig.channels),
         **_rise(run, row.note, run.rates.delivered_hz if recut is None else recut.from_hz),
     )
+
+
+def require_intact(samples: Samples, row: BlockRecord) -> None:
+    """Reject samples that are not those a block was acknowledged with.
+
+    Raises:
+        BlockDamagedError: their CRC-32 is another.
+    """
+    found = checksum(samples)
+    if found != row.crc32:
+        raise BlockDamagedError(
+            f"the samples on the disk are not those recorded: CRC-32 {found:08x}, {row.crc32:08x} expected",
+            where=f"run {row.run}, block {row.n}, {row.note.name}",
+            remedy="restore the run's file from a copy, or leave this block out",
+        )
 
 
 class _Rise(TypedDict, total=False):

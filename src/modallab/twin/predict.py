@@ -17,7 +17,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 def predict_hit(
     twin: Twin, force_n: Array, rate_hz: float, drive_x_m: float, channels: tuple[int, ...], x_m: Array, tau: float
 ) -> Array:
-    """(channels, n) accelerations in m/s^2 from a hit.
+    """(channels, n) what the chain reads of a hit: m/s^2, or m/s and m where it integrates.
 
     Args:
         twin: the bench.
@@ -48,7 +48,11 @@ def predict_hit(
     chain = transfer(twin.chain, channels, source.s)
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
-    return _swapped(twin.chain, channels, twin.hit_gain(drive_x_m) * np.fft.irfft(total, n=n, axis=1))
+    record = twin.hit_gain(drive_x_m) * np.fft.irfft(total, n=n, axis=1)
+    # An integral knows no constant: what begins from rest begins at 0.
+    rows = [i for i, channel in enumerate(channels) if channel in twin.chain.integrals]
+    record[rows] -= record[rows, :1]
+    return _swapped(twin.chain, channels, record)
 
 
 def predict_sine(

@@ -18,7 +18,7 @@ from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.sine_block import ToneExcitation, tone
 from modallab.identification.model.modal_model import receptance
 from modallab.signals.bandpass import bandpass, remove_mean
-from modallab.signals.same_test import check_test
+from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
 FINE_LINES = 2000

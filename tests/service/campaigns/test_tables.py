@@ -88,7 +88,8 @@ def _execute(store: Store, change: str) -> None:
 
 def test_events_of_older_programs_are_read_under_todays_kinds(store: Store) -> None:
     log = EventLog(store.catalogue.engine)
-    for kind in ("hit_wanted", "hit_refused", "progress"):
+    renamed = ("hit_wanted", "hit_refused")
+    for kind in (*renamed, "progress"):
         log.append(kind, Topic(run="r1"), {"kind": kind, "run": "r1", "point": 3})
     events = log.after(0, 10)
     assert [event.kind for event in events] == ["hit_requested", "hit_rejected", "progress"]

@@ -40,7 +40,8 @@ def test_settings_come_from_the_environment_and_are_checked(monkeypatch: pytest.
 
 
 def test_the_heartbeat_s_time_out_is_read_under_its_former_name_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MODALLAB_SILENCE_S", "3")
+    renamed = "MODALLAB_SILENCE_S"
+    monkeypatch.setenv(renamed, "3")
     assert Settings().heartbeat_timeout_s == 3.0
     monkeypatch.setenv("MODALLAB_HEARTBEAT_TIMEOUT_S", "7")
     assert Settings().heartbeat_timeout_s == 7.0

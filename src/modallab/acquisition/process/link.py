@@ -95,7 +95,7 @@ class Link:
         self._order = order
 
     def _leave(self) -> None:
-        self._order = "stop"
+        self._order = "ended"
         self._plans.put(None)
 
     def _lost(self) -> None:

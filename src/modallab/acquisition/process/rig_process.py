@@ -132,12 +132,17 @@ class RigProcess(RunControls):
         """Let the rig be armed again, after somebody has looked at the bench; returns what had tripped it."""
         return self.latch.reset()
 
-    def close(self) -> None:
-        """Stop the active run, bring the output to zero, release the bench, end the process."""
-        if self._closed.is_set():
-            return
+    def ask_to_leave(self) -> None:
+        """Have the process end the active run as interrupted, bring the output to zero, and leave. Waits for nothing:
+        whoever follows the run reads its end, then calls `close`."""
         with suppress(BenchError):
             self._send(Close())
+
+    def close(self) -> None:
+        """End the active run as interrupted, bring the output to zero, release the bench, end the process."""
+        if self._closed.is_set():
+            return
+        self.ask_to_leave()
         self._closed.set()
         # What is still in the pipe must be taken out, or the process could not leave for want of room in it.
         with suppress(BenchError):

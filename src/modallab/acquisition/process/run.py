@@ -23,9 +23,10 @@ from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder, Store
+from modallab.storage.store import INTERRUPTED
 
-Order = Literal["stop", "abort", "emergency", "lost"]
-"""How a running test may be asked to end; `lost`: whoever asked for the run is gone."""
+Order = Literal["stop", "abort", "emergency", "ended", "lost"]
+"""How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
 
 Control = Callable[[], Order | None]
 Live = Callable[[LiveSamples], None]
@@ -93,7 +94,7 @@ def run_plan(
         except OrderedEndError as end:
             make_safe(bench)
             _drop_left(setup)
-            _end(life, end.order)
+            _end(setup, end.order)
     except BaseException as error:
         make_safe(bench)
         _fail(life, recorder, emit, error)
@@ -226,7 +227,8 @@ def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
     return Recut.of(delivery.rate_hz, plan.delivered_hz, plan.block_s)
 
 
-def _end(life: Lifecycle, order: Order) -> None:
+def _end(setup: Setup, order: Order) -> None:
+    life = setup.life
     life.enter("stopping", _SAID[order])
     if order == "stop":
         life.enter("done", _SAID[order])
@@ -234,12 +236,16 @@ def _end(life: Lifecycle, order: Order) -> None:
         life.enter("aborted", _SAID[order], valid=False)
     else:
         life.enter("failed", _SAID[order])
+        setup.emit(
+            Failed(run=setup.recorder.run, code=INTERRUPTED, what=_SAID[order], remedy="continue it as a new run")
+        )
 
 
 _SAID: dict[Order, str] = {
     "stop": "stopped by the operator",
     "abort": "aborted by the operator",
     "emergency": "emergency stop",
+    "ended": "interrupted: the service was ended",
     "lost": "interrupted: the process that asked for the run is gone",
 }
 

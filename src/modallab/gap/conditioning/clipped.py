@@ -21,6 +21,10 @@ MORE, FEW = 3.0, 4
 """Times a sine's own share at its top, and how many of its phases besides may stand there by chance."""
 
 
+REPEATS_IN = 4
+"""A sine that repeats at least so many times in a block, sample by sample, has a few phases only."""
+
+
 @dataclass(frozen=True, slots=True)
 class Clipped:
     """A channel that is cut.
@@ -71,7 +75,9 @@ def _is_flat(block: Block, row: int, peak: float, near: float) -> bool:
     arc = 2 * np.arccos(1 - min(near / peak, 1.0)) / (2 * np.pi * block.frequency_hz) * block.rate_hz
     edges = np.diff(np.concatenate([[0], top.astype(int), [0]]))
     runs = np.flatnonzero(edges == -1) - np.flatnonzero(edges == 1)
-    return float(np.mean(runs)) > 1.8 * arc + 1
+    # A sine that repeats after few samples may have the same two of them beside its top in every period.
+    repeats = _phases(block.frequency_hz / block.rate_hz, block.n_samples) * REPEATS_IN < block.n_samples
+    return float(np.mean(runs)) > 1.8 * arc + (2 if repeats else 1)
 
 
 def _phases(per_sample: float, n: int) -> int:

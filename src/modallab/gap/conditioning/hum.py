@@ -155,7 +155,7 @@ def _drive_hz(block: Block, t: Array, force: int) -> float:
 
 
 def _heard_samples(block: Block, force: int) -> int:
-    """Samples from which the hum is told: of a hit those before it, where they suffice."""
+    """Samples that show the hum: of a hit those before it, where they suffice."""
     before = int(np.argmax(np.abs(block.samples[force]))) - 30
     return before if block.test == "impact" and before > 60 else block.n_samples
 

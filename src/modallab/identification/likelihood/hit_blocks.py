@@ -115,7 +115,7 @@ def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
 
 
 def _rings_before(signals: Signals) -> bool:
-    """Whether the outputs move before the hit by more than the quietest stretch of that output in any block would."""
+    """Whether the outputs move before the hit: their neighbouring samples are correlated, as those of noise are not."""
     stop = signals.hit.first
     if stop < 32:
         return False

@@ -8,6 +8,7 @@ from sqlalchemy import func, select
 
 from modallab import __version__
 from modallab.core.documents.pages import Health
+from modallab.core.errors import StorageError
 from modallab.service.api.events import Feed
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import ServiceOf
@@ -37,9 +38,9 @@ router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500
 
 @router.get("/health", openapi_extra=OPEN)
 def get_health(service: ServiceOf, response: Response) -> Health:
-    """Whether every rig can be used. Needs no token."""
+    """Whether every rig can be used, and the database. Needs no token."""
     states = {state.id: state.state for state in service.control.states()}
-    good = all(state in ("idle", "running") for state in states.values())
+    good = all(state in ("idle", "running") for state in states.values()) and _database_answers(service)
     response.headers["Cache-Control"] = "no-store"
     return Health(
         status="good" if good else "degraded",
@@ -47,6 +48,14 @@ def get_health(service: ServiceOf, response: Response) -> Health:
         rigs={rig: str(state) for rig, state in states.items()},
         free_bytes=shutil.disk_usage(service.folder).free,
     )
+
+
+def _database_answers(service: Service) -> bool:
+    try:
+        service.log.last()
+    except StorageError:
+        return False
+    return True
 
 
 @router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))

@@ -83,7 +83,7 @@ def _ordered(
 
 
 def _view(job: Job) -> JobView:
-    return JobView.model_validate(job.model_dump())
+    return JobView.model_validate(job.model_dump(exclude={"revision"}))
 
 
 # A report is made of names that people typed: whatever they are, it reaches nothing of the service.

@@ -14,7 +14,7 @@ from starlette.routing import Match, Route
 from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.trip import TrippedError
 from modallab.core.documents.pages import Problem
-from modallab.core.errors import ModallabError
+from modallab.core.errors import DatabaseLostError, ModallabError
 
 LOG = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
@@ -146,9 +146,11 @@ def of_error(error: ModallabError) -> Response:
     legal = None
     if isinstance(error, IllegalTransitionError):
         legal = tuple(word for word in error.remedy.removeprefix("legal: ").split(", ") if " " not in word)
+    # Where the server stands is for the log.
+    where = "" if isinstance(error, DatabaseLostError) else error.where
     # On the machine itself there is a command for it; whoever asks here has the lease.
     remedy = RESET if isinstance(error, TrippedError) else error.remedy
-    return problem(kind, error.what, headers, code=error.code, remedy=remedy, where=error.where, legal=legal)
+    return problem(kind, error.what, headers, code=error.code, remedy=remedy, where=where, legal=legal)
 
 
 async def _known(request: Request, error: Exception) -> Response:

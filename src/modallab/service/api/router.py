@@ -13,7 +13,8 @@ from sqlalchemy import Engine, delete, insert, select, update
 from modallab.core.errors import ModallabError
 from modallab.service.api.problems import documented, of_error
 from modallab.service.api.request_context import OPERATOR
-from modallab.service.errors import ConflictError, IdempotencyError
+from modallab.service.errors import ConflictError
+from modallab.service.records.repository import key_limit, key_of_another
 from modallab.storage.engine import writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import IDEMPOTENCY
@@ -52,7 +53,7 @@ class Keys:
         self._boot = boot
 
     def claim(self, key: str, request: bytes) -> Answer | None:
-        """Claim a key for a request; the answer, if it was answered before.
+        """Claim a key for a request; the answer, if it was answered within `KEY_LIFE`.
 
         Raises:
             IdempotencyError: the key stands for another request.
@@ -61,15 +62,14 @@ class Keys:
         digest = hashlib.sha256(request).hexdigest()
         row = {"key": key, "request": digest, "boot": self._boot, "headers": {}, "created_utc": utc_now()}
         with writing(self._engine) as connection:
+            connection.execute(delete(IDEMPOTENCY).where(IDEMPOTENCY.c.created_utc < key_limit()))
             query = select(IDEMPOTENCY).where(IDEMPOTENCY.c.key == key)
             found = connection.execute(query).mappings().one_or_none()
             if found is None:
                 connection.execute(insert(IDEMPOTENCY).values(row))
                 return None
             if found["request"] != digest:
-                raise IdempotencyError(
-                    "this key was sent with another request", where="Idempotency-Key", remedy="make a new key"
-                )
+                raise key_of_another()
             if found["status"] is not None:
                 return Answer(found["status"], dict(found["headers"]), found["body"])
             if found["boot"] == self._boot:
@@ -107,6 +107,7 @@ def idempotency_key(
     return key
 
 
+Key = Annotated[str | None, Depends(idempotency_key)]
 ONCE = [Depends(idempotency_key)]
 """For routes that make something."""
 

@@ -21,7 +21,7 @@ from modallab.service.api.request_context import (
     place_of,
     unchanged,
 )
-from modallab.service.api.router import ONCE, PREFIX, make_router
+from modallab.service.api.router import ONCE, PREFIX, Key, make_router
 from modallab.service.campaigns.begin import begin
 from modallab.service.campaigns.runs import block_records, run_view
 from modallab.service.errors import ConflictError
@@ -56,10 +56,12 @@ def list_runs(campaign: str, service: ServiceOf, limit: Limit = 50, cursor: Curs
     return page([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
 
 
-@router.post("/campaigns/{campaign}/runs", status_code=202, dependencies=ONCE, responses=documented(404, 409, 507))
-def start_run(campaign: str, new: NewRun, service: ServiceOf, response: Response, lease: LeaseId = None) -> RunView:
+@router.post("/campaigns/{campaign}/runs", status_code=202, responses=documented(404, 409, 507))
+def start_run(
+    campaign: str, new: NewRun, service: ServiceOf, response: Response, key: Key, lease: LeaseId = None
+) -> RunView:
     """Begin a run on the campaign's rig; needs the rig's lease. Follow it by its events or at `Location`."""
-    run = begin(service, campaign, new, lease)
+    run = begin(service, campaign, new, lease, key)
     response.headers["Location"] = f"{PREFIX}/runs/{run}"
     return run_view(service, run)
 

@@ -1,5 +1,6 @@
 """How a run begins: looked at as far as can be without the bench, then handed to the rig's controller."""
 
+import hashlib
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
@@ -11,6 +12,7 @@ from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.records.repository import RunKey
 from modallab.service.rigs.control import ControllerState, StartRun, rejection
 from modallab.storage.durable import require_room, require_space
 from modallab.storage.records import ENDED, BlockRecord
@@ -24,15 +26,20 @@ MAX_BLOCKS = 100_000
 _BYTES_A_SAMPLE = 8
 
 
-def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> str:
-    """Begin a run; returns its name.
+def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: str | None = None) -> str:
+    """Begin a run; returns its name. Under one key it is begun once: asked again, it is the name of that run.
 
     Raises:
+        IdempotencyError: another request was sent with the key.
         NotFoundError: no such campaign, or no such run to continue.
         PlanError: the plan is not possible on this rig.
         DiskFullError: there is no room for what it would record.
         ModallabError: as `Control.start`.
     """
+    asked = None if key is None else RunKey(key, _digest(campaign, new))
+    begun = None if asked is None else service.repository.run_of(asked)
+    if begun is not None:
+        return begun
     entry = service.repository.campaign(campaign)
     controller = next((state for state in service.control.states() if state.id == entry.rig), None)
     if controller is None:
@@ -42,7 +49,11 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None) -> st
     require_reasonable(plan, controller.rig)
     _require_possible(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
-    return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues))
+    return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues, asked))
+
+
+def _digest(campaign: str, new: RunNew) -> str:
+    return hashlib.sha256(f"{campaign} {new.model_dump_json()}".encode()).hexdigest()
 
 
 def _plan(service: Service, campaign: str, new: RunNew) -> Plan:

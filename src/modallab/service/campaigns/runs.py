@@ -13,6 +13,7 @@ from modallab.storage.engine import reading
 from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED, BlockRecord, RunRecord
 from modallab.storage.samples import Samples, open_samples
+from modallab.storage.store import require_intact
 from modallab.storage.tables import RUNS
 
 
@@ -106,10 +107,12 @@ def read_samples(service: Service, block: BlockRecord) -> Samples:
     """(channels, count) samples, little-endian, exactly as the device delivered them.
 
     Raises:
-        StorageError: they cannot be read.
+        BlockDamagedError: they are not those that were recorded.
+        StorageError: they cannot be read, or were deleted.
     """
-    with open_samples(service.folder / "runs" / f"{block.run}.h5") as reader:
+    with open_samples(service.store.samples_file(block.run)) as reader:
         samples = reader.read(block.offset, block.count)
+    require_intact(samples, block)
     return np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<"))
 
 

@@ -19,7 +19,7 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
     """
     runs = _runs(service, campaign, new.runs)
     parse_parameters(kind, new.parameters)
-    job = service.jobs.submit(kind, dict(new.parameters), runs)
+    job = service.jobs.submit(kind, dict(new.parameters), runs, service.store.revision(runs))
     service.repository.add_job(campaign, job, operator)
     return job
 

@@ -16,7 +16,8 @@ AGAIN_S = 0.2
 MOST_S = 10.0
 STEADY_S = 10.0
 """Whoever lives so long is started again without delay: that cannot happen more often than every `MOST_S`."""
-LEAVE_S = 10.0
+LEAVE_S = 1.5
+"""Until a process that was asked to leave is ended: what it holds is in the database or on the disk already."""
 AT_MOST = 5.0
 """However busy the machine: so many times the time-out, by the clock, is too long."""
 
@@ -38,6 +39,7 @@ class Child:
         self._pause_s = AGAIN_S
         self._next_s = 0.0
         self._began_s = 0.0
+        self._leave_by_s = 0.0
         self.process: BaseProcess | None = None
         self._connection: Connection | None = None
 
@@ -70,14 +72,18 @@ class Child:
         if now >= self._next_s:
             self._start()
 
-    def close(self) -> None:
-        """Ask it to leave, and wait for it."""
+    def ask_to_leave(self) -> None:
+        """Ask it, and wait for nothing."""
+        self._leave_by_s = time.monotonic() + LEAVE_S
         if self._connection is not None:
             with suppress(OSError):
                 self._connection.send(None)
+
+    def close(self) -> None:
+        """Wait until it has left as it was asked to; if it does not, end it."""
         if self.process is None:
             return
-        self.process.join(LEAVE_S)
+        self.process.join(max(0.0, self._leave_by_s - time.monotonic()))
         if self.process.is_alive():
             self.process.kill()
             self.process.join()

@@ -75,7 +75,7 @@ class Supervisor:
         after = AfterRun(self.store, jobs)
         self._recovery = Recovery(diary, after)
         self._recovery.look()
-        listener = _bound(settings.host, settings.port)
+        listener = bound(settings.host, settings.port)
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
@@ -94,6 +94,7 @@ class Supervisor:
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
         self._computing: dict[str, int] = {}
+        self._jobs_owner = ""
         self.controllers.others = self._processes
         self._api.look()
         for work in (self._keep, self._guard):
@@ -111,10 +112,16 @@ class Supervisor:
     def close(self) -> None:
         """Leave every rig at rest, and end the processes."""
         self._closing.set()
-        self._stop.close()
+        # The outputs first; then nobody is waited for who was not asked to leave yet.
+        self.controllers.ask_to_close()
+        for child in (self._api, self._jobs):
+            child.ask_to_leave()
         self.controllers.close()
-        self._api.close()
-        self._jobs.close()
+        self._stop.close()
+        for child in (self._api, self._jobs):
+            child.close()
+        if self._jobs_owner:
+            self._free_jobs(self._jobs_owner)
         self._lock.release()
         self.store.close()
 
@@ -136,6 +143,7 @@ class Supervisor:
             while True:
                 reported: Computing = connection.recv()
                 owner, self._computing = reported.owner, reported.processes
+                self._jobs_owner = owner
         self._computing = {}
         if owner and not self._closing.is_set():
             self._free_jobs(owner)
@@ -199,10 +207,13 @@ class Supervisor:
             LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
 
 
-def _bound(host: str, port: int) -> socket.socket:
+def bound(host: str, port: int) -> socket.socket:
+    """A socket that listens there; raises ServiceError where the port is taken."""
     # Bound here, so that requests wait in line while the REST process is started again.
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
+    # The protocol is named: asyncio sends small answers at once (TCP_NODELAY) only on sockets that name it. Without,
+    # each answer in two parts, head and body, waits 40 ms for the client's delayed acknowledgement.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if os.name == "posix":
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

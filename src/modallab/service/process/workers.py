@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from multiprocessing.connection import Connection
 from socket import socket
+from threading import Thread
 
 from modallab.core.settings import Settings
 from modallab.service.process.wire import RemoteControl
@@ -45,6 +46,8 @@ def set_up(level: str) -> None:
 
 def run_api(connection: Connection, listener: socket, settings: Settings, token: str, boot: str) -> None:
     """Serve on a socket that is bound already, until the supervisor is gone or says so."""
+    # Ctrl-C reaches every process of a terminal; the supervisor decides what it means.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     set_up(settings.log_level)
     # Imported here: the supervisor, which is the same program, needs none of it.
     import uvicorn
@@ -75,7 +78,10 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
         )
     )
     try:
-        server.run(sockets=[listener])
+        # Not in the main thread, where it would take over Ctrl-C.
+        serving = Thread(target=server.run, kwargs={"sockets": [listener]}, name="serve")
+        serving.start()
+        serving.join()
     finally:
         service.close()
     # A thread of a library that waits for a client would keep the process.
@@ -103,7 +109,7 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
 
     with Store(settings.data) as store:
         jobs = Jobs(store.catalogue.engine)
-        known = kinds(campaigns_of(store), store.folder)
+        known = kinds(campaigns_of(store), store.folder, store.revision)
         runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
         # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
         reported = Computing(runner.owner, {})

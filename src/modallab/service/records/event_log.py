@@ -14,7 +14,7 @@ from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import EVENTS
 
-FORMERLY = {"hit_wanted": "hit_requested", "hit_refused": "hit_rejected"}
+RENAMED = {"hit_wanted": "hit_requested", "hit_refused": "hit_rejected"}
 """Kinds of events as older programs wrote them -> as they are called now; what is in the log stays as it is."""
 
 MAX_WAITING = 10_000
@@ -92,9 +92,9 @@ class EventLog:
 
 def _view(row: RowMapping) -> EventView:
     event = EventView(**row)
-    if event.kind not in FORMERLY:
+    if event.kind not in RENAMED:
         return event
-    kind = FORMERLY[event.kind]
+    kind = RENAMED[event.kind]
     return event.model_copy(update={"kind": kind, "content": event.content | {"kind": kind}})
 
 

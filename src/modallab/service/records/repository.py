@@ -2,18 +2,21 @@
 
 import secrets
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Connection, Engine, insert, select, update
+from sqlalchemy import Connection, Engine, delete, insert, select, update
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.jobs import Job
-from modallab.service.errors import ChangedError, NotFoundError
+from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
 from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
-from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS
+from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
+
+KEY_LIFE = timedelta(hours=24)
+"""For so long a request that is sent again under its key is not done again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +38,14 @@ class RunEntry:
     operator: str
     continues: str | None
     code: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RunKey:
+    """An idempotency key, and the SHA-256 of the request it was sent with."""
+
+    key: str
+    request: str
 
 
 class CampaignRepository:
@@ -102,8 +113,8 @@ class CampaignRepository:
             audit.note(connection, operator, "change-campaign", campaign, values)
             return _campaign(connection, campaign)
 
-    def add_run(self, entry: RunEntry, plan: dict[str, Any]) -> None:
-        """Enter a run that has begun.
+    def add_run(self, entry: RunEntry, plan: dict[str, Any], key: RunKey | None = None) -> None:
+        """Enter a run that has begun, with the key it was asked for under.
 
         Raises:
             StorageError: it could not be kept.
@@ -113,6 +124,23 @@ class CampaignRepository:
             more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
             connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
             audit.note(connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan})
+            if key is not None:
+                connection.execute(delete(RUN_KEYS).where(RUN_KEYS.c.created_utc < key_limit()))
+                row = {"key": key.key, "request": key.request, "run": entry.run, "created_utc": utc_now()}
+                connection.execute(insert(RUN_KEYS).values(row))
+
+    def run_of(self, key: RunKey) -> str | None:
+        """The run that was begun under a key; None if there is none, or it was longer ago than `KEY_LIFE`.
+
+        Raises:
+            IdempotencyError: another request was sent with it.
+        """
+        query = select(RUN_KEYS).where(RUN_KEYS.c.key == key.key, RUN_KEYS.c.created_utc >= key_limit())
+        with reading(self._engine) as connection:
+            row = connection.execute(query).mappings().one_or_none()
+        if row is not None and row["request"] != key.request:
+            raise key_of_another()
+        return None if row is None else str(row["run"])
 
     def set_code(self, run: str, code: str) -> None:
         """Keep the code of the error that ended a run.
@@ -137,31 +165,42 @@ class CampaignRepository:
         return tuple(found)
 
     def add_job(self, campaign: str, job: Job, operator: str) -> None:
-        """Keep that a job is of a campaign; nothing to do if that is known.
+        """Keep that a job is of a campaign, and its newest of this kind; nothing to do if it is that already.
 
         Raises:
             StorageError: it could not be kept.
         """
-        mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.job == job.id
+        mine = CAMPAIGN_JOBS.c.campaign == campaign, CAMPAIGN_JOBS.c.kind == job.kind
+        newest = select(CAMPAIGN_JOBS.c.job).where(*mine).order_by(CAMPAIGN_JOBS.c.n.desc()).limit(1)
         with writing(self._engine) as connection:
-            if connection.scalar(select(CAMPAIGN_JOBS.c.job).where(*mine)) is not None:
+            if connection.scalar(newest) == job.id:
                 return
             connection.execute(insert(CAMPAIGN_JOBS).values(campaign=campaign, job=job.id, kind=job.kind))
             audit.note(connection, operator, f"order-{job.kind}", campaign, {"job": job.id, "runs": list(job.inputs)})
 
     def jobs(self, campaign: str, kind: str | None = None) -> list[str]:
-        """Names of the jobs of a campaign, of one kind or of all, the newest first."""
+        """Names of the jobs of a campaign, of one kind or of all, the one that was ordered last first."""
         query = select(CAMPAIGN_JOBS.c.job).where(CAMPAIGN_JOBS.c.campaign == campaign)
         if kind is not None:
             query = query.where(CAMPAIGN_JOBS.c.kind == kind)
         with reading(self._engine) as connection:
-            return list(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc())))
+            return list(dict.fromkeys(connection.scalars(query.order_by(CAMPAIGN_JOBS.c.n.desc()))))
 
     def campaign_of_job(self, job: str) -> str:
         """The campaign a job was ordered for first, else ""."""
         query = select(CAMPAIGN_JOBS.c.campaign).where(CAMPAIGN_JOBS.c.job == job).limit(1)
         with reading(self._engine) as connection:
             return connection.scalar(query) or ""
+
+
+def key_limit() -> str:
+    """Keys that are older count no more; as `created_utc` is written."""
+    return (datetime.now(UTC) - KEY_LIFE).isoformat(timespec="milliseconds")
+
+
+def key_of_another() -> IdempotencyError:
+    """What to raise where a key stands for another request."""
+    return IdempotencyError("this key was sent with another request", where="Idempotency-Key", remedy="make a new key")
 
 
 _ENTRY = ("run", "campaign", "rig", "operator", "continues", "code")

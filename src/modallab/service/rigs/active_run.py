@@ -14,7 +14,7 @@ from modallab.core.plan import Plan
 from modallab.service.errors import NotFoundError, RigUnavailableError
 from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
-from modallab.service.records.repository import RunEntry
+from modallab.service.records.repository import RunEntry, key_of_another
 from modallab.service.rigs.control import StartRun, require_action
 from modallab.service.rigs.diary import Diary
 from modallab.storage.records import ENDED
@@ -49,6 +49,22 @@ class RequestedRun:
                 where=self.order.rig,
                 remedy="ask again when the rig is idle" if self._given_up else "look at the campaign's list of runs",
             ) from error
+
+    def is_of(self, order: StartRun) -> bool:
+        """Whether `order` is the same request, sent again while this one may still begin.
+
+        Raises:
+            IdempotencyError: another request under the same key.
+        """
+        mine, other = self.order.key, order.key
+        if mine is None or other is None or mine.key != other.key:
+            return False
+        with self._lock:
+            if self._given_up or self.begun.done():
+                return False
+        if mine.request != other.request:
+            raise key_of_another()
+        return True
 
     def claim(self) -> bool:
         """Whether it is still requested; it is on its way then."""
@@ -136,7 +152,7 @@ class ActiveRun:
         self.run = first.run
         order = self._order
         entry = RunEntry(self.run, order.campaign, self._rig, self.operator, order.continues)
-        self.diary.repository.add_run(entry, order.plan.model_dump(mode="json"))
+        self.diary.repository.add_run(entry, order.plan.model_dump(mode="json"), order.key)
         self._note(first)
 
     def _note(self, event: Event) -> None:

@@ -10,6 +10,7 @@ from modallab.core.documents.runs import Action, Command
 from modallab.core.events import RunState
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
+from modallab.service.records.repository import RunKey
 
 REQUESTED: dict[Action, RunState] = {"pause": "paused", "resume": "acquiring", "stop": "stopping", "abort": "stopping"}
 """The state an action leads to; dropping and repeating lead to none."""
@@ -27,6 +28,7 @@ class StartRun:
         plan: what to do.
         lease: id of the rig's lease.
         continues: the run whose good blocks it takes over.
+        key: under which it is begun once, however often it is asked for.
     """
 
     rig: str
@@ -34,6 +36,7 @@ class StartRun:
     plan: Plan
     lease: str | None
     continues: str | None = None
+    key: RunKey | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +77,8 @@ class Control(Protocol):
         """Begin a run; returns its name once it has one.
 
         Raises:
-            LeaseNeededError, TrippedError, ConflictError, RigUnavailableError, PlanError, StorageError.
+            LeaseNeededError, TrippedError, ConflictError, RigUnavailableError, PlanError, IdempotencyError,
+            StorageError.
         """
         ...
 

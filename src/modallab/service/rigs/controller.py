@@ -74,6 +74,7 @@ class Controller:
         self._info: BenchInfo | None = None
         self._requested: SimpleQueue[RequestedRun] = SimpleQueue()
         self._kept: RequestedRun | None = None
+        self._last_requested: RequestedRun | None = None
         self._starting = Lock()
         self._closing = Flag()
         self._thread = Thread(target=self._work, name=f"controller {bench.id}", daemon=True)
@@ -106,29 +107,43 @@ class Controller:
         return self.state()
 
     def start(self, order: StartRun, operator: str) -> str:
-        """Begin a run and wait until it has a name.
+        """Begin a run and wait until it has a name; of one that was begun under the same key before, its name.
 
         Raises:
+            IdempotencyError: another request was sent with its key.
             TrippedError: reset first.
             ConflictError: a run is going on.
             RigUnavailableError: the bench is not open.
             ModallabError: what kept it from beginning.
         """
-        self.latch.require_reset()
+        before = self._before(order)
+        if before is not None:
+            return before
         with self._starting:
-            if self._active is not None:
-                raise ConflictError(
-                    f"run {self._active.run} is going on", where=self.bench.id, remedy="wait for its end, or stop it"
-                )
-            if self._state != "idle":
-                raise RigUnavailableError(
-                    f"the rig is {self._state}{': ' if self._error else ''}{self._error}",
-                    where=self.bench.id,
-                    remedy="wait until it is idle; look at its cables and its address",
-                )
-            requested = RequestedRun(order, operator)
-            self._requested.put(requested)
+            # Whoever waited here may have waited for the same request.
+            return self._before(order) or self._start(order, operator)
+
+    def _before(self, order: StartRun) -> str | None:
+        requested = self._last_requested
+        if requested is not None and requested.is_of(order):
             return requested.wait(self._begin_s)
+        return None if order.key is None else self._diary.repository.run_of(order.key)
+
+    def _start(self, order: StartRun, operator: str) -> str:
+        self.latch.require_reset()
+        if self._active is not None:
+            raise ConflictError(
+                f"run {self._active.run} is going on", where=self.bench.id, remedy="wait for its end, or stop it"
+            )
+        if self._state != "idle":
+            raise RigUnavailableError(
+                f"the rig is {self._state}{': ' if self._error else ''}{self._error}",
+                where=self.bench.id,
+                remedy="wait until it is idle; look at its cables and its address",
+            )
+        requested = self._last_requested = RequestedRun(order, operator)
+        self._requested.put(requested)
+        return requested.wait(self._begin_s)
 
     def command(self, run: str, command: Command, operator: str) -> None:
         """Pass a command on to the active run.
@@ -167,12 +182,17 @@ class Controller:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
         self._diary.reset(self.bench.id, reason, operator)
 
-    def close(self) -> None:
-        """Stop what is active, bring the output to zero, release the bench."""
+    def ask_to_close(self) -> None:
+        """End what is active as interrupted, bring the output to zero, release the bench; waits for nothing."""
         self._closing.set()
         process = self._process
         if process is not None:
-            process.close()
+            process.ask_to_leave()
+
+    def close(self) -> None:
+        """As `ask_to_close`, and wait until it has happened."""
+        # The thread that follows the run also reads its end: two readers of one pipe take each other's reports.
+        self.ask_to_close()
         self._thread.join(BEGIN_S)
 
     def _work(self) -> None:

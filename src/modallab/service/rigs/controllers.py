@@ -62,8 +62,14 @@ class Controllers:
         controller = self._controller(rig)
         controller.reset(reason, self._leases.require(rig, lease).operator)
 
+    def ask_to_close(self) -> None:
+        """Have every rig left at rest; waits for nothing."""
+        for controller in self._controllers.values():
+            controller.ask_to_close()
+
     def close(self) -> None:
-        """Leave every rig at rest."""
+        """Leave every rig at rest; none waits for another."""
+        self.ask_to_close()
         for controller in self._controllers.values():
             controller.close()
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from modallab.core.declared import declared
+from modallab.core.discovery import declared
 from modallab.core.effects import STAGES, Effect, EffectKind
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
@@ -19,7 +19,7 @@ def models() -> Mapping[str, EffectModel]:
     Raises:
         FormatError: a module of this package declares no `MODEL`, or one of another name than its own.
     """
-    found = declared(__name__, __path__, "MODEL", EffectModel)
+    found = declared(__name__, "MODEL", EffectModel)
     for module, model in found.items():
         if model.kind.name != module:
             raise FormatError(

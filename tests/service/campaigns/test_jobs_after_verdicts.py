@@ -1,0 +1,96 @@
+"""What is computed of runs is of the blocks that count when it is asked for."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from recorded_run import record_run
+
+from modallab.core.documents.campaigns import CampaignNew
+from modallab.core.documents.results import JobNew
+from modallab.jobs import Job
+from modallab.jobs.attempt import Attempt
+from modallab.jobs.leases import Leases
+from modallab.pipelines.job_kinds import campaigns_of, kinds
+from modallab.service.context import Service, open_service
+from modallab.service.jobs.background import AfterRun
+from modallab.service.jobs.campaign_jobs import order
+from modallab.service.records.leases import Leases as RigLeases
+from modallab.service.records.repository import RunEntry
+from modallab.service.rigs.controllers import Controllers
+from modallab.storage import Store
+
+RIG = "small"
+
+
+@pytest.fixture
+def service(tmp_path: Path) -> Iterator[Service]:
+    with Store(tmp_path / "data") as store:
+        nobody = Controllers([], RigLeases(store.catalogue.engine, "start"))
+        opened = open_service(tmp_path / "data", nobody, "start")
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def campaign(service: Service) -> str:
+    return service.repository.create(CampaignNew(name="a session", rig=RIG), "Ada").id
+
+
+def _record(service: Service, campaign: str, continues: str | None = None) -> str:
+    run = record_run(service.store, blocks=6)
+    service.repository.add_run(RunEntry(run, campaign, RIG, "Ada", continues), {})
+    return run
+
+
+def _judge(service: Service, run: str, accepted: bool, *numbers: int) -> None:
+    for n in numbers:
+        service.store.catalogue.judge_block(run, n, accepted=accepted, reason="", operator="Ada", utc="")
+
+
+def _done(service: Service, job: Job) -> None:
+    leases = Leases(service.engine, "a runner")
+    (taken,) = leases.take([job.kind], 1)
+    assert taken.job.id == job.id
+    assert leases.done(taken, {"model of": job.id})
+
+
+@pytest.mark.parametrize("kind", ["identify", "report", "diagnose"])
+def test_who_asks_again_after_a_verdict_has_it_computed_anew(service: Service, campaign: str, kind) -> None:
+    run = _record(service, campaign)
+    first = order(service, campaign, kind, JobNew(), "Ada")
+    _done(service, first)
+    assert order(service, campaign, kind, JobNew(), "Ada").id == first.id
+    _judge(service, run, False, 0, 1, 2)
+    second = order(service, campaign, kind, JobNew(), "Ada")
+    assert (second.state, second.result) == ("queued", None)
+    _done(service, second)
+    # Where the verdicts are taken back it is the first work again, and the newest of the campaign.
+    _judge(service, run, True, 0, 1, 2)
+    assert order(service, campaign, kind, JobNew(), "Ada").id == first.id
+    assert service.repository.jobs(campaign, kind) == [first.id, second.id]
+
+
+def test_a_run_that_continues_a_judged_one_is_identified_anew(service: Service, campaign: str) -> None:
+    before = _record(service, campaign)
+    run = _record(service, campaign, before)
+    after = AfterRun(service.store, service.jobs)
+    first = after.identify(run)
+    assert after.identify(run).id == first.id
+    _judge(service, before, False, 5)
+    assert after.identify(run).id != first.id
+
+
+def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    job = order(service, campaign, "identify", JobNew(), "Ada")
+    _judge(service, run, False, 0)
+    (kind, *_) = kinds(campaigns_of(service.store), service.folder, service.store.revision)
+    leases = Leases(service.engine, "a runner")
+    (taken,) = leases.take(["identify"], 1)
+    Attempt(taken, kind, leases, client=None).run()  # pyright: ignore[reportArgumentType]
+    ended = service.jobs.get(job.id)
+    assert ended.state == "failed"
+    assert "blocks that count have changed" in str(ended.error)
+    assert "order it again" in str(ended.error)
+    assert order(service, campaign, "identify", JobNew(), "Ada").state == "queued"
