@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.effects import Place
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
 from modallab.gap.model.tolerances import Deviation, applied, deviations, held
@@ -84,7 +85,7 @@ class Nuisances:
                 u[3 + self.modes + i] = 0.0
         return u
 
-    def build(self, u: Array, replaced: Collection[tuple[str, float | None]] = ()) -> Twin:
+    def build(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
         """The twin without effects.
 
         Args:
