@@ -113,6 +113,14 @@ def test_a_stored_rig_gives_the_diagnosis_of_the_rig_file(make: Callable[..., Ca
     assert two.twin.gains == one.twin.gains == {}
 
 
+def test_the_force_is_named_by_its_own_row(make: Callable[..., Campaign]) -> None:
+    wrong = Effect(effect="force_gain", parameters={"gain": 0.8}, place={"channel": 0})
+    other = SAME["rows permuted"](make(wrong, tests=("impact",)))
+    found = diagnose(other, allowed=lambda n: n == "force_gain")
+    assert found.effects[0].place == {"channel": other.rig.force_channel.index}
+    assert found.where.channels == ["force"]
+
+
 @pytest.mark.parametrize("name", SAME)
 def test_a_prediction_is_what_each_channel_would_read(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None:
     other = SAME[name](heavy)

@@ -103,6 +103,9 @@ class EffectModel:
         return [Candidate(self.kind.name, self.search.slots(rig.beam), self._place(rig, rows), self.search.fixed)]
 
     def _place(self, rig: Rig, rows: tuple[int, ...]) -> tuple[tuple[str, Place], ...]:
+        if self.kind.place == "force":
+            # Its row of the rig, whichever that is.
+            return (("channel", rig.force_channel.index),)
         fixed = self.kind.fixed_place
         if fixed is not None:
             return tuple(fixed.items())
