@@ -23,7 +23,7 @@ SPRING = Effect(effect=NAME, parameters={"k_slope": 5.0}, place={"x": 0.6})
 
 @pytest.fixture(scope="module")
 def link() -> Rig:
-    path = Path(__file__).parents[2] / "src" / "modallab" / "service" / "link_rig.yaml"
+    path = Path(__file__).parents[2] / "src" / "modallab" / "cli" / "link_rig.yaml"
     return parse_rig(path.read_text(encoding="utf-8"), str(path))
 
 
