@@ -32,7 +32,7 @@ def test_a_flipped_byte_is_reported_with_run_and_block(store: Store) -> None:
     path.write_bytes(content)
     with pytest.raises(StorageError, match="samples on the disk are not those recorded") as caught:
         store.blocks(run)
-    assert caught.value.where == f"run {run}, block b1"
+    assert caught.value.where == f"run {run}, block 1, b1"
     assert next(iter(store.iterate(run))).name == "b0"
 
 
