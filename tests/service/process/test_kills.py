@@ -91,7 +91,7 @@ def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Pa
 @pytest.mark.parametrize("found_by", ["the stop listener", "no sign of life of the REST process"])
 def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_by: str) -> None:
     by_hand = found_by == "the stop listener"
-    bench, env = f"{QUICK_BEAM}&pace=1", {"MODALLAB_TIMEOUT_S": "60" if by_hand else "1"}
+    bench, env = f"{QUICK_BEAM}&pace=1", {"MODALLAB_HEARTBEAT_TIMEOUT_S": "60" if by_hand else "1"}
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=bench, env=env) as service:
         lab = service.client
         campaign = lab.create_campaign("frozen", service.rig)

@@ -1,6 +1,5 @@
 """The REST service as an application: access, problems, resources, and its OpenAPI document."""
 
-import pkgutil
 import secrets
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
@@ -12,6 +11,7 @@ from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from modallab import __version__
+from modallab.core.discovery import declared_names
 from modallab.core.documents.pages import Problem
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
@@ -52,7 +52,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
 
 def resources() -> list[APIRouter]:
     """The routers of all modules of this package: a new resource needs no entry anywhere."""
-    modules = [import_module(f"{api.__name__}.{found.name}") for found in pkgutil.iter_modules(api.__path__)]
+    modules = [import_module(f"{api.__name__}.{name}") for name in declared_names(api.__name__)]
     return [value for module in modules for value in vars(module).values() if isinstance(value, APIRouter)]
 
 
