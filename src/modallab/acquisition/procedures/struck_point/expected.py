@@ -1,7 +1,6 @@
 """The modes a structure is believed to have: what a hit at each point should excite."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,8 @@ class ExpectedModes:
         damping_ratio: of every mode.
         points: (points,) numbers of the points.
         at_points: (points, modes) shapes at unit modal mass, kg^-1/2.
-        at_sensors: (sensors, modes) the same where the motion channels of the rig are.
+        channels: (sensors,) places in the rig of the channels that sense this motion.
+        at_sensors: (sensors, modes) the same where they are.
         derivative: (sensors,) of the displacement: 0, 1 or 2.
     """
 
@@ -26,12 +26,6 @@ class ExpectedModes:
     damping_ratio: float
     points: tuple[int, ...]
     at_points: Real
+    channels: tuple[int, ...]
     at_sensors: Real
     derivative: NDArray[np.int64]
-
-    def first(self, count: int) -> Self:
-        """The lowest modes only."""
-        return type(self)(
-            self.frequency_hz[:count], self.damping_ratio, self.points, self.at_points[:, :count],
-            self.at_sensors[:, :count], self.derivative,
-        )  # fmt: skip

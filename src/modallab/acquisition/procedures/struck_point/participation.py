@@ -40,7 +40,9 @@ class Participation:
     shape: Real
 
 
-def participation(force_n: Real, motion: Real, rate_hz: float, band_hz: float, expected: ExpectedModes) -> Participation:
+def participation(
+    force_n: Real, motion: Real, rate_hz: float, band_hz: float, expected: ExpectedModes
+) -> Participation:
     """Fit the expected modes up to `band_hz` to a block.
 
     Args:
