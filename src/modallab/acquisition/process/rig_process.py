@@ -66,6 +66,11 @@ class RigProcess(RunControls):
         _OPEN.add(self)
 
     @property
+    def rig(self) -> Rig:
+        """What stands on the bench."""
+        return self._rig
+
+    @property
     def info(self) -> BenchInfo:
         """What the bench is; waits until it is open.
 
