@@ -16,8 +16,8 @@ from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import BLOCK, Moving
-from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
+from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.swing import Swing, draw_swing

@@ -60,10 +60,11 @@ class Operator:
     def _show(self, state: SessionState, before: SessionState) -> None:
         if self._screen is not None:
             self._screen.show(state)
-        elif (state.phase, state.text, state.point, state.hit) != (before.phase, before.text, before.point, before.hit):
-            self._console.print(
-                f"{state.done}/{state.total}  {sentence(state)}", markup=False, highlight=False, soft_wrap=True
-            )
+            return
+        lines = [f"{state.done}/{state.total}  {sentence(state)}"]
+        if state.news != before.news and state.news:
+            lines.insert(0, state.news)
+        self._console.print("\n".join(lines), markup=False, highlight=False, soft_wrap=True)
 
 
 def _command(meaning: Meaning, state: SessionState) -> Command | None:

@@ -20,7 +20,8 @@ class SessionState:
         of: how many there.
         done: hits or bursts that count.
         total: how many the plan wants.
-        text: one line besides: why a hit was rejected, how long to wait, which frequency.
+        text: one line besides: how long to wait, which frequency.
+        news: what became of the hit before, until the next one.
         last_good: number of the block that was kept last, which an undo takes back; None if there is none.
         last_rejected: number of the block that was rejected last, which may be accepted; None if there is none.
     """
@@ -33,6 +34,7 @@ class SessionState:
     done: int = 0
     total: int = 0
     text: str = ""
+    news: str = ""
     last_good: int | None = None
     last_rejected: int | None = None
 
@@ -54,35 +56,35 @@ def _requested(_: SessionState, said: Said) -> Said:
 
 
 def _waiting(_: SessionState, said: Said) -> Said:
-    still = f"{said['residual_hz']:.3g} Hz still rings"
+    still = f"{said['residual_hz']:.3g} Hz rings"
     if said["residual_ratio"] is not None:
-        still += f" with {100 * said['residual_ratio']:.2g} % of a hit, {100 * said['allowed']:g} % allowed"
+        still += f" with {100 * said['residual_ratio']:.2g} % of a hit, {100 * said['allowed']:g} % is allowed"
+    still += "; steady it by hand"
     if said["remaining_s"] is not None:
-        still += f"; about {said['remaining_s']:.0f} s"
-    still += "; a hand on the beam is faster"
+        still += f", or wait {said['remaining_s']:.0f} s"
     return {"phase": "wait", "text": still, "point": said["point"], "hit": said["hit"], "of": said["of"]}
 
 
 def _early(_: SessionState, said: Said) -> Said:
-    return {"phase": "early", "text": f"{said['peak_n']:.3g} N before the tone: wait for the tone", "last_rejected": None}
+    return {"phase": "early", "text": "", "news": f"too early ({said['peak_n']:.3g} N): wait for the tone"}
 
 
 def _rejected(_: SessionState, said: Said) -> Said:
-    return {"phase": "rejected", "text": f"point {said['point']}: {said['reason']}", "point": said["point"]}
+    return {"phase": "rejected", "text": "", "news": f"rejected: {said['reason']}", "point": said["point"]}
 
 
 def _block(_: SessionState, said: Said) -> Said:
     if said["accepted"]:
-        return {"phase": "good", "text": "", "last_good": said["n"], "last_rejected": None}
+        return {"phase": "good", "text": "", "news": "", "last_good": said["n"], "last_rejected": None}
     return {"last_rejected": said["n"]}
 
 
 def _dropped(_: SessionState, said: Said) -> Said:
-    return {"phase": "wait", "text": f"{said['name']} is taken back: {said['reason']}", "last_good": None}
+    return {"phase": "wait", "news": f"{said['name']}: {said['reason']}", "last_good": None}
 
 
 def _accepted(_: SessionState, said: Said) -> Said:
-    return {"phase": "good", "text": f"{said['name']}: {said['reason']}", "last_rejected": None}
+    return {"phase": "good", "news": f"{said['name']}: {said['reason']}", "last_rejected": None}
 
 
 def _progress(_: SessionState, said: Said) -> Said:

@@ -20,8 +20,8 @@ NEARER = 0.6
 FAR_BY_MODES = 0.12
 """Distance in shape, as part of each mode's largest, that a hit at the right point does not reach: 0.05 for 2 mm and
 1 %. Neighbouring points of a cantilever with ten are 0.2 to 0.5 apart."""
-FAR_BY_FRFS = 0.45
-"""Distance of FRFs that hits at one point do not reach among each other."""
+FAR_BY_FRFS = 0.12
+"""Distance of FRFs that hits at one point do not reach among each other: 0.06 for 2 mm and 1 %."""
 FEWEST_MODES = 3
 OFF_SCALE = 0.2
 """A hit that moved the beam by so much more or less than those before at this point was oblique, or the hammer's
@@ -94,8 +94,7 @@ class StruckPointCheck:
         look = self._measure(answer)
         self.looks[name] = look
         by_modes = self._by_modes(point, look)
-        by_frfs = self._by_frfs(point, look)
-        return by_modes if by_modes is not None and (by_modes.reasons or not by_frfs.reasons) else by_frfs
+        return self._by_frfs(point, look) if by_modes is None else by_modes
 
     def keep(self, looked_at: str, name: str, point: int) -> None:
         """The hit that was looked at under one name counts, at this point, and its record has the other."""
@@ -161,6 +160,9 @@ def _judge(point: int, away: dict[int, float], scale: float, far: float, struck:
             f"the structure moved {scale:.2g} times as much a newton as after the {struck} before at point {point},"
             f" at least {1 - OFF_SCALE:g}, at most {1 + OFF_SCALE:g}: struck obliquely, or beside the point"
         )
-    elif struck and own > far and np.isnan(scale):
-        reasons.append(f"its FRFs are {100 * own:.0f} % off those of the {struck} before at point {point}")
+    elif struck and own > far:
+        reasons.append(
+            f"{100 * own:.0f} % off the {struck} before at point {point}, at most {100 * far:.0f} %: struck beside the"
+            " point, or something touched the structure"
+        )
     return Struck(nearest, own, scale, tuple(reasons))
