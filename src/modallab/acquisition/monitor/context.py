@@ -134,9 +134,9 @@ class Context:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
 
-    def accept(self, name: str, reason: str) -> bool:
+    def accept(self, name: str, reason: str, operator: str) -> bool:
         """Let a block that was rejected count, and report it; whether there was one."""
-        accepted = self.recorder.accept(name, reason)
+        accepted = self.recorder.accept(name, reason, operator)
         if accepted:
             self.emit(BlockAccepted(run=self.recorder.run, name=name, reason=reason))
         return accepted

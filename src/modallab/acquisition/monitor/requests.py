@@ -23,7 +23,8 @@ class AcceptBlock:
     """A rejected hit counts all the same; it is not asked for again."""
 
     block: str
-    reason: str = "accepted by the operator"
+    reason: str = "accepted at the bench"
+    operator: str = ""
 
 
 Request = Repeat | DropBlock | AcceptBlock

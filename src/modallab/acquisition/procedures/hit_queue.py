@@ -65,7 +65,9 @@ class HitQueue:
         A hit that has been kept since under the same target stays the one that counts.
         """
         target = self.rejected.get(request.block)
-        if target is None or target not in self.todo or not context.accept(request.block, request.reason):
+        if target is None or target not in self.todo:
+            return None
+        if not context.accept(request.block, request.reason, request.operator):
             return None
         self.todo.remove(target)
         self.kept[request.block] = target

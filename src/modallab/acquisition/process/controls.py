@@ -162,7 +162,7 @@ class RunControls(ABC):
             store.drop(self._view.run, block, reason)
         self._view = self._view.after(BlockDropped(run=self._view.run, name=block, reason=reason))
 
-    def accept(self, block: str, reason: str = "accepted by the operator") -> None:
+    def accept(self, block: str, reason: str, operator: str = "") -> None:
         """Let a hit of the running impact test count that was rejected; it is then no longer asked for.
 
         Without effect where a later hit already counts in its place.
@@ -172,7 +172,7 @@ class RunControls(ABC):
         """
         if not self._running or not isinstance(self._plan, ImpactPlan):
             raise PlanError("no impact test is going on", remedy="accept the block once its run has ended")
-        self._send(AcceptBlock(block, reason))
+        self._send(AcceptBlock(block, reason, operator))
 
     def _begin(self, plan: Plan) -> None:
         self._plan, self._view = plan, RunView()

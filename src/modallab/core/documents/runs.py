@@ -55,7 +55,7 @@ class Accept(Frozen):
 
     kind: Literal["accept"] = "accept"
     n: Annotated[int, Field(ge=0)]
-    reason: Annotated[str, Field(max_length=400)] = "accepted by the operator"
+    reason: Annotated[str, Field(max_length=400)] = "accepted at the bench"
 
 
 class Stop(Frozen):

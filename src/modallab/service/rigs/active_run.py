@@ -123,7 +123,7 @@ class ActiveRun:
         elif isinstance(command, Drop):
             process.drop(self._block_name(command.n), command.reason)
         elif isinstance(command, Accept):
-            process.accept(self._block_name(command.n), command.reason)
+            process.accept(self._block_name(command.n), command.reason, operator)
         else:
             simple[command.kind]()
         audit.enter(self.diary.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
