@@ -32,6 +32,8 @@ PROMPT = re.compile(
     r"(wait|strike|good|again|too early|pause|end)(?: point (\d+), hit (\d+) of (\d+))?[^\n]*\n\d+/\d+ "
 )
 BAD = ("wrong point", "wrong point", "wrong point", "double", "weak", "hard", "early", "oblique")
+FORCE_N = (25.0, 60.0)
+"""What the sensors bear everywhere, the free end too."""
 REACTION_S, NEXT_POINT_S, HAND_AFTER_S, HAND_S = (1.0, 2.0), 2.0, 1.5, 1.8
 
 
@@ -90,7 +92,7 @@ class Script:
         delay = self._rng.uniform(*REACTION_S) + (NEXT_POINT_S if point != self._last_point else 0.0)
         self._last_point = point
         delay = max(delay, (self._hand_off - time.monotonic()) * self._speed)
-        act: dict[str, object] = {"act": "strike", "point": point, "peak_n": float(self._rng.uniform(40, 120))}
+        act: dict[str, object] = {"act": "strike", "point": point, "peak_n": float(self._rng.uniform(*FORCE_N))}
         act["width_s"] = float(self._rng.uniform(0.0015, 0.004))
         kind = "good"
         if self._rng.uniform() < self._bad:

@@ -16,7 +16,7 @@ from modallab.core.rig import Rig
 from modallab.pipelines.expected_modes import expected_modes
 from modallab.storage import BlockRecord, Store
 
-PLAN = ImpactPlan(points=(3,), hits=2, acceptance=HitAcceptance(max_residual_ratio=0.1))
+PLAN = ImpactPlan(points=(3,), hits=2, acceptance=HitAcceptance(max_residual_ratio=0.03))
 BENCH = "sim://cantilever?seed=5&bad_hits=0&place_m=0.002&zeta=0.02"
 
 
@@ -79,11 +79,11 @@ def test_without_a_model_the_frfs_so_far_decide_and_reciprocity_knows_the_next_p
     plan = PLAN.model_copy(update={"points": (3, 8), "hits": 1})
     rows, _ = struck(store, link_rig, [3, 3], plan, model=False)
     assert [row.note.accepted for row in rows] == [True, False, True]
-    assert rows[1].note.reason == "this looks like point 3; 8 was requested"
+    assert rows[1].note.reason.startswith("this looks like point 3; 8 was requested")
 
 
 def test_the_operator_may_accept_it_and_it_is_not_asked_for_again(store: Store, link_rig: Rig) -> None:
-    rows, events = struck(store, link_rig, [10], accepting=True)
+    rows, events = struck(store, link_rig, [10, 10], accepting=True)
     assert [row.note.accepted for row in rows] == [True, True]
     (accepted,) = [e for e in events if e.kind == "accepted"]
     assert accepted.name == "impact_p03_1_rejected_1"
@@ -92,13 +92,14 @@ def test_the_operator_may_accept_it_and_it_is_not_asked_for_again(store: Store, 
 
 
 def test_the_check_can_be_turned_off(store: Store, link_rig: Rig) -> None:
-    plan = PLAN.model_copy(update={"acceptance": HitAcceptance(max_residual_ratio=0.1, check_point=False)})
-    rows, _ = struck(store, link_rig, [10], plan)
+    plan = PLAN.model_copy(update={"acceptance": HitAcceptance(max_residual_ratio=0.03, check_point=False)})
+    rows, _ = struck(store, link_rig, [10, 10], plan)
     assert [row.note.accepted for row in rows] == [True, True]
 
 
 @pytest.mark.parametrize(
-    "effect", ["added_mass,mass=0.1,x=0.5", "polarity,channel=10", "force_gain,gain=1.3", "swap,channel=3,8"]
+    "effect",
+    ["added_mass,mass=0.1,x=0.5", "polarity,channel=a10,sign=-1", "force_gain,gain=1.3", "swap,channel=a03:a08"],
 )
 def test_a_bench_that_is_not_as_believed_rejects_no_good_hit(store: Store, link_rig: Rig, effect: str) -> None:
     plan = PLAN.model_copy(update={"points": (10, 6, 3)})

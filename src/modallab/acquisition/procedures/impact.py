@@ -31,7 +31,6 @@ class ImpactTest:
         queue: hits that are requested, and those that count.
         rejected: rejected hits at the present point.
         restarts: how often the bench had to be started anew.
-        peak_n: of the hit that was recorded last.
         changed: whether the operator has changed what comes next.
     """
 
@@ -42,7 +41,6 @@ class ImpactTest:
     queue: HitQueue
     rejected: int = 0
     restarts: int = 0
-    peak_n: float = 0.0
     changed: bool = field(default=False)
 
     def run(self) -> None:
@@ -151,14 +149,11 @@ class ImpactTest:
         context, limits = self.context, self.plan.acceptance
         overload = context.stream.overload(first, context.block)
         hit, ringing = self._measure(first), ringing_before(context, first, self.rest.floor)
-        reasons = [
-            *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
-            *rejections(hit, limits),
-            *ringing.rejections(limits.max_residual_ratio),
-        ]
+        overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
+        unclean = [*overloaded, *rejections(hit, limits)]
         # What is no clean hit says little about where it was.
-        where = Struck() if reasons else self._where(target, first)
-        reasons += where.reasons
+        where = Struck() if unclean else self._where(target, first)
+        reasons = [*unclean, *where.reasons, *ringing.rejections(limits.max_residual_ratio)]
         name = self.queue.next_name() if reasons else target.name
         note = BlockNote(
             name=name,
@@ -171,15 +166,22 @@ class ImpactTest:
             facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
         context.record(first, note)
+        if not unclean and not where.reasons:
+            # One that only came too soon after another says as well how much a hit moves the structure.
+            self._learn_motion(name, target.point, first)
         if reasons:
             self._reject(target.point, name, note.reason)
             return
         self.struck.keep(self.queue.next_name(), name, target.point)
         self.queue.keep()
-        motion = context.motion(first, context.block)
-        self.rest.motion.keep(name, target.point, hit.peak_n, motion, context.window, self.rest.floor)
         self._obey()
         self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
+
+    def _learn_motion(self, name: str, point: int, first: int) -> None:
+        context = self.context
+        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        motion = context.motion(first, context.block)
+        self.rest.motion.keep(name, point, force_n, motion, context.window, self.rest.floor)
 
     def _measure(self, first: int) -> Hit:
         context = self.context

@@ -17,8 +17,8 @@ from modallab.core.plan import ImpactPlan
 LOOKS_A_BLOCK = 4
 """Looks at rest for every block that is waited."""
 
-SHARE = 0.8
-"""Of the weakest hit so far: the next one may be somewhat weaker than those before."""
+SHARE, FIRST_SHARE, FEW = 0.8, 0.5, 4
+"""Of the weakest hit so far: the next one may be weaker than those before, the more so the fewer these were."""
 
 APART_S = 0.5
 """Contacts closer than this are one hit that came early."""
@@ -71,10 +71,10 @@ class HitMotion:
     """How much the hits that count have moved the structure, line by line.
 
     Attributes:
-        per_newton: own motion over the peak of the force, by name of the record.
-        sensors: the same for each sensor, (channels, lines), by name of the record.
+        per_newton: own motion over the force, line by line, by name of the record.
+        sensors: the motion of each sensor, (channels, lines), by the same name.
+        forces: (lines,) of the force, by the same name.
         point_of: by the same name.
-        peaks_n: of these hits.
         sensed_at: (channels,) point of each motion channel, 0 where it has none.
     """
 
@@ -82,18 +82,19 @@ class HitMotion:
     per_newton: dict[str, Real] = field(default_factory=dict[str, Real])
     sensors: dict[str, Real] = field(default_factory=dict[str, Real])
     point_of: dict[str, int] = field(default_factory=dict[str, int])
-    peaks_n: dict[str, float] = field(default_factory=dict[str, float])
+    forces: dict[str, Real] = field(default_factory=dict[str, Real])
 
-    def keep(self, name: str, point: int, peak_n: float, block: Real, n: int, floor: Floor) -> None:
-        """A hit counts; its (channels, m) block in counts, `n` samples of a window."""
-        self.per_newton[name] = own_motion(block, n, floor) / peak_n
+    def keep(self, name: str, point: int, force_n: Real, block: Real, n: int, floor: Floor) -> None:
+        """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
+        self.forces[name] = np.abs(np.fft.rfft(force_n - np.median(force_n), n))
+        self.per_newton[name] = own_motion(block, n, floor) / np.maximum(self.forces[name], 1e-300)
         spectrum = np.abs(np.fft.rfft(block - block.mean(axis=1, keepdims=True), n, axis=1))
         self.sensors[name] = spectrum / floor.rms[:, None]
-        self.point_of[name], self.peaks_n[name] = point, peak_n
+        self.point_of[name] = point
 
     def forget(self, name: str) -> None:
         """It counts no longer."""
-        for known in (self.per_newton, self.sensors, self.point_of, self.peaks_n):
+        for known in (self.per_newton, self.sensors, self.point_of, self.forces):
             known.pop(name, None)
 
     def expected(self, point: int) -> Real | None:
@@ -102,9 +103,10 @@ class HitMotion:
         A point that was not struck yet moves the structure as much more or less than one that was as its sensor moves
         more or less than the sensor there: by reciprocity, and near a mode.
         """
-        if not self.peaks_n:
+        if not self.forces:
             return None
-        weakest = SHARE * min(self.peaks_n.values())
+        share = SHARE if len(self.forces) > FEW else FIRST_SHARE
+        weakest = share * np.min(list(self.forces.values()), axis=0)
         here = [name for name, at in self.point_of.items() if at == point]
         if here:
             return weakest * np.min([self.per_newton[name] for name in here], axis=0)

@@ -50,8 +50,7 @@ class FrfsSoFar:
         struck = {point: self._mean(point) for point in sorted(set(self.point_of.values()))}
         if not struck:
             return {}
-        power = np.mean([np.sum(np.abs(known) ** 2, axis=0) for known in struck.values()], axis=0)
-        weight = 1 / np.maximum(power, 1e-12 * power.max())
+        weight = _weight(list(struck.values()))
         found = {point: _apart(frf, known, weight) for point, known in struck.items()}
         for point in set(self.sensed_at) - set(struck) - {0}:
             partial = self._by_reciprocity(point, struck)
@@ -59,6 +58,14 @@ class FrfsSoFar:
                 rows = list(partial)
                 found[point] = _apart(frf[rows], np.array(list(partial.values())), weight)
         return found
+
+    def scale(self, frf: Complex, point: int) -> float:
+        """How many times as much as after the hits at a point the structure moved a newton; NaN if there are none."""
+        if not self.hits_at(point):
+            return float("nan")
+        known = self._mean(point)
+        weight = _weight([known])
+        return float(np.sum(weight * np.real(frf * known.conj())) / np.sum(weight * np.abs(known) ** 2))
 
     def _mean(self, point: int) -> Complex:
         return np.mean([self.of_hit[name] for name, at in self.point_of.items() if at == point], axis=0)
@@ -71,6 +78,11 @@ class FrfsSoFar:
             for row, at in enumerate(self.sensed_at)
             if at in struck and self.alike[row] == self.alike[here]
         }
+
+
+def _weight(known: list[Complex]) -> Real:
+    power = np.mean([np.sum(np.abs(one) ** 2, axis=0) for one in known], axis=0)
+    return 1 / np.maximum(power, 1e-12 * power.max())
 
 
 def _apart(one: Complex, other: Complex, weight: Real) -> float:
