@@ -26,7 +26,7 @@ def hits(store: Store, residual: float) -> list[BlockRecord]:
     return list(store.catalogue.blocks(run))
 
 
-@pytest.mark.parametrize(("residual", "least_s", "most_s"), [(0.1, 2.5, 4.5), (0.01, 5.5, 7.5)])
+@pytest.mark.parametrize(("residual", "least_s", "most_s"), [(0.1, 2.5, 5.5), (0.01, 5.5, 8.5)])
 def test_the_next_hit_is_asked_for_when_the_plan_allows_it(
     store: Store, residual: float, least_s: float, most_s: float
 ) -> None:

@@ -74,6 +74,7 @@ class OperatorLine:
         try:
             self._socket.bind(("127.0.0.1", port))
         except OSError as error:
+            self._socket.close()
             raise ConfigurationError(f"operator is {port}: {error}", remedy="name a free port") from error
 
     def acts(self) -> list[Act]:
