@@ -41,13 +41,13 @@ def test_the_next_hit_is_asked_for_when_the_plan_allows_it(
 def test_how_long_it_takes_is_said_and_comes_true(store: Store) -> None:
     events: list[Event] = []
     record(ScriptedBench([RINGS]), scripted_rig(), plan(0.01, hits=2), store, events.append)
-    told = [e for e in events if isinstance(e, WaitingForRest) and e.remaining_s is not None]
-    assert len(told) > 10
+    reported = [e for e in events if isinstance(e, WaitingForRest) and e.remaining_s is not None]
+    assert len(reported) > 10
     # One is said every block of 0.256 s.
-    due = [0.256 * n + (e.remaining_s or 0) for n, e in enumerate(told)]
+    due = [0.256 * n + (e.remaining_s or 0) for n, e in enumerate(reported)]
     assert max(due) - min(due) < 1.0
-    assert {round(e.residual_hz) for e in told} == {60, 59, 61} & {round(e.residual_hz) for e in told}
-    assert all(e.allowed == 0.01 for e in told)
+    assert {round(e.residual_hz) for e in reported} == {60, 59, 61} & {round(e.residual_hz) for e in reported}
+    assert all(e.allowed == 0.01 for e in reported)
 
 
 class StrikesEarly(ScriptedBench):

@@ -93,7 +93,7 @@ def test_a_map_that_cannot_be_is_rejected(text: str) -> None:
         KeyMap.read(text)
 
 
-def test_the_four_tones_are_told_apart_by_pitch_or_rhythm(tmp_path: Path) -> None:
+def test_the_four_tones_differ_in_pitch_or_rhythm(tmp_path: Path) -> None:
     heard: set[tuple[int, ...]] = set()
     for phase, parts in TONES.items():
         write_tone(tmp_path / "tone.wav", parts)
