@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
-from modallab.core.frf import Frf
+from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.frf.estimate import hit_sums, lines, output_quantity
 from modallab.frf.sums import PowerSums
@@ -30,7 +30,7 @@ class RunningFrf:
         self._rig = rig
         self._shape = first.force.size, first.rate_hz
         self._lines: NDArray[np.int64] = lines(*self._shape, band_hz)
-        self._quantity = output_quantity(rig)
+        self._quantity: FrfQuantity = output_quantity(rig)
         self._sums: dict[int | None, PowerSums] = {}
 
     @property

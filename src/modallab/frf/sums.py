@@ -81,7 +81,7 @@ class PowerSums:
         magnitude = np.sqrt(common)
         safe = np.where(magnitude > 0, magnitude, 1.0)
         h2_magnitude = self.response / safe
-        phase = np.where(magnitude > 0, self.cross / safe, 1.0)
+        phase: Complex = np.where(magnitude > 0, self.cross / safe, 1.0 + 0j)
         if estimator == "H2":
             return phase * h2_magnitude, coherence
         return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence

@@ -107,9 +107,7 @@ class Store:
         """
         return tuple(self.iterate(run, rejected=rejected))
 
-    def iterate(
-        self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None
-    ) -> Iterator[Block]:
+    def iterate(self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None) -> Iterator[Block]:
         """As `blocks`, one after the other; with `numbers` only those."""
         record = self.catalogue.run(run)
         rows = self.catalogue.blocks(run)

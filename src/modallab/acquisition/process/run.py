@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.live import LiveSamples, LiveTap
+from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
@@ -29,7 +29,6 @@ Order = Literal["stop", "abort", "emergency", "ended", "lost"]
 """How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
 
 Control = Callable[[], Order | None]
-Live = Callable[[LiveSamples], None]
 
 REAL_TIME_CHUNK_S = 0.05
 FREE_CHUNK_S = 0.5
@@ -60,7 +59,7 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
-    live: Live | None = None,
+    live: LiveRing | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -76,7 +75,7 @@ def run_plan(
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
-        live: takes a look at the samples as they come.
+        live: where samples are shown as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -134,13 +133,11 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
-    live: Live | None = None
+    live: LiveRing | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
-        """Shows what comes, if somebody wants to see it."""
-        if self.live is None:
-            return None
-        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
+        """Shows what comes, where it is to be shown."""
+        return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.

@@ -42,15 +42,16 @@ class LiveFrfs:
             followed.follow(self._store)
             return convert(followed.sums.frf(points), "mobility")
 
-    def changed(self, run: str) -> tuple[int | None, ...]:
-        """Look at the blocks that are new or count no more; the points whose FRF is another one now.
+    def revisions(self, run: str) -> dict[int | None, int]:
+        """Look at the blocks that are new or count no more; a number by point that grows when its FRF changes.
 
         Raises:
             ConflictError, DataError, StorageError: as `frf`.
         """
         followed = self._of(run)
         with followed.lock:
-            return followed.follow(self._store)
+            followed.follow(self._store)
+            return dict(followed.revisions)
 
     def _of(self, run: str) -> "_Followed":
         with self._lock:
@@ -69,10 +70,11 @@ class _Followed:
 
     def __init__(self, run: str, sums: "_Hits | _Sines") -> None:
         self.run, self.sums, self.lock = run, sums, Lock()
+        self.revisions: dict[int | None, int] = {}
         self._seen: dict[int, int | None] = {}
 
-    def follow(self, store: Store) -> tuple[int | None, ...]:
-        """Look at what is new; the points that changed."""
+    def follow(self, store: Store) -> None:
+        """Look at what is new."""
         counted = {row.n for row in store.catalogue.blocks(self.run) if row.note.accepted}
         gone = self._seen.keys() - counted
         changed = {self._seen[n] for n in gone}
@@ -83,11 +85,12 @@ class _Followed:
             self._seen[block.order] = block.drive_point
             if self.sums.add(block):
                 changed.add(block.drive_point)
+        for point in changed:
+            self.revisions[point] = self.revisions.get(point, 0) + 1
         if self.sums.empty:
             raise ConflictError(
                 f"run {self.run} has no good block yet", where=self.run, remedy="wait for the first good block"
             )
-        return tuple(sorted(changed, key=str))
 
 
 class _Hits:
