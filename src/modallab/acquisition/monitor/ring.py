@@ -98,24 +98,32 @@ class Ring:
         self._mark(first, after, overload)
         self._counts[_WRITTEN] = after
 
-    def read(self, first: int, count: int) -> tuple[int, NDArray[Any], NDArray[np.bool_]]:
-        """Up to `count` samples from number `first` on, or from the oldest that is there.
+    def read(
+        self, first: int, count: int, rows: "slice | list[int]" = slice(None)
+    ) -> tuple[int, NDArray[Any], NDArray[np.bool_]]:
+        """Up to `count` samples of some channels from number `first` on, or from the oldest that is there.
 
         Returns:
-            number of the first one, (channels, n) samples, (channels, cells) whether each was beyond its range in the
+            number of the first one, (rows, n) samples, (rows, cells) whether each was beyond its range in the
             CELL samples of a cell; the first cell holds the first sample.
         """
         while True:
             start = max(first, self.oldest)
-            stop = min(start + count, self.written)
-            if stop <= start:
-                empty = self._samples[:, :0].copy()
-                return start, empty, np.zeros((self.shape.channels, 0), np.bool_)
-            columns = np.arange(start, stop) % self.shape.capacity
-            cells = np.arange(start // CELL, (stop - 1) // CELL + 1) % self._over.shape[1]
-            samples, over = self._samples[:, columns], self._over[:, cells] != 0
+            stop = max(start, min(start + count, self.written))
+            cells = np.arange(start // CELL, -(-stop // CELL)) % self._over.shape[1]
+            samples, over = self._copy(start, stop, rows), self._over[rows][:, cells] != 0
             if self.oldest <= start:
                 return start, samples, over
+
+    def _copy(self, start: int, stop: int, rows: "slice | list[int]") -> NDArray[Any]:
+        at, capacity = start % self.shape.capacity, self.shape.capacity
+        head = min(stop - start, capacity - at)
+        chosen = self._samples[rows] if isinstance(rows, slice) else [self._samples[row] for row in rows]
+        found = np.empty((len(chosen), stop - start), self._samples.dtype)
+        for into, row in zip(found, chosen, strict=True):
+            into[:head] = row[at : at + head]
+            into[head:] = row[: stop - start - head]
+        return found
 
     def _mark(self, first: int, after: int, overload: NDArray[np.bool_]) -> None:
         cells = np.arange(first // CELL, (after - 1) // CELL + 1)

@@ -26,7 +26,7 @@ def message(about: dict[str, object], values: NDArray[Any]) -> bytes:
     """One binary message."""
     little = np.ascontiguousarray(values.astype(values.dtype.newbyteorder("<"), copy=False))
     text = json.dumps(about | {"dtype": little.dtype.str, "shape": little.shape}).encode()
-    return struct.pack("<I", len(text)) + text + little.tobytes()
+    return b"".join((struct.pack("<I", len(text)), text, little.data))
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,15 +161,15 @@ class LiveView:
 def _samples(source: Source) -> bytes | None:
     info = source.info
     most = source.until_break(source.next, max(1, int(LARGEST_S * info.rate_hz)))
-    first, samples, over = source.ring.read(source.next, most)
+    first, samples, over = source.ring.read(source.next, most, source.rows)
     if not samples.shape[1]:
         return None
     lost, source.next = first - source.next, first + samples.shape[1]
     about = source.about(first, lost) | {
         "scale": [info.scale[row] for row in source.rows],
-        "overload": [info.channels[row] for row in source.rows if over[row].any()],
+        "overload": [info.channels[row] for row, flags in zip(source.rows, over, strict=True) if flags.any()],
     }
-    return message(about, samples[source.rows])
+    return message(about, samples)
 
 
 def _extremes(source: Source, width: int) -> bytes | None:
@@ -179,20 +179,21 @@ def _extremes(source: Source, width: int) -> bytes | None:
     columns = min(source.ring.written - begin, max(width, int(LARGEST_S * info.rate_hz))) // width
     if columns < 1:
         return None
-    first, samples, over = source.ring.read(begin, columns * width)
+    first, samples, over = source.ring.read(begin, columns * width, source.rows)
     if first != begin:
         # It went while it was read: on with the next column that is there.
         source.next = first
         return _extremes(source, width)
     lost, source.next = begin - source.next if begin - source.next >= width else 0, begin + columns * width
-    values = samples[source.rows].reshape(len(source.rows), columns, width)
+    values = samples.reshape(len(source.rows), columns, width)
     scale = np.array([info.scale[row] for row in source.rows])[:, None]
     ends = np.stack([values.min(axis=2) * scale, values.max(axis=2) * scale], axis=1)
     cells = (begin + np.arange(columns) * width) // CELL - begin // CELL
     about = source.about(begin, lost) | {
         "width": width,
-        "overload": [
-            [info.channels[row], np.flatnonzero(over[row, cells]).tolist()] for row in source.rows if over[row].any()
-        ],
+        "overload": {
+            info.channels[row]: np.flatnonzero(flags[cells]).tolist()
+            for row, flags in zip(source.rows, over, strict=True)
+        },
     }
     return message(about, np.sort(ends, axis=1).astype(np.float32))
