@@ -29,7 +29,7 @@ FULL_SCALE = 1 - 1e-6
 
 
 class NiBench:
-    """Inputs of one device or chassis, and what drives the shaker: an output of it, or a generator."""
+    """Inputs of one device or chassis or of several, and what drives the shaker: an output of it, or a generator."""
 
     def __init__(self, url: str, rig: Rig) -> None:
         """Find the devices, check the rig against them, and bring the output to 0 V."""
@@ -80,7 +80,7 @@ class NiBench:
             request.rate_hz,
             inputs.rate_hz,
             inputs.rate_hz,
-            np.dtype(np.float64),
+            np.dtype(np.float32),
             inputs.volts_per_unit.copy(),
             ("V",) * len(self._plugs),
         )
@@ -109,7 +109,7 @@ class NiBench:
         require_count(count, self._url)
         assert self._inputs is not None
         first = self._position
-        pieces: list[NDArray[np.float64]] = []
+        pieces: list[NDArray[np.float32]] = []
         with self._losses():
             while (left := first + count - self._position) > 0:
                 piece = self._shaker.up_to_event(self._position, left)
@@ -215,13 +215,18 @@ class NiBench:
         request = self._request
         assert request is not None
         try:
-            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz, reference))
+            self._inputs = patiently(lambda: self._inputs_for(request, reference))
         except DeviceGoneError:
             self._gone()
             raise
         return self._inputs
 
-    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _inputs_for(self, request: Request, reference: ReferenceTrigger | None) -> Inputs:
+        return Inputs(
+            self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation
+        )
+
+    def _at_full_scale(self, samples: NDArray[np.float32]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
         peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit

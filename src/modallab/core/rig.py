@@ -15,7 +15,7 @@ from pydantic import (
 
 from modallab.core.errors import RigError
 from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation
+from modallab.core.hardware import Calibration, Excitation, Synchronisation
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
 from modallab.core.units import Quantity, Test
 from modallab.core.versions import RIG
@@ -219,6 +219,7 @@ class Rig(Frozen):
     limits: Limits | None = None
     excitation: Excitation | None = None
     history: tuple[Calibration, ...] = ()
+    synchronisation: Synchronisation | None = None
 
     @model_validator(mode="before")
     @classmethod
