@@ -44,7 +44,11 @@ def parse(url: str, *, whole_system: bool = False) -> Address:
     remote = parts.scheme == "nidaqmx+grpc"
     device, *others = (parts.path.strip("/") if remote else parts.netloc).split(",")
     example = "nidaqmx+grpc://host:31763/cDAQ1" if remote else "nidaqmx://cDAQ1"
-    if not all((device or whole_system, *others)) or (remote and not parts.netloc) or (not remote and parts.path.strip("/")):
+    if (
+        not all((device or whole_system, *others))
+        or (remote and not parts.netloc)
+        or (not remote and parts.path.strip("/"))
+    ):
         raise ConfigurationError(f"no device is named by {url!r}", remedy=f"write {example}")
     given = dict(parse_qsl(parts.query, keep_blank_values=True))
     unknown = sorted(set(given) - set(_KNOWN))

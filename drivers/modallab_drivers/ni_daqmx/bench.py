@@ -161,6 +161,10 @@ class NiBench:
         """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
+    def fed_channels(self) -> tuple[str, ...]:
+        """Channels of the rig whose sensors the inputs feed with a current."""
+        return tuple(plug.channel.name for plug in self._plugs if plug.supply_a)
+
     def sensed_sensitivities(self) -> dict[str, float]:
         """V per SI unit of the accelerometers that carry a TEDS, by channel."""
         self._require("open", "configured", "stopped", to="ask sensors")
@@ -222,9 +226,7 @@ class NiBench:
         return self._inputs
 
     def _inputs_for(self, request: Request, reference: ReferenceTrigger | None) -> Inputs:
-        return Inputs(
-            self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation
-        )
+        return Inputs(self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation)
 
     def _at_full_scale(self, samples: NDArray[np.float32]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.

@@ -70,9 +70,7 @@ class InputTask:
             if reference is None:
                 timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.CONTINUOUS)
             else:
-                timing.cfg_samp_clk_timing(
-                    rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=reference.count
-                )
+                timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=reference.count)
                 self._set_trigger(reference, channel)
             self.rate_hz = float(timing.samp_clk_rate)
             if reference is None:

@@ -132,7 +132,9 @@ class Inputs:
 
     def _filter_delay(self, plugs: Sequence[Plug]) -> float:
         # What the rig file states as a channel's own delay is undone in the spectra, so only the rest must agree.
-        delays = {p.channel.name: d for task in self.tasks for p, d in zip(task.plugs, task.filter_delays_s(), strict=True)}
+        delays = {
+            p.channel.name: d for task in self.tasks for p, d in zip(task.plugs, task.filter_delays_s(), strict=True)
+        }
         rest = [delays[plug.channel.name] - plug.channel.delay_s for plug in plugs]
         if max(rest) - min(rest) > DELAY_PART / self.rate_hz:
             listed = ", ".join(f"{name} {1e3 * delay:.4g} ms" for name, delay in delays.items())

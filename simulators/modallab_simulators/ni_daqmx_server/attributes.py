@@ -34,6 +34,7 @@ _DEVICE: dict[int, Callable[[Module], Any]] = {
     0x2997: lambda m: m.max_rate_hz,
     0x22CA: lambda m: False,
     0x29B6: lambda m: "",
+    0x29CB: lambda m: list(m.supplies_a),
 }
 
 _CHASSIS: dict[int, Callable[[SimulatedSystem], Any]] = {

@@ -61,6 +61,9 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     task = system.task(request.task.name, Task)
     if request.action_raw in (3, 4):
         system.reserved.take(task)
+        if isinstance(task, InputTask) and request.action_raw == 3:
+            task.committed, task.supplies = True, system.supplies
+            system.supplies.switch_on(task.fed, system.clock.now())
     elif request.action_raw == 0:
         system.start(task)
     elif request.action_raw in (1, 5, 6):
@@ -127,7 +130,8 @@ def _add_inputs(system: SimulatedSystem, request: Any, fits: Callable[[Module], 
             )
         if any(physical == c.physical for c in task.channels):
             raise StatusError(-200489, f"Physical Channel: {physical}")
-        task.channels.append(InputChannel(physical, system.row_of(physical), module, per_volt))
+        fed = bool(getattr(request, "current_excit_val", 0.0))
+        task.channels.append(InputChannel(physical, system.row_of(physical), module, per_volt, fed))
         task.resources.add(f"{module.name}/ai")
     return {}
 

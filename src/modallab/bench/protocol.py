@@ -202,6 +202,15 @@ class SelfDescribing(Protocol):
         ...
 
 
+@runtime_checkable
+class FeedsSensors(Protocol):
+    """A bench whose inputs feed sensors: their bias must settle after the supply comes on."""
+
+    def fed_channels(self) -> tuple[str, ...]:
+        """Names of the channels that it feeds with a current."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Found:
     """A device that was found.

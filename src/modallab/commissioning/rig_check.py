@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
 from modallab.core.errors import BenchError
@@ -36,7 +37,7 @@ class Finding:
 
     Attributes:
         channel: of the rig, or what else was looked at.
-        what: noise, offset, overload, polarity, sensitivity, clock.
+        what: supply, noise, offset, overload, polarity, sensitivity, clock.
         value: in words and numbers.
         verdict: `look` where a person must decide.
     """
@@ -53,6 +54,7 @@ def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
     findings = _sensitivities(bench, rig)
     bench.start()
     try:
+        findings += _supplies(bench, rig, delivery)[0]
         samples, over = _read(bench, delivery, seconds)
     finally:
         bench.stop()
@@ -73,6 +75,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     delivery = bench.configure(Request("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
+    _supplies(bench, rig, delivery)
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
         return [_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
@@ -87,7 +90,8 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     delivery = bench.configure(Request("sine", RATE_HZ))
     bench.start()
     try:
-        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S))
+        read = _supplies(bench, rig, delivery)[1]
+        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
         lead, _ = _take(bench, delivery, count)
         held, _ = _take(bench, delivery, round(3.0 * delivery.rate_hz))
@@ -104,6 +108,23 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     ppm = 1e6 * (found / frequency_hz - 1)
     verdict: Verdict = "good" if abs(ppm) <= CLOCK_PPM else "bad"
     return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
+
+
+def _supplies(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
+    fed, read = fed_channels(bench, rig), 0
+
+    def pull(count: int) -> NDArray[np.float64]:
+        nonlocal read
+        read += count
+        return _take(bench, delivery, count)[0]
+
+    wait = wait_until_settled(pull, fed, delivery.rate_hz)
+    settled, moving = f"settled after {wait.seconds:g} s", f"the bias still moves after {wait.seconds:g} s"
+    findings = [
+        Finding(name, "supply", moving, "bad") if name in wait.unsettled else Finding(name, "supply", settled, "good")
+        for name in fed.values()
+    ]
+    return findings, read
 
 
 def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -4,6 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.live import LiveSamples, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
@@ -12,6 +15,7 @@ from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
 from modallab.acquisition.procedures.sine import run_sine
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
@@ -168,6 +172,7 @@ def _work(setup: Setup) -> None:
     if isinstance(setup.plan, SinePlan):
         setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
     context = _prepare(setup)
+    _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan)
     else:
@@ -213,6 +218,25 @@ def _prepare(setup: Setup) -> Context:
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
+
+
+def _wait_for_supplies(setup: Setup, context: Context) -> None:
+    fed, stream = fed_channels(setup.bench, setup.rig), context.stream
+    if not fed:
+        return
+    run = setup.recorder.run
+    what = f"{len(fed)} sensors are fed; waiting until their bias has settled, at most {PATIENCE_S:g} s"
+    setup.emit(Notice(run=run, what=what))
+
+    def pull(count: int) -> NDArray[np.generic]:
+        pieces: list[NDArray[np.generic]] = []
+        stream.advance_to(stream.next + count, lambda chunk: pieces.append(chunk.samples))
+        return np.concatenate(pieces, axis=1)
+
+    wait = wait_until_settled(pull, fed, stream.rate_hz)
+    if wait.unsettled:
+        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; look at sensor and cable"
+        setup.emit(Notice(run=run, what=what))
 
 
 def _recut(plan: Plan, delivery: Delivery) -> Recut | None:
