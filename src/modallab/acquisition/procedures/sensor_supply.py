@@ -6,6 +6,7 @@ neighbouring windows differ by more than twice the scatter within a window, howe
 differ by less than a tenth.
 """
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -19,8 +20,11 @@ Pull = Callable[[int], NDArray[np.generic]]
 """Reads the next so many samples: (channels, n) as delivered."""
 
 WINDOW_S = 0.5
+WINDOWS = 4
+"""So many windows before are compared, since a slow bias moves little from one to the next."""
+
 STEADY = 0.3
-"""Largest difference of neighbouring means, in scatters of a window."""
+"""Largest difference of means, in scatters of a window."""
 
 PATIENCE_S = 60.0
 """Low-frequency sensors discharge with 10 s; after six of these it is no bias that fades."""
@@ -61,14 +65,14 @@ def wait_until_settled(
     rows, count = list(fed), max(16, round(WINDOW_S * rate_hz))
     weight = np.hanning(count + 2)[1:-1]
     weight /= weight.sum()
-    before: NDArray[np.float64] | None = None
+    before: deque[NDArray[np.float64]] = deque(maxlen=WINDOWS)
     moving = np.ones(len(rows), dtype=np.bool_)
     for n in range(1, max(2, int(patience_s / WINDOW_S)) + 1):
         window = pull(count)[rows].astype(np.float64)
         mean = window @ weight
-        if before is not None:
-            moving = np.abs(mean - before) > STEADY * window.std(axis=1)
+        if before:
+            moving = np.abs(mean - np.array(before)).max(axis=0) > STEADY * window.std(axis=1)
             if not moving.any():
                 return SupplyWait(n * WINDOW_S, ())
-        before = mean
+        before.append(mean)
     return SupplyWait(patience_s, tuple(fed[row] for row, left in zip(rows, moving, strict=True) if left))
