@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState
 from modallab.core.errors import ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
@@ -164,6 +164,11 @@ class NiBench:
     def fed_channels(self) -> tuple[str, ...]:
         """Channels of the rig whose sensors the inputs feed with a current."""
         return tuple(plug.channel.name for plug in self._plugs if plug.supply_a)
+
+    def synchronisation(self) -> SyncState:
+        """How several devices sample as one, and how far each has counted."""
+        self._require("configured", "running", "stopped", to="ask for the synchronisation")
+        return (self._inputs or self._make_inputs()).synchronisation(running=self._state == "running")
 
     def sensed_sensitivities(self) -> dict[str, float]:
         """V per SI unit of the accelerometers that carry a TEDS, by channel."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import ReferenceTrigger
+from modallab.bench.protocol import ReferenceTrigger, SyncState
 from modallab.core.errors import BenchTimeoutError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test
@@ -126,9 +126,12 @@ class Inputs:
         for faults in self._faults:
             faults.require_sensors()
 
-    def unlocked(self) -> list[str]:
-        """Inputs whose clock has lost the reference it should follow."""
-        return [name for faults in self._faults for name in faults.unlocked()]
+    def synchronisation(self, *, running: bool) -> SyncState:
+        """What keeps the tasks together, and while they run how far each has counted."""
+        if not running:
+            return SyncState(self.synchronised_by, {}, ())
+        counts = {task.plugs[0].unit: task.acquired() for task in self.tasks}
+        return SyncState(self.synchronised_by, counts, tuple(n for faults in self._faults for n in faults.unlocked()))
 
     def _filter_delay(self, plugs: Sequence[Plug]) -> float:
         # What the rig file states as a channel's own delay is undone in the spectra, so only the rest must agree.

@@ -111,6 +111,9 @@ def _add_rig(commands: _Commands) -> None:
     check = actions.add_parser("check", help="walk through every channel and say what is wrong")
     check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
     check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    check.add_argument(
+        "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
+    )
     calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
     calibrate.add_argument("--channel", required=True, metavar="NAME")
     calibrate.add_argument("--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"))

@@ -12,7 +12,9 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.commissioning import calibrate
-from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock, check_idle, check_polarity
+from modallab.commissioning.findings import Finding
+from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity
+from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.rig_file import read_rig, write_rig
@@ -47,7 +49,9 @@ def _reset(url: str, arguments: argparse.Namespace) -> int:
 
 def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
-    findings = check_idle(bench, rig, arguments.seconds)
+    findings = check_idle(bench, rig, arguments.seconds) + check_synchronisation(bench)
+    if arguments.common is not None and arguments.drive is None:
+        findings.append(check_common_signal(bench, rig, tuple(arguments.common)))
     if arguments.tap:
         findings += check_polarity(bench, rig, lambda point: console.print(f"tap point {point} now"))
     if arguments.drive is not None:
@@ -58,6 +62,8 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
             )
         console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows; it ends at 0 V by itself")
         findings += check_clock(bench, rig, arguments.drive)
+        if arguments.common is not None:
+            findings.append(check_common_signal(bench, rig, tuple(arguments.common), arguments.drive))
     console.print(_table(findings))
     bad = sum(finding.verdict == "bad" for finding in findings)
     look = sum(finding.verdict == "look" for finding in findings)

@@ -1,8 +1,6 @@
 """A walk through every channel of a rig before anything is measured with it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +8,14 @@ from numpy.typing import NDArray
 from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
+from modallab.commissioning.findings import CHUNK_S, Finding, Verdict, take, take_samples
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import si_factor
 from modallab.signals.conversion import Conversion, volts_per_count
 from modallab.signals.tone_fit import fit_frequency
 
-Verdict = Literal["good", "look", "bad"]
-
 RATE_HZ = 2000.0
-CHUNK_S = 0.1
-TIMEOUT_S = 10.0
 NOISE_FACTOR = 5.0
 OFFSET_PART = 0.05
 TEDS_PART = 0.05
@@ -29,23 +24,6 @@ CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
 TAP_N = 5.0
 TAP_PATIENCE_S = 60.0
 CONTACT_S = 0.01
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One verdict.
-
-    Attributes:
-        channel: of the rig, or what else was looked at.
-        what: supply, noise, offset, overload, polarity, sensitivity, clock.
-        value: in words and numbers.
-        verdict: `look` where a person must decide.
-    """
-
-    channel: str
-    what: str
-    value: str
-    verdict: Verdict
 
 
 def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
@@ -93,9 +71,9 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
         read = _supplies(bench, rig, delivery)[1]
         begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
-        lead, _ = _take(bench, delivery, count)
-        held, _ = _take(bench, delivery, round(3.0 * delivery.rate_hz))
-        _take(bench, delivery, round(1.0 * delivery.rate_hz))
+        lead, _ = take_samples(bench, delivery.rate_hz, count)
+        held, _ = take(bench, delivery.rate_hz, 3.0)
+        take(bench, delivery.rate_hz, 1.0)
     finally:
         bench.zero()
         bench.stop()
@@ -116,7 +94,7 @@ def _supplies(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding]
     def pull(count: int) -> NDArray[np.float64]:
         nonlocal read
         read += count
-        return _take(bench, delivery, count)[0]
+        return take_samples(bench, delivery.rate_hz, count)[0]
 
     wait = wait_until_settled(pull, fed, delivery.rate_hz)
     settled, moving = f"settled after {wait.seconds:g} s", f"the bias still moves after {wait.seconds:g} s"
@@ -129,19 +107,8 @@ def _supplies(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding]
 
 def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     # What a filter still holds from before the start is let go by first.
-    _take(bench, delivery, round(0.2 * delivery.rate_hz))
-    return _take(bench, delivery, round(seconds * delivery.rate_hz))
-
-
-def _take(bench: Bench, delivery: Delivery, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    pieces: list[NDArray[np.float64]] = []
-    over = np.zeros(len(delivery.units), dtype=np.bool_)
-    step = max(1, round(CHUNK_S * delivery.rate_hz))
-    for first in range(0, count, step):
-        chunk = bench.read(min(step, count - first), TIMEOUT_S)
-        pieces.append(chunk.samples.astype(np.float64))
-        over |= chunk.overload
-    return np.concatenate(pieces, axis=1), over
+    take(bench, delivery.rate_hz, 0.2)
+    return take(bench, delivery.rate_hz, seconds)
 
 
 def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
@@ -188,12 +155,12 @@ def _tap(
     bench.prompt_hit(channel.point)
     trigger = Trigger(TAP_N, TAP_N / 2)
     step = round(CHUNK_S * delivery.rate_hz)
-    before = _take(bench, delivery, step)[0]
+    before = take_samples(bench, delivery.rate_hz, step)[0]
     for _ in range(round(TAP_PATIENCE_S / CHUNK_S)):
-        after = _take(bench, delivery, step)[0]
+        after = take_samples(bench, delivery.rate_hz, step)[0]
         place = trigger.scan(conversion.force_n(after))
         if place is not None:
-            both = np.concatenate([before, after, _take(bench, delivery, step)[0]], axis=1)
+            both = np.concatenate([before, after, take_samples(bench, delivery.rate_hz, step)[0]], axis=1)
             return _polarity(channel, conversion.si(both), step + place, conversion.force, delivery.rate_hz)
         before = after
     raise BenchError(
