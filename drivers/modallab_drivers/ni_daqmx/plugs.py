@@ -77,10 +77,8 @@ def _supply(channel: Channel, device: DeviceInfo, problems: list[str]) -> float:
         return min(listed)
     nearest = min(listed, key=lambda current: abs(current - stated))
     if abs(nearest - stated) > SUPPLY_PART * stated:
-        allowed = ", ".join(f"{current:g}" for current in listed)
-        problems.append(
-            f"channels[{channel.index}].excitation_a: found {stated:g} A; {device.product} {device.name} has {allowed} A"
-        )
+        allowed = f"{device.product} {device.name} has {', '.join(f'{current:g}' for current in listed)} A"
+        problems.append(f"channels[{channel.index}].excitation_a: found {stated:g} A; {allowed}")
     return nearest
 
 

@@ -30,6 +30,7 @@ TONE_HZ, TONE_PART = 1000.0, 0.02
 """A sine that repeats so slowly that a start some samples late is not taken for one in time."""
 
 LEAST_COHERENCE = 0.9
+PEAK = 0.99
 RAMP_S = 0.1
 
 
@@ -105,7 +106,7 @@ def check_common_signal(
 
 
 def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz: float) -> Delay | None:
-    """By how much the (n,) samples `other` lag `one`, from the phase of their cross-spectrum; None if they share nothing.
+    """By how much the (n,) samples `other` lag `one`, by their cross-spectrum; None where they share no signal.
 
     Lines count by their coherence; the variance of the phase of a line is (1 - c) / (2 c m) for coherence c over m
     segments (Bendat and Piersol, Random Data, section 9.2). Whole samples are found first, in the correlation. The
@@ -137,8 +138,11 @@ def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz:
 def _whole_samples(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:
     size = 2 * len(one)
     cross = np.fft.irfft(np.fft.rfft(other - other.mean(), size) * np.fft.rfft(one - one.mean(), size).conj(), size)
-    place = int(np.argmax(cross))
-    return place if place < len(one) else place - size
+    lags = np.arange(size)
+    lags[lags >= len(one)] -= size
+    # A sine has a peak every period; the nearest is meant.
+    peaks = lags[cross >= PEAK * cross.max()]
+    return int(peaks[np.argmin(np.abs(peaks))])
 
 
 def _row(rig: Rig, name: str) -> int:
