@@ -83,7 +83,7 @@ def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
     with NiServer(iepe, "9234") as server:
         believed = changed(iepe, 3, sensitivity_v_per_unit=0.02)
         bench = open_bench(server.url, believed)
-        found = verdicts(check_idle(bench, believed, 0.5), "sensitivity")
+        found = verdicts(check_idle(bench, believed, 0.5), "sensor")
         bench.close()
     assert found.pop("a03") == "bad"
     assert set(found.values()) == {"good"}

@@ -16,7 +16,7 @@ from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
 from modallab_drivers.ni_daqmx.shaker import Shaker
-from modallab_drivers.ni_daqmx.teds import teds_sensitivities
+from modallab_drivers.ni_daqmx.teds import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
 from modallab_drivers.order import require, require_count
 
@@ -171,9 +171,14 @@ class NiBench:
         return (self._inputs or self._make_inputs()).synchronisation(running=self._state == "running")
 
     def sensed_sensitivities(self) -> dict[str, float]:
-        """V per SI unit of the accelerometers that carry a TEDS, by channel."""
-        self._require("open", "configured", "stopped", to="ask sensors")
+        """V per SI unit of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
+        return teds_serials(self._route, self._plugs)
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""

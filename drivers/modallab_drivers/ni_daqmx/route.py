@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import grpc
 import nidaqmx
 import nidaqmx.errors
-from nidaqmx.system import Device, System
+from nidaqmx.system import Device, PhysicalChannel, System
 
 from modallab.bench.protocol import Found
 from modallab.core.errors import ConfigurationError, DeviceBusyError
@@ -92,6 +92,12 @@ class Route:
     def device(self, name: str) -> Any:
         """A device by its name."""
         return Device(name, grpc_options=self.options()) if self._channel is not None else Device(name)
+
+    def physical_channel(self, name: str) -> Any:
+        """An input or output by its name."""
+        return (
+            PhysicalChannel(name, grpc_options=self.options()) if self._channel is not None else PhysicalChannel(name)
+        )
 
     def devices(self) -> tuple[DeviceInfo, ...]:
         """The devices of the address, or the modules of its chassis, in order.

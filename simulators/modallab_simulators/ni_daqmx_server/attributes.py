@@ -60,6 +60,15 @@ def device(server: SimulatedSystem, name: str, number: int) -> Any:
     return _answer(_DEVICE, number, server.module_of(name))
 
 
+def physical_channel(server: SimulatedSystem, name: str, number: int) -> Any:
+    """An attribute of an input or output: the serial number in the data sheet of its sensor."""
+    server.module_of(name)
+    serial = server.rig.channels[server.row_of(name)].serial
+    if number != 0x21DC or not serial.isdecimal():
+        raise StatusError(status.NO_TEDS, f"Physical Channel: {name}")
+    return int(serial)
+
+
 def task(server: SimulatedSystem, name: str, number: int) -> Any:
     """An attribute of a task."""
     found = server.task(name, Task)

@@ -202,6 +202,15 @@ class SelfDescribing(Protocol):
         ...
 
 
+@runtime_checkable
+class SelfNaming(Protocol):
+    """A bench whose sensors may say themselves which they are (TEDS)."""
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class SyncState:
     """How several devices sample as one.

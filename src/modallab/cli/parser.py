@@ -125,7 +125,15 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.add_argument("--remark", default="")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
-    for command in (check, calibrate):
+    mass = actions.add_parser(
+        "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
+    )
+    mass.add_argument("--mass", type=float, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--when", required=True, choices=("before", "after"))
+    mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
+    mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
+    mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
         command.add_argument("--seconds", type=float, default=3.0, help="how long to look")

@@ -1,24 +1,25 @@
 """A walk through every channel of a rig before anything is measured with it."""
 
 from collections.abc import Callable
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
 from modallab.commissioning.findings import CHUNK_S, Finding, Verdict, take, take_samples
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import si_factor
+from modallab.core.units import Test
 from modallab.signals.conversion import Conversion, volts_per_count
 from modallab.signals.tone_fit import fit_frequency
 
 RATE_HZ = 2000.0
 NOISE_FACTOR = 5.0
 OFFSET_PART = 0.05
-TEDS_PART = 0.05
 CLOCK_PPM = 100.0
 CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
 TAP_N = 5.0
@@ -28,11 +29,11 @@ CONTACT_S = 0.01
 
 def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
     """Noise, offset and overload of every channel, while nothing moves; and what the sensors say of themselves."""
+    findings = check_sensors(bench, rig)
     delivery = bench.configure(Request("impact", RATE_HZ))
-    findings = _sensitivities(bench, rig)
     bench.start()
     try:
-        findings += _supplies(bench, rig, delivery)[0]
+        findings += settle(bench, rig, delivery)[0]
         samples, over = _read(bench, delivery, seconds)
     finally:
         bench.stop()
@@ -53,7 +54,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     delivery = bench.configure(Request("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
-    _supplies(bench, rig, delivery)
+    settle(bench, rig, delivery)
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
         return [_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
@@ -68,7 +69,7 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     delivery = bench.configure(Request("sine", RATE_HZ))
     bench.start()
     try:
-        read = _supplies(bench, rig, delivery)[1]
+        read = settle(bench, rig, delivery)[1]
         begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
         lead, _ = take_samples(bench, delivery.rate_hz, count)
@@ -88,7 +89,8 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
 
 
-def _supplies(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
+def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
+    """Read on until fed sensors have settled; returns what was found, and how many samples were read."""
     fed, read = fed_channels(bench, rig), 0
 
     def pull(count: int) -> NDArray[np.float64]:
@@ -129,22 +131,31 @@ def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bo
     ]
 
 
-def _sensitivities(bench: Bench, rig: Rig) -> list[Finding]:
-    if not isinstance(bench, SelfDescribing):
-        return []
-    findings: list[Finding] = []
-    reported = bench.sensed_sensitivities()
-    for channel in rig.channels:
-        if channel.name not in reported:
-            continue
-        believed = abs(channel.sensitivity("impact")) / si_factor(channel.quantity, channel.unit)
-        part = reported[channel.name] / believed - 1
-        verdict: Verdict = "good" if abs(part) <= TEDS_PART else "bad"
-        value = (
-            f"TEDS says {reported[channel.name]:.5g}, the rig file {believed:.5g} V per SI unit ({100 * part:+.2g} %)"
-        )
-        findings.append(Finding(channel.name, "sensitivity", value, verdict))
-    return findings
+def check_sensors(bench: Bench, rig: Rig) -> list[Finding]:
+    """What certificates and the sensors themselves say, against the rig file; for each that says something."""
+    today = datetime.now(UTC).date()
+    remarks = [remark for test in _tests(rig) for remark in remarks_on(rig, test, today, bench)]
+    sensed = bench.sensed_sensitivities() if isinstance(bench, SelfDescribing) else {}
+    findings = [
+        Finding(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
+        for remark in dict.fromkeys(remarks)
+    ]
+    said = {remark.channel for remark in remarks}
+    good = [c for c in rig.channels if c.name not in said and (c.certificate is not None or c.name in sensed)]
+    return [*findings, *(Finding(c.name, "sensor", _known_of(c, sensed), "good") for c in good)]
+
+
+def _tests(rig: Rig) -> list[Test]:
+    given = [set(c.sensitivity_v_per_unit) for c in rig.channels if isinstance(c.sensitivity_v_per_unit, dict)]
+    # Where the preamplifier stands differently in each test, a certificate is that of one of them.
+    return ["impact"] if not given or all("impact" in tests for tests in given) else ["sine"]
+
+
+def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
+    said = [f"TEDS says {sensed[channel.name]:.5g} V per SI unit"] if channel.name in sensed else []
+    if channel.certificate is not None:
+        said.append(f"certificate {channel.certificate.number}, {channel.certificate.uncertainty_percent:g} % (k = 2)")
+    return "; ".join(said)
 
 
 def _tap(

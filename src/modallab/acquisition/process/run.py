@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from typing import Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from modallab.acquisition.monitor.requests import DropBlock, Excitation, Request
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
 from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
@@ -21,7 +23,7 @@ from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
-from modallab.core.errors import BenchError, ModallabError, PlanError
+from modallab.core.errors import BenchError, ModallabError, PlanError, RigError
 from modallab.core.events import BlockDropped, Failed, Notice
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
@@ -171,6 +173,7 @@ def _work(setup: Setup) -> None:
     require_trigger(setup.plan, setup.bench)
     if isinstance(setup.plan, SinePlan):
         setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
+    _require_sensors_known(setup)
     context = _prepare(setup)
     _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
@@ -218,6 +221,15 @@ def _prepare(setup: Setup) -> Context:
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
+
+
+def _require_sensors_known(setup: Setup) -> None:
+    remarks = remarks_on(setup.rig, setup.plan.kind, datetime.now(UTC).date(), setup.bench)
+    for remark in remarks:
+        setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
+    wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
+    if wrong:
+        raise RigError("; ".join(wrong), where="sensors", remedy="look which sensor is mounted, and mend the rig file")
 
 
 def _wait_for_supplies(setup: Setup, context: Context) -> None:
