@@ -16,6 +16,7 @@ CAMPAIGNS = Table(
     Column("operator", Text, nullable=False),
     Column("created_utc", String(32), nullable=False),
     Column("revision", Integer, nullable=False, default=1),
+    Column("seq", BigInteger),
 )
 
 CAMPAIGN_RUNS = Table(
@@ -27,6 +28,7 @@ CAMPAIGN_RUNS = Table(
     Column("operator", Text, nullable=False),
     Column("continues", String(64)),
     Column("code", String(64), nullable=False, default=""),
+    Column("seq", BigInteger),
 )
 
 RUN_KEYS = Table(
