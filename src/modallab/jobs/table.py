@@ -1,6 +1,7 @@
 """The table of jobs."""
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from typing import Any, cast
 
 from sqlalchemy import (
@@ -19,7 +20,9 @@ from sqlalchemy import (
     inspect,
     text,
 )
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError, SQLAlchemyError
 
+from modallab.core.errors import DatabaseLostError, StorageError
 from modallab.jobs.job import Job
 
 METADATA = MetaData()
@@ -83,3 +86,30 @@ def job_of(row: Mapping[Any, Any]) -> Job:
     """A row as a job."""
     values = {name: row[name] for name in Job.model_fields if name != "inputs"}
     return Job(inputs=tuple(cast("list[str]", row["inputs"])), **values)
+
+
+@contextmanager
+def database_errors(engine: Engine) -> Generator[None]:
+    """What the database's driver raises, as errors of our own.
+
+    Raises:
+        DatabaseLostError: its server cannot be reached.
+        StorageError: anything else.
+    """
+    try:
+        yield
+    except SQLAlchemyError as error:
+        where = engine.url.render_as_string(hide_password=True)
+        if (
+            isinstance(error, OperationalError | InterfaceError) or getattr(error, "connection_invalidated", False)
+        ) and engine.dialect.name != "sqlite":
+            raise DatabaseLostError(
+                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
+            ) from error
+        # Without the statement and its parameters, which SQLAlchemy adds.
+        said = error.orig if isinstance(error, DBAPIError) else error
+        raise StorageError(
+            f"the table of jobs cannot be used: {said}",
+            where=where,
+            remedy="look at the database and its disk",
+        ) from error

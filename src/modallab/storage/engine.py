@@ -18,6 +18,14 @@ from modallab.core.errors import DatabaseLostError, StorageError
 from modallab.storage.durable import failure
 
 BUSY_S = 30.0
+PATIENCE = {
+    "connect_timeout": 5,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 10_000,
+}
+"""Until a server that has vanished is given up (libpq): a cable that is out ends no connection by itself."""
 _DIALECTS = ("sqlite", "postgresql")
 
 
@@ -48,7 +56,9 @@ def open_engine(url: str) -> Engine:
 def _postgresql(url: str) -> Engine:
     try:
         # A server that was restarted is found anew by the next transaction.
-        return create_engine(url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True)
+        return create_engine(
+            url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True, connect_args=PATIENCE
+        )
     except (ImportError, NoSuchModuleError) as error:
         raise StorageError(
             f"no driver for PostgreSQL: {error}", where="database", remedy="pip install 'modallab[postgresql]'"

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncGenerator
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from modallab.service.api.request_context import Cursor, Limit, ServiceOf, numbe
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog, Topic
+from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
@@ -27,6 +29,8 @@ AT_ONCE = 500
 TOGETHER = 20
 PAUSE_S = 0.002
 """Between so many listeners and the next: those write their lines, and others get their turn."""
+UNREAD_S = 2.0
+"""The log is looked at all the time; unread for so long, its database does not answer."""
 QUEUE = 2000
 """Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
 
@@ -54,12 +58,19 @@ class Feed:
         self._listeners: set[Listener] = set()
         self._closing = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._read = (time.monotonic(), utc_now())
         self._thread = Thread(target=self._look, name="events", daemon=True)
 
     @property
     def listeners(self) -> int:
         """How many listen."""
         return len(self._listeners)
+
+    @property
+    def unread_since(self) -> str:
+        """Since when, in UTC, the log cannot be read; "" if it can."""
+        read_s, utc = self._read
+        return utc if time.monotonic() - read_s > UNREAD_S else ""
 
     def open(self) -> None:
         """Begin; from the event loop."""
@@ -97,13 +108,17 @@ class Feed:
 
     def _look(self) -> None:
         last: int | None = None
+        lost = False
         while not self._closing.wait(LOOK_S):
             try:
                 last = self._log.last() if last is None else last
                 events = self._log.after(last, AT_ONCE)
             except ModallabError as error:
-                LOG.warning("events cannot be read: %s", error)
+                if not lost:
+                    LOG.warning("events cannot be read: %s", error)
+                lost = True
                 continue
+            lost, self._read = False, (time.monotonic(), utc_now())
             if events and self._loop is not None:
                 last = events[-1].seq
                 lines = [Line(event, _text(event)) for event in events]

@@ -86,11 +86,14 @@ class Supervisor:
             leases,
         )
         try:
-            self._stop = StopListener(settings.host, settings.stop_port, self.controllers.emergency_stop)
+            self._stop = StopListener(
+                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+            )
         except OSError as error:
             self.controllers.close()
             raise _taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        settings = settings.model_copy(update={"stop_port": self._stop.port})
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
         self._computing: dict[str, int] = {}
@@ -122,6 +125,7 @@ class Supervisor:
             child.close()
         if self._jobs_owner:
             self._free_jobs(self._jobs_owner)
+        self._diary.close()
         self._lock.release()
         self.store.close()
 

@@ -36,10 +36,16 @@ class EventLog:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._waiting: deque[dict[str, Any]] = deque(maxlen=MAX_WAITING)
-        self._lock = Lock()
+        self._adding = Lock()
+        self._writing = Lock()
 
     def append(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
         """Add an event; what the disk would not take is added with the next one, in order."""
+        self.append_later(kind, topic, content)
+        self.flush()
+
+    def append_later(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
+        """Add an event with the next `flush`: waits for no disk and no database."""
         row = {
             "utc": utc_now(),
             "rig": topic.rig,
@@ -48,13 +54,12 @@ class EventLog:
             "kind": kind,
             "content": dict(content),
         }
-        with self._lock:
+        with self._adding:
             self._waiting.append(row)
-            self._write_waiting()
 
     def flush(self) -> None:
         """Try again to write what waits."""
-        with self._lock:
+        with self._writing:
             self._write_waiting()
 
     @property
@@ -78,16 +83,20 @@ class EventLog:
             return connection.scalar(select(func.max(EVENTS.c.seq))) or 0
 
     def _write_waiting(self) -> None:
-        if not self._waiting:
+        with self._adding:
+            rows = list(self._waiting)
+        if not rows:
             return
-        rows = list(self._waiting)
         try:
             with writing(self._engine) as connection:
                 one_at_a_time(connection)
                 connection.execute(insert(EVENTS), rows)
         except StorageError:
             return
-        self._waiting.clear()
+        written = {id(row) for row in rows}
+        with self._adding:
+            while self._waiting and id(self._waiting[0]) in written:
+                self._waiting.popleft()
 
 
 def _view(row: RowMapping) -> EventView:
