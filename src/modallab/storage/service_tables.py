@@ -112,4 +112,11 @@ IDEMPOTENCY = Table(
     Column("created_utc", String(32), nullable=False),
 )
 
+SESSIONS = Table(
+    "sessions",
+    METADATA,
+    Column("id", String(64), primary_key=True),
+    Column("created_utc", String(32), nullable=False),
+)
+
 append_only(EVENTS, AUDIT, VERDICTS)

@@ -22,6 +22,7 @@ from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.sessions import Sessions
 
 API_VERSION = "1.1"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
@@ -40,12 +41,13 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.live = LiveHub()
     app.state.service, app.state.settings, app.state.token = service, settings, token
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
+    app.state.sessions = Sessions(service.engine, token)
     install(app)
     for router in resources():
         app.include_router(router)
     mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
-    app.add_middleware(Guard, token=token, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
     app.openapi = lambda: document_of(app)
     return app
 

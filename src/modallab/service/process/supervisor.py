@@ -19,6 +19,7 @@ from modallab.jobs import Jobs
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
+from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing, run_api, run_jobs
@@ -56,6 +57,8 @@ class Supervisor:
             ServiceError: another service uses the data folder, or a port is taken.
             StorageError: the data folder cannot be used.
         """
+        # Inherited by every process that is started from here.
+        raise_limit()
         self._settings = settings
         self._closing = Flag()
         self.store = Store(settings.data)
