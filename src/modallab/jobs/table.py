@@ -1,5 +1,6 @@
 """The table of jobs."""
 
+import logging
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from typing import Any, cast
@@ -22,9 +23,10 @@ from sqlalchemy import (
 )
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError, SQLAlchemyError
 
-from modallab.core.errors import DatabaseLostError, StorageError
+from modallab.core.errors import DatabaseLostError, RowDamagedError, StorageError
 from modallab.jobs.job import Job
 
+LOG = logging.getLogger(__name__)
 METADATA = MetaData()
 
 JOBS = Table(
@@ -106,10 +108,17 @@ def database_errors(engine: Engine) -> Generator[None]:
             raise DatabaseLostError(
                 "the database cannot be reached", where=where, remedy="look at its server, and ask again"
             ) from error
-        # Without the statement and its parameters, which SQLAlchemy adds.
-        said = error.orig if isinstance(error, DBAPIError) else error
+        # The driver's words hold SQL and values: they are for the log.
+        LOG.warning("%s: %s", where, error.orig if isinstance(error, DBAPIError) else error)
         raise StorageError(
-            f"the table of jobs cannot be used: {said}",
+            "the table of jobs cannot be used",
             where=where,
-            remedy="look at the database and its disk",
+            remedy="look at the database and its disk; the log says more",
+        ) from error
+    except ValueError as error:
+        LOG.warning("a job that cannot be read", exc_info=error)
+        raise RowDamagedError(
+            f"a row of the table of jobs cannot be read: {type(error).__name__}",
+            where=engine.url.render_as_string(hide_password=True),
+            remedy="restore the database from a backup; the log has the row",
         ) from error

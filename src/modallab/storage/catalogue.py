@@ -93,9 +93,9 @@ class Catalogue:
         """
         with reading(self.engine) as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
-        if row is None:
-            raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
-        return _run(row)
+            if row is None:
+                raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
+            return _run(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:
         """The blocks of a run, in the order they were recorded; a dropped one is not accepted, with that reason."""

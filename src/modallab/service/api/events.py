@@ -91,7 +91,9 @@ class Feed:
         listener = Listener()
         self._listeners.add(listener)
         try:
-            last = await asyncio.to_thread(self._log.last) if after is None else after
+            newest = await asyncio.to_thread(self._log.last)
+            # A number that is not there yet is of another database: nobody can wait for it.
+            last = newest if after is None else min(after, newest)
             yield b": listening\n\n"
             if after is not None:
                 while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
@@ -99,6 +101,8 @@ class Feed:
                     last = before[-1].seq
                     if to_end and any(_ends(event) for event in before):
                         return
+            if to_end and await asyncio.to_thread(self._log.has_ended, topic.run, last):
+                return
             async for line in _follow(listener, last, topic):
                 yield line.text if line is not None else STILL_HERE
                 if to_end and line is not None and _ends(line.event):

@@ -21,19 +21,33 @@ from modallab.storage.tables import BLOCKS, RUNS
 USABLE = ("idle", "running")
 
 
-def counters(service: Service) -> dict[str, float]:
-    """Name, with labels as Prometheus writes them, and value."""
-    found: dict[str, float] = {}
+Family = dict[str, float]
+"""Labels of a sample, as Prometheus writes them, and its value."""
+
+
+def counters(service: Service) -> dict[str, Family]:
+    """Families of samples by name."""
     with reading(service.engine) as connection:
-        for state, count in connection.execute(select(RUNS.c.state, func.count()).group_by(RUNS.c.state)):
-            found[f'modallab_runs{{state="{state}"}}'] = count
-        for accepted, count in connection.execute(select(BLOCKS.c.accepted, func.count()).group_by(BLOCKS.c.accepted)):
-            found[f'modallab_blocks{{accepted="{int(accepted)}"}}'] = count
-    found["modallab_events"] = service.log.last()
-    found["modallab_free_bytes"] = shutil.disk_usage(service.folder).free
-    for state in service.control.states():
-        found[f'modallab_rig_usable{{rig="{state.id}"}}'] = float(state.state in USABLE)
-    return found
+        runs = connection.execute(select(RUNS.c.state, func.count()).group_by(RUNS.c.state)).all()
+        blocks = connection.execute(select(BLOCKS.c.accepted, func.count()).group_by(BLOCKS.c.accepted)).all()
+    return {
+        "modallab_runs": {_label("state", state): count for state, count in runs},
+        "modallab_blocks": {_label("accepted", int(accepted)): count for accepted, count in blocks},
+        "modallab_events": {"": service.log.last()},
+        "modallab_free_bytes": {"": shutil.disk_usage(service.folder).free},
+        "modallab_rig_usable": {_label("rig", state.id): state.state in USABLE for state in service.control.states()},
+    }
+
+
+def _label(name: str, value: object) -> str:
+    escaped = str(value).replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'{{{name}="{escaped}"}}'
+
+
+def _written(name: str, family: Family) -> str:
+    # The type of a family stands once, before all its samples; a family without any is left out.
+    lines = [f"{name}{labels} {float(value)!r}\n" for labels, value in family.items()]
+    return f"# TYPE {name} gauge\n{''.join(lines)}" if lines else ""
 
 
 router = APIRouter(tags=["health"], responses=documented(403, 405, 413, 422, 500, 503))
@@ -86,8 +100,9 @@ def _stop_url(request: Request) -> str:
 
 
 @router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))
-def get_metrics(service: ServiceOf, request: Request) -> str:
+def get_metrics(service: ServiceOf, request: Request) -> PlainTextResponse:
     """Counters and gauges in Prometheus' text format."""
     feed: Feed = request.app.state.feed
-    values = counters(service) | {"modallab_event_listeners": float(feed.listeners)}
-    return "".join(f"# TYPE {name.partition('{')[0]} gauge\n{name} {value:g}\n" for name, value in values.items())
+    families = counters(service) | {"modallab_event_listeners": {"": feed.listeners}}
+    text = "".join(_written(name, family) for name, family in families.items())
+    return PlainTextResponse(text, media_type="text/plain; version=0.0.4")

@@ -12,6 +12,7 @@ from modallab.core.documents.pages import EventView
 from modallab.core.errors import StorageError
 from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
+from modallab.storage.records import ENDED
 from modallab.storage.service_tables import EVENTS
 
 RENAMED = {"hit_wanted": "hit_requested", "hit_refused": "hit_rejected"}
@@ -81,6 +82,14 @@ class EventLog:
         """Number of the newest event, 0 if there is none."""
         with reading(self._engine) as connection:
             return connection.scalar(select(func.max(EVENTS.c.seq))) or 0
+
+    def has_ended(self, run: str, seq: int) -> bool:
+        """Whether the events up to number `seq` say that a run has ended."""
+        mine = EVENTS.c.run == run, EVENTS.c.kind == "state", EVENTS.c.seq <= seq
+        query = select(EVENTS.c.content).where(*mine).order_by(EVENTS.c.seq.desc()).limit(1)
+        with reading(self._engine) as connection:
+            content = connection.scalar(query)
+        return run != "" and content is not None and content["state"] in ENDED
 
     def _write_waiting(self) -> None:
         with self._adding:
