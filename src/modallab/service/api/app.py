@@ -17,6 +17,7 @@ from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.events import Feed
+from modallab.service.api.head import HeadAsGet
 from modallab.service.api.live import LiveHub
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
@@ -43,11 +44,14 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
     app.state.sessions = Sessions(service.engine, token)
     install(app)
-    for router in resources():
+    routers = resources()
+    for router in routers:
         app.include_router(router)
+    app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(HeadAsGet)
     app.openapi = lambda: document_of(app)
     return app
 
