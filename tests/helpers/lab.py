@@ -106,6 +106,7 @@ class Lab:
         self._server.should_exit = True
         self._serving.join(10)
         self.controllers.close()
+        self.diary.close()
         self.service.close()
         self.store.close()
 

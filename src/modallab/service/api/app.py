@@ -17,10 +17,12 @@ from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.events import Feed
+from modallab.service.api.head import HeadAsGet
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.sessions import Sessions
 
 API_VERSION = "1.1"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
@@ -39,12 +41,16 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.feed = Feed(service.log)
     app.state.service, app.state.settings, app.state.token = service, settings, token
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
+    app.state.sessions = Sessions(service.engine, token)
     install(app)
-    for router in resources():
+    routers = resources()
+    for router in routers:
         app.include_router(router)
+    app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
-    app.add_middleware(Guard, token=token, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(HeadAsGet)
     app.openapi = lambda: document_of(app)
     return app
 

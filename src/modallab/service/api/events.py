@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncGenerator
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from modallab.service.api.request_context import Cursor, Limit, ServiceOf, numbe
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog, Topic
+from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
@@ -29,6 +31,8 @@ AT_ONCE = 500
 TOGETHER = 20
 PAUSE_S = 0.002
 """Between so many listeners and the next: those write their lines, and others get their turn."""
+UNREAD_S = 2.0
+"""The log is looked at all the time; unread for so long, its database does not answer."""
 QUEUE = 2000
 """Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
 
@@ -57,12 +61,19 @@ class Feed:
         self._closing = Flag()
         self._new = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._read = (time.monotonic(), utc_now())
         self._thread = Thread(target=self._look, name="events", daemon=True)
 
     @property
     def listeners(self) -> int:
         """How many listen."""
         return len(self._listeners)
+
+    @property
+    def unread_since(self) -> str:
+        """Since when, in UTC, the log cannot be read; "" if it can."""
+        read_s, utc = self._read
+        return utc if time.monotonic() - read_s > UNREAD_S else ""
 
     def open(self) -> None:
         """Begin; from the event loop."""
@@ -84,7 +95,9 @@ class Feed:
         listener = Listener()
         self._listeners.add(listener)
         try:
-            last = await asyncio.to_thread(self._log.last) if after is None else after
+            newest = await asyncio.to_thread(self._log.last)
+            # A number that is not there yet is of another database: nobody can wait for it.
+            last = newest if after is None else min(after, newest)
             yield b": listening\n\n"
             if after is not None:
                 while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
@@ -92,6 +105,8 @@ class Feed:
                     last = before[-1].seq
                     if to_end and any(_ends(event) for event in before):
                         return
+            if to_end and await asyncio.to_thread(self._log.has_ended, topic.run, last):
+                return
             async for line in _follow(listener, last, topic):
                 yield line.text if line is not None else STILL_HERE
                 if to_end and line is not None and _ends(line.event):
@@ -116,6 +131,7 @@ class Feed:
 
     def _look(self) -> None:
         last: int | None = None
+        lost = False
         while not self._closing.is_set():
             self._new.wait(LOOK_S)
             self._new.clear()
@@ -123,8 +139,11 @@ class Feed:
                 last = self._log.last() if last is None else last
                 events = self._log.after(last, AT_ONCE)
             except ModallabError as error:
-                LOG.warning("events cannot be read: %s", error)
+                if not lost:
+                    LOG.warning("events cannot be read: %s", error)
+                lost = True
                 continue
+            lost, self._read = False, (time.monotonic(), utc_now())
             if events and self._loop is not None:
                 last = events[-1].seq
                 lines = [Line(event, _text(event)) for event in events]

@@ -52,7 +52,9 @@ RunCommand = Annotated[
 def list_runs(campaign: str, service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[RunView]:
     """The runs of a campaign, the oldest first."""
     after = place_of(cursor)
-    names = [run for run in service.repository.campaign(campaign).runs if after is None or run > after]
+    names = service.repository.campaign(campaign).runs
+    if after is not None:
+        names = names[names.index(after) + 1 :] if after in names else ()
     return page([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
 
 

@@ -19,6 +19,7 @@ from modallab.jobs import Jobs
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
+from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing, run_api, run_jobs
@@ -56,6 +57,8 @@ class Supervisor:
             ServiceError: another service uses the data folder, or a port is taken.
             StorageError: the data folder cannot be used.
         """
+        # Inherited by every process that is started from here.
+        raise_limit()
         self._settings = settings
         self._closing = Flag()
         self.store = Store(settings.data)
@@ -86,11 +89,14 @@ class Supervisor:
             leases,
         )
         try:
-            self._stop = StopListener(settings.host, settings.stop_port, self.controllers.emergency_stop)
+            self._stop = StopListener(
+                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+            )
         except OSError as error:
             self.controllers.close()
             raise _taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        settings = settings.model_copy(update={"stop_port": self._stop.port})
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
         self._computing: dict[str, int] = {}
@@ -122,6 +128,7 @@ class Supervisor:
             child.close()
         if self._jobs_owner:
             self._free_jobs(self._jobs_owner)
+        self._diary.close()
         self._lock.release()
         self.store.close()
 

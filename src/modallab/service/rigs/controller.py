@@ -4,6 +4,7 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Event as Flag
@@ -20,6 +21,8 @@ from modallab.service.errors import ConflictError, NotFoundError, RigUnavailable
 from modallab.service.rigs.active_run import ActiveRun, RequestedRun
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.diary import Diary
+from modallab.service.rigs.emergency import EmergencyStop
+from modallab.storage.recorder import utc_now
 
 LOG = logging.getLogger(__name__)
 
@@ -62,9 +65,11 @@ class Controller:
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
         self._diary = diary
+        self._stop = EmergencyStop(self.latch, partial(diary.tripped, bench.id))
         self._ended = ended
         self._state: RigState = "starting"
         self._error = ""
+        self._since = utc_now()
         self._active: ActiveRun | None = None
         self._process: RigProcess | None = None
         self._info: BenchInfo | None = None
@@ -93,7 +98,9 @@ class Controller:
         active = self._active
         run = active.run if active is not None else None
         bench = self.bench
-        return ControllerState(bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error)
+        return ControllerState(
+            bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error, self._since
+        )
 
     def wait_until_settled(self, patience_s: float) -> ControllerState:
         """Wait until the bench is open or cannot be opened, and no run is on; how it stands then."""
@@ -126,6 +133,7 @@ class Controller:
         return None if order.key is None else self._diary.repository.run_of(order.key)
 
     def _start(self, order: StartRun, operator: str) -> str:
+        self._stop.require_latch()
         self.latch.require_reset()
         if self._active is not None:
             raise ConflictError(
@@ -157,16 +165,9 @@ class Controller:
         """Bring the output to 0 V and latch, whatever else goes on.
 
         Raises:
-            ModallabError: the output could not be reached, or the latch not be written.
+            ModallabError: the output could not be reached.
         """
-        process = self._process
-        try:
-            if process is not None:
-                process.emergency_stop(reason)
-            else:
-                self.latch.trip("emergency stop", reason)
-        finally:
-            self._diary.tripped(self.bench.id, reason, operator)
+        self._stop.press(self._process, reason, operator)
 
     def reset(self, reason: str, operator: str) -> None:
         """Let it be driven again.
@@ -174,7 +175,8 @@ class Controller:
         Raises:
             NotFoundError: it is not tripped.
         """
-        if self.latch.reset() is None:
+        unwritten = self._stop.reset()
+        if self.latch.reset() is None and not unwritten:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
         self._diary.reset(self.bench.id, reason, operator)
 
@@ -256,5 +258,5 @@ class Controller:
 
     def _is(self, state: RigState, error: str = "") -> None:
         if (state, error) != (self._state, self._error):
-            self._state, self._error = state, error
+            self._state, self._error, self._since = state, error, utc_now()
             self._diary.rig_state(self.bench.id, state, error)
