@@ -13,7 +13,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
+from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import Foreseen, dead, faults, foresee, kept_up, lost, tone_basis
 from modallab.bench.protocol import Burst, Chunk
 from modallab.core.errors import SafetyError
@@ -55,7 +55,11 @@ SEEN = 4.0
 """A tone so many times above what noise makes of it is seen."""
 
 OTHERS_SEEN = 100.0
-"""Where another channel is seen so clearly, the force must be seen."""
+OTHERS_FROM = 0.1
+"""Where another channel is seen so clearly, from this part of the drive on, the force must be seen."""
+
+MISSED = 100 * SEEN
+"""A response that was to be seen so clearly, by the last burst and the other responses of this one, stands in no node."""
 
 FORCE_BRACKET = 30.0
 """The force per volt may change so much from one frequency to another; at a resonance it drops."""
@@ -96,6 +100,7 @@ class Plausibility:
         self._rate_hz = rate_hz
         self._burst: _BurstLook | None = None
         self.last: LastBurst | None = None
+        self._last_tone: Real | None = None
 
     def begin(self, burst: Burst, start: int, rest: Samples, noise: RestNoise, unseen: int) -> None:
         """A burst begins.
@@ -130,6 +135,7 @@ class Plausibility:
                     f" burst before gave {last.force_n_per_v:.4g} N per V"
                 )
         self.last = LastBurst(frequency_hz, found)
+        self._last_tone = self._burst.tone if self._burst is not None else None
 
     def __call__(self, chunk: Chunk) -> None:
         """Look at a chunk.
@@ -145,6 +151,9 @@ class Plausibility:
         if frozen.size:
             first = int(frozen[0])
             raise _error(f"{self._names[first]} repeats one value for {run[first]} samples: frozen")
+        cut = np.flatnonzero(self._watched & look.cut_off(chunk.samples))
+        if cut.size:
+            raise _error(f"{self._names[int(cut[0])]} is cut off: all its highest samples read the same")
         look.add(chunk.samples)
         while look.next_hop():
             self._require_all(look)
@@ -156,36 +165,46 @@ class Plausibility:
         for channel, reason in faults(*pair, look.noise_v, look.white_v).items():
             if self._watched[channel]:
                 raise _error(f"{self._names[channel]} {reason.format(*self._names)}")
-        gone = dead(*pair, look.white_v) & ~self._beats(*pair)
+        gone = self._unless_beats(dead(*pair, look.white_v), *pair)
         weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
         if weak is not None:
-            gone |= lost(*weak, look.white_v) & ~self._beats(*weak)
+            gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
+        gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):
             raise _error(f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged")
         self._require_force(look, pair[1])
 
-    def _beats(self, seen: Real, foreseen: Foreseen) -> NDArray[np.bool_]:
-        """(channels,) whether a fall may be the structure's own: two of its tones cancel, and other responses fall too."""
-        follows = kept_up(seen, foreseen)
-        others = [np.delete(follows, [self._force, channel]) for channel in range(len(follows))]
-        beats = np.array([rest.size > 0 and bool(np.median(rest) < KEPT_UP) for rest in others])
-        beats[self._force] = False
-        return beats
+    def _missing(self, look: "_BurstLook", foreseen: Foreseen) -> NDArray[np.bool_]:
+        """(channels,) whether a response seen well in the last burst shows nothing, though the others answer."""
+        tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v
+        if self._last_tone is None or look.envelope_earlier < OTHERS_FROM:
+            return np.zeros(len(tone), dtype=np.bool_)
+        answer = np.median(np.delete(tone / np.maximum(self._last_tone, SEEN), self._force))
+        missing = (tone <= SEEN) & (answer * self._last_tone > MISSED)
+        missing[self._force] = False
+        return missing
+
+    def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: Foreseen) -> NDArray[np.bool_]:
+        """(channels,) without those whose fall may be the structure's own: two tones cancel, other responses fall too."""
+        follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
+        for channel in np.flatnonzero(gone):
+            others = np.delete(follows, [self._force, channel])
+            gone[channel] = channel == self._force or not others.size or np.median(others) >= KEPT_UP
+        return gone
 
     def _require_force(self, look: "_BurstLook", foreseen: Foreseen) -> None:
         """The force must be seen once another channel is, or the burst is at full level; and within the bracket."""
         least = SEEN * look.sigma_v
-        tone = foreseen.amplitude * look.envelope_now
+        tone = np.sqrt(2) * foreseen.level
+        drive = look.envelope_earlier
         force = self._force
         per_v = self._si[force] / self._volts[force] / look.burst.amplitude_v
         if tone[force] <= least[force]:
             others = np.delete(tone > OTHERS_SEEN * look.sigma_v, force)
-            expected = self.last.force_n_per_v / FORCE_BRACKET / per_v * look.envelope_now if self.last else 0.0
-            if others.any() or look.steady or expected > least[force]:
-                raise _error(
-                    f"{self._names[force]} shows no force at {look.burst.amplitude_v * look.envelope_now:.3g} V of drive"
-                )
+            expected = self.last.force_n_per_v / FORCE_BRACKET / per_v * drive if self.last else 0.0
+            if (others.any() and drive > OTHERS_FROM) or look.steady or expected > least[force]:
+                raise _error(f"{self._names[force]} shows no force at {look.burst.amplitude_v * drive:.3g} V of drive")
         elif self.last is not None and foreseen.misfit[force] < 0.1 * foreseen.level[force]:
             change = foreseen.amplitude[force] * per_v / self.last.force_n_per_v
             if not 1 / FORCE_BRACKET <= change <= FORCE_BRACKET:
@@ -203,6 +222,7 @@ class _BurstLook:
     ) -> None:
         self.burst, self.noise = burst, noise
         self.repetition = Repetition(len(volts))
+        self.tone: Real | None = None
         self.gone = np.zeros(len(volts), dtype=np.int64)
         self._step = max(1, int(rate_hz // max(SAMPLES_PER_PERIOD * burst.frequency_hz, LEAST_RATE_HZ)))
         self._dt = self._step / rate_hz
@@ -213,6 +233,8 @@ class _BurstLook:
         self._rest = np.zeros((len(volts), 0))
         self._kept = np.zeros((len(volts), 0))
         self._first = 0
+        self._raw: Samples = rest[:, :0]
+        self._raw_count = ceil(max(EARLIER_S, 1 / burst.frequency_hz) * rate_hz)
         self._hop = 0
         self._earlier = self._whole_periods(EARLIER_S)
         self._gap = round(GAP_S / self._dt)
@@ -225,15 +247,22 @@ class _BurstLook:
         self.sigma_v = self.noise_v * np.sqrt(2 / self._earlier)
 
     @property
-    def envelope_now(self) -> float:
-        """Of the drive at the last look, 0 to 1."""
-        return float(self.burst.envelope(np.array([self._hop * HOP_S]))[0])
+    def envelope_earlier(self) -> float:
+        """Of the drive in the middle of the earlier window, 0 to 1."""
+        middle = self._hop * HOP_S - self.later_s - (self._gap + self._earlier / 2) * self._dt
+        return float(self.burst.envelope(np.array([middle]))[0])
 
     @property
     def steady(self) -> bool:
         """Whether both windows lie past the rise and before the fall."""
         begins = (self._hop * HOP_S) - (self._earlier + self._gap) * self._dt - self.later_s
         return begins >= self.burst.ramp_s and self._hop * HOP_S <= self.burst.duration_s - self.burst.ramp_s
+
+    def cut_off(self, samples: Samples) -> NDArray[np.bool_]:
+        """(channels,) whether the last period, as delivered, has flat tops."""
+        self._raw = np.concatenate([self._raw, samples], axis=1)[:, -max(self._raw_count, samples.shape[1]) :]
+        # Before the burst there is no sine that could be cut; what rests is within the noise.
+        return cut_off(self._raw, self.noise) & (self._raw.shape[1] >= self._raw_count)
 
     def add(self, samples: Samples) -> None:
         """Take in what came."""

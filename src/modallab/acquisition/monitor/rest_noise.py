@@ -19,11 +19,13 @@ LEAST_RUN = 8
 RESTING_RUN = 3
 """A repetition is frozen from so many times the longest at rest on."""
 
+FLAT_PART = 0.15
+FLAT_NOISE = 20.0
+"""A channel that moves over so many times its noise is cut off where this part of its samples is its highest, or lowest:
+a sine of full height has so many near its top only below 0.9 of it."""
+
 LEAST_COUNTS = 0.5
 """A noise of fewer counts may hide in one count, and says nothing by doing so."""
-
-OFTEN = 0.75
-"""How often a noise of LEAST_COUNTS repeats its count where it lies worst."""
 
 FALLEN = 0.3
 """A noise fallen to this part of what it was is none of the sensor's."""
@@ -51,7 +53,7 @@ class RestNoise:
         rms = _fast_rms(window)
         visible = rms >= (LEAST_COUNTS if counts else np.finfo(float).tiny)
         same = np.diff(window, axis=1) == 0
-        often = np.maximum(same.mean(axis=1), OFTEN if counts else 1e-3)
+        often = np.maximum(same.mean(axis=1), _repeats(rms) if counts else 1e-3)
         likely = np.log(RARE) / np.log(np.minimum(often, 1 - 1e-9))
         resting = RESTING_RUN * np.array([_longest(row) for row in same])
         return cls(rms, np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf), visible)
@@ -59,6 +61,14 @@ class RestNoise:
     def fallen(self, later: "RestNoise") -> NDArray[np.bool_]:
         """(channels,) whether the noise has fallen below the channel's own since."""
         return self.visible & (later.rms < FALLEN * self.rms)
+
+
+def cut_off(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
+    """(channels,) whether the tops of a (channels, n) window are all of one value: clipped."""
+    highest, lowest = window.max(axis=1, keepdims=True), window.min(axis=1, keepdims=True)
+    flat = np.maximum((window == highest).mean(axis=1), (window == lowest).mean(axis=1))
+    moves = highest[:, 0].astype(float) - lowest[:, 0].astype(float) > FLAT_NOISE * noise.rms
+    return noise.visible & moves & (flat > FLAT_PART)
 
 
 class Repetition:
@@ -84,6 +94,15 @@ class Repetition:
             found[channel] = max(int(self._run[channel] + at[0]), within)
             self._run[channel] = row.size - at[-1]
         return found
+
+
+def _repeats(rms: Real) -> Real:
+    """(channels,) how often noise of an rms in counts, rounding included, repeats its count where that is likeliest."""
+    sigma = np.sqrt(np.maximum(rms**2 - 1 / 12, 0.01))
+    # In the middle of a count; the counts next to it add what they share.
+    near = np.exp(-0.5 * (np.arange(-3, 4)[:, None] / sigma) ** 2)
+    share = near / near.sum(axis=0)
+    return (share**2).sum(axis=0)
 
 
 def _fast_rms(window: Samples) -> Real:

@@ -68,7 +68,7 @@ def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
 
 def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
     """Fit (channels, n) samples by least squares and carry the fit on to a later window."""
-    solved = np.linalg.lstsq(earlier_basis, earlier.T, rcond=None)[0]
+    solved = np.linalg.pinv(earlier_basis) @ earlier.T
     fitted = earlier_basis @ solved
     return Foreseen(
         amplitude=np.hypot(solved[1], solved[2]),
@@ -97,8 +97,10 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
         top = _cut_at(seen[channel], foreseen.later[channel], float(white[channel]), float(parted[channel]) / BETTER)
         if top is not None:
             found[int(channel)] = f"is cut off at {100 * top:.0f} % of what was foreseen: clipped"
-    for one, other in combinations(suspects, 2):
+    for one, other in combinations(range(len(seen)), 2):
         pair = [one, other]
+        if not (parted[pair] > least[pair]).any():
+            continue
         # Two plugs change places: each must read what the other was to read.
         if (_rms(seen[pair] - foreseen.later[pair[::-1]], axis=1) < parted[pair] / BETTER).all():
             found |= {int(one): f"and {{{other}}} have changed places", int(other): f"and {{{one}}} have changed places"}
