@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
-from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
@@ -211,7 +212,9 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-    keep = MEMORY_BLOCKS * block
+    # A block is looked at, and written, when its burst has ended.
+    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    keep = MEMORY_BLOCKS * block + tail
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
