@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
@@ -18,6 +19,7 @@ from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.rig import Rig
 from modallab.storage import Store
+from modallab.storage.records import ENDED
 
 BROKEN_FILE_EXIT = 3
 
@@ -66,6 +68,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
         bench.zero()
         with Store(folder) as store:
             store.recover()
+            clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
                 _run(link, bench, rig, store, command, guard)
@@ -86,12 +89,12 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard
         return link.order()
 
     try:
-        with store.begin(order.plan, rig, bench.info) as recorder:
+        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live:
             try:
                 run_plan(
                     bench, rig, order.plan, recorder, link.send, control,
                     requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
-                    live=link.send, expected=order.expected,
+                    live=live, expected=order.expected,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

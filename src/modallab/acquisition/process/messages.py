@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from modallab.acquisition.monitor.live import LiveSamples
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.bench.protocol import BenchInfo
@@ -58,4 +57,4 @@ class Ended:
     error: ModallabError | None
 
 
-Report = Event | Ready | Ended | LiveSamples
+Report = Event | Ready | Ended
