@@ -124,12 +124,7 @@ def random_fault(rig: Rig, seed: int) -> ChannelFault:
     # A rise of a cosine reaches a tenth after a fifth of its time.
     part = rng.uniform(0.205 * RAMP_S / duration, 1 - RAMP_S / duration)
     return ChannelFault(
-        KINDS[seed % len(KINDS)],
-        channel,
-        int(rng.integers(1, BURSTS + 1)),
-        float(part),
-        other,
-        float(rng.uniform(0.3, 0.8)),
+        KINDS[seed % len(KINDS)], channel, int(rng.integers(1, BURSTS + 1)), float(part), other, float(rng.uniform(0.3, 0.8))
     )
 
 
