@@ -106,12 +106,13 @@ class Script:
         rng = self._rng
         if kind == "wrong point":
             return {"point": int(rng.choice([p for p in range(1, 11) if p != point]))}
-        return {
+        faults: dict[str, dict[str, object]] = {
             "double": {"rebound_s": float(rng.uniform(0.015, 0.06)), "rebound_share": float(rng.uniform(0.15, 0.6))},
             "weak": {"peak_n": float(rng.uniform(4, 8))},
             "hard": {"peak_n": float(rng.uniform(600, 900))},
             "oblique": {"oblique_deg": float(rng.uniform(45, 60))},
-        }[kind]
+        }
+        return faults[kind]
 
     def _judged(self, phase: str, news: str) -> None:
         kind, self._struck = self._struck, ""

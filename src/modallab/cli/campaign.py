@@ -45,10 +45,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: argparse.Namespace) -> tuple[str, ...]:
+    keys = KeyMap.read(arguments.keys)
     operator = arguments.operator or getpass.getuser()
     with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as session:
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
-        keys = KeyMap.read(arguments.keys)
         at_bench = Operator(console, keys, session, mute=arguments.mute)
         try:
             with listening(keys, at_bench.pressed):

@@ -1,6 +1,9 @@
 """The modes a rig file leads to expect: what the acquisition holds the first hits against."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.core.rig import Rig
@@ -19,12 +22,16 @@ def expected_modes(rig: Rig) -> ExpectedModes | None:
         return None
     modes = solve(Structure.of(rig.beam, rig.damping_ratio.guess))
     unit_mass = np.sqrt(2j * modes.poles.imag)
+
+    def shapes(points: Sequence[int]) -> NDArray[np.float64]:
+        return (modes.at(np.array([rig.x_of(point) for point in points])) * unit_mass).real.astype(np.float64)
+
     return ExpectedModes(
         frequency_hz=modes.frequency_hz,
         damping_ratio=rig.damping_ratio.guess,
         points=tuple(p.id for p in rig.points),
-        at_points=np.real(modes.at(np.array([p.x_m for p in rig.points])) * unit_mass),
+        at_points=shapes([p.id for p in rig.points]),
         channels=tuple(c.index for c in sensors),
-        at_sensors=np.real(modes.at(np.array([rig.x_of(c.point) for c in sensors if c.point is not None])) * unit_mass),
+        at_sensors=shapes([c.point for c in sensors if c.point is not None]),
         derivative=np.array([DERIVATIVE[c.quantity] for c in sensors], dtype=np.int64),
     )

@@ -2,11 +2,11 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from threading import Thread
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 from modallab.core.errors import ConfigurationError
 
@@ -50,8 +50,8 @@ class KeyMap:
                     f" {', '.join(NAMED)}",
                     remedy="write for instance --keys undo=b,accept=pagedown",
                 )
-            names[meaning] = key
-        meanings = {NAMED.get(key, key): meaning for meaning, key in names.items()}
+            names[cast("Meaning", meaning)] = key
+        meanings: dict[str, Meaning] = {NAMED.get(key, key): meaning for meaning, key in names.items()}
         if len(meanings) < len(names):
             raise ConfigurationError(f"--keys: one key for two in {text!r}", remedy="give each its own")
         return cls(meanings, names)
@@ -66,7 +66,7 @@ class KeyMap:
 
 
 @contextmanager
-def listening(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Iterator[None]:
+def listening(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generator[None]:
     """Call `pressed`, from a thread, for each key; without a terminal for the first letter of each line of input."""
     with _single_keys() as read:
         Thread(target=_follow, args=(read, keys, pressed), name="keys", daemon=True).start()
@@ -81,7 +81,7 @@ def _follow(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], 
 
 
 @contextmanager
-def _single_keys() -> Iterator[Callable[[], str]]:
+def _single_keys() -> Generator[Callable[[], str]]:
     if not sys.stdin.isatty():
         yield _line
     elif sys.platform == "win32":

@@ -1,5 +1,6 @@
 """Ties the events of a session to screen and tones, and the operator's keys to the running test."""
 
+from dataclasses import replace
 from threading import Lock
 
 from rich.console import Console
@@ -60,6 +61,9 @@ class Operator:
     def _show(self, state: SessionState, before: SessionState) -> None:
         if self._screen is not None:
             self._screen.show(state)
+            return
+        if replace(state, text="") == replace(before, text="") and state.phase == "wait":
+            # One line a wait: the countdown is for a screen.
             return
         lines = [f"{state.done}/{state.total}  {sentence(state)}"]
         if state.news != before.news and state.news:

@@ -119,7 +119,7 @@ class _Fit:
 
     @property
     def _s(self) -> Complex:
-        return 2j * np.pi * self.lines * self.rate_hz / self.pulse.size
+        return np.asarray(2j * np.pi * self.lines * self.rate_hz / self.pulse.size, dtype=np.complex128)
 
     def _mode(self, hz: Real, zeta: Real) -> Complex:
         """(poles, lines) acceleration of a unit mode in the block, what rings on after its end cut off."""
