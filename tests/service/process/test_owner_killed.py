@@ -1,4 +1,4 @@
-"""The supervisor is killed at any moment of starting: nothing of it lives on, and the next start finds its port free."""
+"""The supervisor is killed at any moment of starting: nothing of it lives on, and its port is free for the next."""
 
 import os
 import signal

@@ -118,7 +118,7 @@ class Child:
         theirs.close()
         watched.close()
         # Held as long as this process lives, and closed with it.
-        self._life = life
+        self._life = cast("Connection", life)
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)
 
