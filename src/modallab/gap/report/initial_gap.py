@@ -56,7 +56,7 @@ def weights_of(prepared: Prepared) -> Weights:
     """How much each row of the records counts."""
     floor = prepared.floor.spectrum if prepared.floor is not None else None
     hz, hum = prepared.weak_hum or (0.0, None)
-    return Weights(prepared.noise_v, prepared.masked, floor, prepared.corner_hz, hum, hz)
+    return Weights(prepared.noise_v, prepared.masked, floor, prepared.rising_v2, hum, hz)
 
 
 def _flat(prepared: Prepared) -> float:
