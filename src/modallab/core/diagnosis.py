@@ -176,6 +176,24 @@ class Shrink(Frozen):
     rival: dict[str, float]
 
 
+class Departure(Frozen):
+    """A number of the twin within its tolerance.
+
+    Attributes:
+        tolerance: its name in the rig file.
+        at: channel, place in m, or term of a field, where there are several.
+        sigma: one deviation, in the tolerance's unit.
+        sign: 1 or -1 where it has one sign only, else 0.
+        u: where the fit left it: deviations of its prior.
+    """
+
+    tolerance: str
+    at: float
+    sigma: float
+    sign: int
+    u: float
+
+
 class Calibrated(Frozen):
     """The twin's own numbers after the fit.
 
@@ -187,6 +205,8 @@ class Calibrated(Frozen):
         gains: channel number -> factor, where sensitivities were free.
         residual_compliance: static compliance of the modes above the twin's own, as a share of its nominal value.
         root_rotation: compliance of the root in L / EI, where the rig file states one; 0 is rigid.
+        departures: of the assembly from what the rig file says, those that no effect stands for.
+        drift_curve: (time as a share of the campaign's, share of a drift) where a drift was found.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"rest": "residual_compliance"}
@@ -198,6 +218,8 @@ class Calibrated(Frozen):
     gains: dict[int, float] = Field(default_factory=dict[int, float])
     residual_compliance: float = 0.0
     root_rotation: float = 0.0
+    departures: list[Departure] = Field(default_factory=list[Departure])
+    drift_curve: list[tuple[float, float]] = Field(default_factory=list[tuple[float, float]])
 
 
 class Diagnosis(Frozen):

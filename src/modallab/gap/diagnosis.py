@@ -1,13 +1,14 @@
 """The diagnosis: where the gap lies, what causes it, how far it shrinks."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
@@ -16,7 +17,9 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import left
+from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
+from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import inspected, shown
@@ -32,6 +35,7 @@ from modallab.twin.bench import Twin
 Array = NDArray[np.float64]
 
 SEED = 20240501
+USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
 
 
 def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str], bool] = lambda _: True) -> Diagnosis:
@@ -47,9 +51,10 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
-    free = free_of(campaign)
-    prepared = prepare(campaign)
+    stated = campaign.rig.tolerance.stated
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign
+    free = free_of(campaign)
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
@@ -72,9 +77,14 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         candidates=_candidates(ranked, seen, choice),
         shrink=_shrink(campaign, prepared, choice, unseen, [b.name for b in held or fitted], bool(held)),
         next_experiment=next_experiment(verdict, ranked, campaign),
-        twin=_calibrated(choice.fit),
-        budget=budget(choice.fit, everything),
-        notes=[*prepared.notes, *contradictions(choice, prepared), *(d.why for d in choice.dismissed)],
+        twin=calibrated(choice.fit, everything),
+        budget=budget(choice.fit, everything, usual=not stated),
+        notes=[
+            *([] if stated else [USUAL]),
+            *prepared.notes,
+            *contradictions(choice, prepared),
+            *(d.why for d in choice.dismissed),
+        ],
     )
 
 
@@ -175,17 +185,3 @@ def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
             after = squares(twin_of(fit, clean), clean).gap
             return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
     return {}
-
-
-def _calibrated(fit: Fit) -> Calibrated:
-    twin: Twin = fit.problem.free.build(fit.u[: fit.problem.free.size])
-    s = twin.structure
-    return Calibrated(
-        youngs_modulus_pa=s.youngs_modulus_pa,
-        thickness_m=s.thickness_m,
-        density_kg_m3=s.density_kg_m3,
-        zeta=s.zeta.tolist(),
-        gains=dict(twin.chain.gain),
-        residual_compliance=twin.residual_compliance,
-        root_rotation=s.root_rotation,
-    )

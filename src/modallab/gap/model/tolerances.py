@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from modallab.core.rig import FORCE_SHARE, Rig
+from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.twin.bench import Twin
 from modallab.twin.elements import FIELD_TERMS
 
@@ -62,6 +62,14 @@ def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
     """As it is up to `free` deviations, and ever slower towards `most`: a fit that strayed can find its way back."""
     room = most - free
     return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
+
+
+def with_tolerances(rig: Rig) -> Rig:
+    """The rig with a lab's usual tolerances, where its file states none: no part is ever without any."""
+    if rig.tolerance.stated:
+        return rig
+    own = {name: getattr(rig.tolerance, name) for name in rig.tolerance.model_fields_set}
+    return rig.model_copy(update={"tolerance": Tolerance.usual().model_copy(update=own)})
 
 
 def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation, ...]:

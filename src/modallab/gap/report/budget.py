@@ -34,12 +34,13 @@ MOST = 3
 """Sentences on what to calibrate."""
 
 
-def budget(fit: Fit, data: Reduced) -> Budget:
+def budget(fit: Fit, data: Reduced, usual: bool = False) -> Budget:
     """The budget of the gap between the rig file's own twin and the records.
 
     Args:
         fit: the twin with the effects judged present, fitted to part of the records.
         data: all records.
+        usual: whether the rig's tolerances are not its file's, but a lab's usual ones.
     """
     own = with_own_hits(fit, data)
     noise, weighed = relative(data)
@@ -60,7 +61,8 @@ def budget(fit: Fit, data: Reduced) -> Budget:
     rows.append(_plain("model", "what no number explains", float(before @ seen) / whole - floor))
     rows.append(_plain("noise", "noise of the channels", floor))
     ordered = sorted(rows, key=lambda r: -abs(r.share))
-    return Budget(rows=ordered, calibrate=_calibrate(fit, ordered))
+    listed = data.rig.tolerance.model_dump(exclude={"meaning", "response"}) if usual else {}
+    return Budget(rows=ordered, calibrate=_calibrate(fit, ordered), usual=listed)
 
 
 def _residual(problem: Problem, u: Array) -> Array:
@@ -108,9 +110,10 @@ def _plain(kind: Any, said: str, share: float) -> BudgetRow:
 
 def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     """What to calibrate or measure first: what narrows the effects' intervals most, or else what is most of the gap."""
-    tolerances = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
     if not fit.problem.candidates:
-        worth = [r for r in tolerances if r.share > NAMED][:MOST]
+        # What the damping of a mode is nobody knows before the test.
+        listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
+        worth = [r for r in listed if r.share > NAMED][:MOST]
         return [
             f"Within tolerance: {r.said} ({abs(r.sigmas or 0):.1f} sigma), {r.share:.0%} of what you see."
             for r in worth
@@ -119,6 +122,10 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
     return [f"If this were known, the intervals would be {narrows[k]:.0%} narrower: {said[k]}." for k in best]
+
+
+def _within(row: BudgetRow) -> str:
+    return f"Within tolerance: {row.said} ({abs(row.sigmas or 0):.1f} sigma); it is {row.share:.0%} of what you see."
 
 
 def narrowing(fit: Fit) -> Array:

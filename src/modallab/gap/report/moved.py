@@ -11,6 +11,8 @@ from modallab.gap.model.tolerances import Deviation, held
 
 Array = NDArray[np.float64]
 
+SPOKEN = {"youngs_modulus": "Young's modulus", "thickness": "thickness", "density": "density"}
+
 
 @dataclass(frozen=True, slots=True)
 class Moved:
@@ -33,8 +35,7 @@ def moved(problem: Problem, u: Array) -> list[Moved]:
     t = rig.tolerance
     beam = (("youngs_modulus", t.youngs_modulus), ("thickness", t.thickness), ("density", t.density))
     found = [
-        Moved(name, "", f"{name.replace('_', ' ')} {float(held(u[k])) * sigma:+.2%}")
-        for k, (name, sigma) in enumerate(beam)
+        Moved(name, "", f"{SPOKEN[name]} {float(held(u[k])) * sigma:+.2%}") for k, (name, sigma) in enumerate(beam)
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
     found += [
