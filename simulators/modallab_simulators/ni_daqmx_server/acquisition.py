@@ -51,7 +51,9 @@ class AcquiringTask(Task):
 
     def begin(self, start_s: float, true_hz: float) -> None:
         """The first sample is at `start_s`."""
-        self.start_s, self.true_hz, self.position = start_s, true_hz, 0
+        self.start_s, self.true_hz = start_s, true_hz
+        if self.timing != "on-demand":
+            self.position = 0
         self.running, self.waiting = True, False
 
     def acquired(self, clock: BenchClock) -> int:

@@ -1,6 +1,7 @@
 """Events that clients register for: every so many samples, at the end of a task, at a signal."""
 
 import time
+from itertools import count
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,6 +18,7 @@ from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Task
 
 _MESSAGES: Any = messages
+_NUMBERS = count(1)
 LOOK_S = 0.001
 ACQUIRED, TRANSFERRED = 1, 2
 WRONG_EVENT = {ACQUIRED: -200981, TRANSFERRED: -200980}
@@ -84,28 +86,37 @@ def _watched(  # an event is all of this
         task = system.task(asked.task.name, Task)
         if task.events.get(key):
             raise StatusError(REGISTERED[key], f"Task Name: {task.name}")
-        task.events[key] = 1
+        number = next(_NUMBERS)
+        task.events[key] = number
         events = task.events
     # Without initial metadata the client would wait for ever for its registration.
     context.send_initial_metadata(())
-    reported, was_running = 0, False
+    reported, run = 0, 0
     try:
         while context.is_active():
             with system.lock:
                 found = system.tasks.get(asked.task.name)
-                if found is None:
+                if found is None or events.get(key) != number:
                     return
-                if found.running and not was_running:
-                    reported = 0
-                was_running = found.running
-                count = counted(found) if found.running else reported
-            if count > reported:
+                if found.runs != run:
+                    reported, run = 0, found.runs
+                passed = counted(found) if found.running else reported
+            if passed > reported:
                 reported += 1
                 yield answer()
             else:
                 time.sleep(LOOK_S)
     finally:
-        events.pop(key, None)
+        if events.get(key) == number:
+            events.pop(key)
+
+
+def unregister(system: SimulatedSystem, asked: Any, key: str) -> dict[str, Any]:
+    """Nobody wants these events any more."""
+    task = system.task(asked.task.name, Task)
+    for name in [name for name in task.events if name.startswith(key)]:
+        task.events.pop(name)
+    return {}
 
 
 STREAMS: dict[str, Callable[[SimulatedSystem, Any, grpc.ServicerContext], Iterator[Any]]] = {

@@ -33,6 +33,7 @@ def _read() -> dict[str, dict[int, tuple[str, str]]]:
 
 
 _NAMES = _read()
+_UNLISTED = {0x31E8: ("DEFAULT_NUMBER_OF_SAMPLES_TO_READ", "UInt32")}
 ZEROS: dict[str, Any] = {
     "Int32": 0, "UInt32": 0, "UInt64": 0, "Double": 0.0, "Bool": False, "String": "", "Bytes": b"", "Int32Array": [],
     "UInt32Array": [], "DoubleArray": [],
@@ -41,7 +42,7 @@ ZEROS: dict[str, Any] = {
 
 def lookup(family: str, number: int) -> tuple[str, str]:
     """Name and type of an attribute; an unknown one has the name ""."""
-    return _NAMES.get(family, {}).get(number, ("", "Int32"))
+    return _NAMES.get(family, {}).get(number, _UNLISTED.get(number, ("", "Int32")))
 
 
 def kind_of(family: str, name: str) -> str:

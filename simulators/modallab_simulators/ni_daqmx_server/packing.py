@@ -67,7 +67,7 @@ def codes_of(task: AcquiringTask, values: NDArray[Any]) -> NDArray[np.int64]:
     assert isinstance(task, InputTask)
     full = np.array([2 ** (min(c.module.bits, 16 if c.module.simulated else 32) - 1) - 1 for c in task.channels])
     per_code = np.array([c.module.input_range_v * c.per_volt for c in task.channels]) / full
-    return np.round(values / per_code[:, None]).astype(np.int64)
+    return np.floor(values / per_code[:, None]).astype(np.int64)
 
 
 def _codes(response: Any, asked: Any, task: AcquiringTask, values: NDArray[Any], count: int) -> Any:
@@ -197,12 +197,15 @@ def _analog_waveforms(response: Any, asked: Any, task: AcquiringTask, values: ND
 def _digital_waveforms(response: Any, asked: Any, task: AcquiringTask, values: NDArray[Any], count: int) -> Any:
     mode = asked.waveform_attribute_mode_raw or asked.waveform_attribute_mode
     for channel, row in zip(task.all_channels(), values, strict=True):
-        bits = bits_of(channel, row)
+        order = list(channel.wave_order or range(len(channel.physical.split(","))))
+        bits = np.ascontiguousarray(bits_of(channel, row)[:, order])
         waveform = _WAVEFORMS.DigitalWaveform(y_data=bits.tobytes(), signal_count=bits.shape[1])
         _times(waveform, task, task.position - values.shape[1], asked)
         if mode & 2:
             waveform.attributes["NI_ChannelName"].string_value = channel.name
-            waveform.attributes["NI_LineNames"].string_value = ", ".join(reversed(channel.physical.split(",")))
+            waveform.attributes["NI_LineNames"].string_value = ", ".join(
+                channel.physical.split(",")[n] for n in order
+            )
         response.waveforms.append(waveform)
     response.samps_per_chan_read = values.shape[1]
     return response

@@ -1,7 +1,7 @@
 """What a task's channels see: the bench, an output by an internal loop, or the sine that the driver makes up."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from modallab_simulators.ni_daqmx_server.iepe import Supply
 from modallab_simulators.ni_daqmx_server.input_task import InputChannel
 from modallab_simulators.ni_daqmx_server.lines import Floats, OutputLine
-from modallab_simulators.ni_daqmx_server.plant import Source
+from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Source
 
 if TYPE_CHECKING:
     from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
@@ -36,6 +36,7 @@ class ChannelSources:
         supplies: of IEPE sensors, by the place of the channel.
         rate_hz: of the samples in bench time.
         start_s: bench time of the first.
+        now: of the bench, where samples are taken when they are asked for; such a conversion takes its time.
         set_points: of powers supplied, by the place of the channel.
     """
 
@@ -47,6 +48,7 @@ class ChannelSources:
     rate_hz: float
     start_s: float
     set_points: dict[int, float]
+    now: Callable[[], float] | None = None
     position: int = 0
 
     def take(self, count: int) -> tuple[Floats, NDArray[np.bool_]]:
@@ -61,7 +63,7 @@ class ChannelSources:
             order, rows = list(self.rows), list(self.rows.values())
             volts[order], overload[order] = found[rows], over[rows]
         for place, line in self.loops.items():
-            volts[place] = line.volts(times)
+            volts[place] = line.volts(times if self.now is None else np.full(count, self.now() + LATENCY_S))
         for place, supply in self.supplies.items():
             volts[place] = supply.seen(volts[place], times)
         for place, channel in enumerate(self.channels):
@@ -103,8 +105,9 @@ def channel_sources(system: "SimulatedSystem", task: "InputTask", rate_hz: float
     known = {place: float(task.get("PWR_VOLTAGE_SETPOINT", 0.0, c.name))
              for place, c in enumerate(task.channels) if c.kind == "Power"}  # fmt: skip
     return ChannelSources(
-        task.channels, rows, bench, loops, {p: s for p, s in supplies.items() if s is not None}, rate_hz, start_s, known
-    )
+        task.channels, rows, bench, loops, {p: s for p, s in supplies.items() if s is not None}, rate_hz, start_s,
+        known, system.clock.now if task.timing == "on-demand" else None,
+    )  # fmt: skip
 
 
 def _supply(

@@ -23,6 +23,7 @@ Moment = tuple[float, float]
 def start(system: "SimulatedSystem", task: Task) -> None:
     """Start a task, and all that have waited for it."""
     task.running = task.waiting = True
+    task.runs += 1
     if not _go(system, task, None):
         _follow_reference(system, task)
         return

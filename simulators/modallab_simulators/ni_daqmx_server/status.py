@@ -27,6 +27,8 @@ NO_SUCH_SCALE = -200378
 NO_SUCH_TASK = -200485
 NO_SUCH_GLOBAL_CHANNEL = -200882
 BAD_TEDS = -200826
+TRIGGER_ON_DEMAND = -200262
+CANNOT_CONFIGURE_TEDS = -200791
 NO_SUCH_TASK_CHANNEL = -200461
 OTHER_SCALE = -200601
 NO_TIMESTAMP = -209842
@@ -67,11 +69,15 @@ _SAID = {
     NO_SUCH_TASK: "Task specified is invalid because it does not exist in the data neighborhood.",
     NO_SUCH_GLOBAL_CHANNEL: "Global channel specified is invalid.",
     NO_TIMESTAMP: "Timestamp is not enabled for the event.",
-    WRONG_CHANNELS: "Write cannot be performed: the number of channels in the data does not match the task.",
-    WRONG_LINES: "The number of lines per channel in the data does not match the lines in the channel.",
+    WRONG_CHANNELS: "Write cannot be performed, because the number of channels in the data does not match the "
+    "number of channels in the task.",
+    WRONG_LINES: "Specified read or write operation failed, because the number of lines in the data for a channel does not "
+    "match the number of lines in the channel.",
     OTHER_SCALE: "Specified property is not supported for the type of the scale.",
     NO_SUCH_TASK_CHANNEL: "Specified channel name is not in the task.",
     NOT_CAPABLE_WHEN_IDLE: "Property can only be read while the task is reserved, committed or running.",
+    TRIGGER_ON_DEMAND: "A trigger was configured, but the sample timing type is on demand.",
+    CANNOT_CONFIGURE_TEDS: "Channel cannot be configured for TEDS.",
     BAD_TEDS: "TEDS sensor data is invalid or cannot be read.",
     NO_SUCH_DESTINATION: "Destination terminal to be routed could not be found on the device.",
     NO_SUCH_SCALE: "Custom scale specified does not exist.",

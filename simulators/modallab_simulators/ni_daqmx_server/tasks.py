@@ -18,11 +18,13 @@ class Channel:
         name: the task's name of it.
         physical: its device's name of it; several lines, joined by commas, can make one channel.
         module: it belongs to.
+        wave_order: of its lines in a waveform, where it is another one: ports begin with their last line.
     """
 
     name: str
     physical: str
     module: Module
+    wave_order: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -36,6 +38,8 @@ class Task:
         attributes: what clients have set, by channel and the attribute's name.
         timing: what paces it.
         waiting: whether it was started and waits for its start trigger or its clock.
+        committed: whether its resources are reserved and its settings are on the device.
+        runs: how often it was started.
         events: kinds of events that somebody has registered for.
     """
 
@@ -46,6 +50,7 @@ class Task:
     timing: Timing = "on-demand"
     waiting: bool = False
     committed: bool = False
+    runs: int = 0
     events: dict[str, int] = field(default_factory=dict[str, int])
 
     def all_channels(self) -> Sequence[Channel]:

@@ -129,6 +129,27 @@ def _moved(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
     return task.position if isinstance(task, AcquiringTask) else 0
 
 
+def _coerced(sign: float) -> Computed:
+    # Boards with an amplifier for several ranges say the range that they have chosen.
+    def limit(server: SimulatedSystem, task: Task, channel: Channel | None) -> float | None:
+        if not isinstance(task, InputTask) or channel is None or not channel.module.multiplexed:
+            return None
+        found = next(c for c in task.channels if c.name == channel.name)
+        if found.kind != "Voltage" or found.scaled is not None:
+            return None
+        set_low, set_high = task.get("AI_MIN", found.low, found.name), task.get("AI_MAX", found.high, found.name)
+        wanted = max(abs(set_low), abs(set_high))
+        fitting = [r for r in channel.module.ranges_v() if r >= wanted * (1 - 1e-6)]
+        return sign * fitting[0] if fitting else None
+
+    return limit
+
+
+def _default_count(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
+    # What a read of all that is there means for this task.
+    return task.left(server.clock) if isinstance(task, AcquiringTask) and task.finite else 0xFFFFFFFF
+
+
 COMPUTED: dict[tuple[str, str], Computed] = {
     ("Task", "NAME"): lambda s, t, c: t.name,
     ("Task", "CHANNELS"): lambda s, t, c: joined(x.name for x in t.all_channels()),
@@ -138,6 +159,9 @@ COMPUTED: dict[tuple[str, str], Computed] = {
     ("Channel", "CHAN_TYPE"): lambda s, t, c: _TYPES[type(t)],
     ("Channel", "PHYSICAL_CHAN_NAME"): lambda s, t, c: c.physical.replace(",", ", ") if c else "",
     ("Channel", "CHAN_IS_GLOBAL"): lambda s, t, c: bool(t.get("GLOBAL")),
+    ("Channel", "AI_MAX"): _coerced(1.0),
+    ("Channel", "AI_MIN"): _coerced(-1.0),
+    ("Read", "DEFAULT_NUMBER_OF_SAMPLES_TO_READ"): _default_count,
     ("Channel", "AI_RNG_HIGH"): _range,
     ("Channel", "AI_RNG_LOW"): _low,
     ("Channel", "AI_FILTER_DELAY"): _filter_delay,

@@ -8,7 +8,7 @@ from modallab_simulators.ni_daqmx_server.answers.defaults import default
 from modallab_simulators.ni_daqmx_server.answers.known import COMPUTED
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import split
-from modallab_simulators.ni_daqmx_server.calls.timing import ON_DEMAND, set_rate
+from modallab_simulators.ni_daqmx_server.calls.timing import IMPLICIT, ON_DEMAND, require_routes, set_rate
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
@@ -46,6 +46,8 @@ def get(server: SimulatedSystem, family: str, name: str, kind: str, task: Task, 
     channels = chosen(task, which) if family == "Channel" else ()
     channel = channels[0] if channels else None
     _require_device_context(family, name, which)
+    if family == "Timing":
+        require_routes(server, task)
     computed: Callable[..., Any] | None = COMPUTED.get((family, name))
     if computed is not None:
         found = computed(server, task, channel)
@@ -86,7 +88,7 @@ def put(server: SimulatedSystem, family: str, name: str, task: Task, which: str,
     if family == "Timing" and name == "SAMP_CLK_RATE":
         set_rate(task, float(value))
     elif family == "Timing" and name == "SAMP_TIMING_TYPE":
-        task.timing = "on-demand" if value == ON_DEMAND else "clocked"
+        task.timing = "on-demand" if value == ON_DEMAND else "implicit" if value == IMPLICIT else "clocked"
     elif isinstance(task, AcquiringTask) and name == "INPUT_BUF_SIZE":
         task.buffer = int(value)
     elif isinstance(task, OutputTask) and name == "REGEN_MODE":
@@ -95,7 +97,9 @@ def put(server: SimulatedSystem, family: str, name: str, task: Task, which: str,
     elif isinstance(task, WatchdogTask) and name == "TIMEOUT":
         task.timeout_s = float(value)
     place = which if family in ("Watchdog", "Timing") else ""
-    task.attributes[place, name] = _full(task, name, value)
+    if name == "OUTPUT_BUF_SIZE" and isinstance(task, AcquiringTask):
+        raise StatusError(status.NOT_SUPPORTED_HERE, f"Property: {name}")
+    task.attributes[place, name] = _full(task, name, value) if family == "Timing" else value
 
 
 def _full(task: Task, name: str, value: Any) -> Any:
@@ -131,4 +135,4 @@ def reset(server: SimulatedSystem, family: str, name: str, task: Task, which: st
         set_rate(task, default("Timing", name, "Double", task, None))
     task.attributes.pop((which if family in ("Watchdog", "Timing") else "", name), None)
     if isinstance(task, WatchdogTask) and name == "TIMEOUT":
-        task.timeout_s = -1.0
+        task.timeout_s = 10.0

@@ -100,7 +100,9 @@ def _channel(  # each is one fact of a channel
     if kind in (*_SENSORS, "Voltage", "Accel4WireDCVoltage") and scaled is None:
         if not module.simulated and max(abs(low), abs(high)) / abs(per_volt) > module.input_range_v * (1 + 1e-6):
             raise StatusError(status.INVALID_VALUE, f"Property: AI.Max\nRequested Value: {high}\nChannel: {physical}")
-    return InputChannel(name, physical, module, per_volt, scaled, low, high, kind)
+    return InputChannel(
+        name, physical, module, per_volt=per_volt, scaled=scaled, low=low, high=high, kind=kind
+    )  # fmt: skip
 
 
 def _per_volt(request: Any, kind: str) -> float:

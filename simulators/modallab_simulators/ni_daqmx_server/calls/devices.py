@@ -134,6 +134,19 @@ def configure_logging(system: SimulatedSystem, request: Any) -> Answer:
     return {}
 
 
+def save_channel(system: SimulatedSystem, request: Any) -> Answer:
+    """Keep an analog input channel of a task."""
+    task = system.task(request.task.name, InputTask)
+    channel = next(c for c in task.channels if c.name == request.channel_name)
+    system.saved.channels[request.save_as or channel.name] = {
+        "ChanType": "Analog Input", "AI.MeasType": "Voltage", "AI.TermCfg": "Differential",
+        "AI.Min": str(channel.low), "AI.Max": str(channel.high), "PhysicalChanName": channel.physical,
+        "Author": request.author,
+        "AllowInteractiveEditing": str(bool(request.options_raw & 2 or request.options & 2)),
+    }  # fmt: skip
+    return {}
+
+
 def nothing(system: SimulatedSystem, request: Any) -> Answer:
     """Accepted, and without a consequence on the bench."""
     return {}

@@ -35,12 +35,21 @@ def _channels(system: SimulatedSystem, request: Any) -> list[Channel]:
     groups = [(name, lines_of(system, name)) for name in listed]
     module = system.module_of(listed[0])
     if request.line_grouping_raw or request.line_grouping:
-        name = request.name_to_assign_to_lines or str(request.lines).replace(" ", "")
-        return [Channel(name, ",".join(line for _, lines in groups for line in lines), module)]
+        lines = [line for _, found in groups for line in found]
+        name = request.name_to_assign_to_lines or (listed[0] if len(listed) == 1 else f"{listed[0]}...")
+        return [Channel(name, ",".join(lines), module, _order(groups))]
     names = assigned(str(request.name_to_assign_to_lines), listed)
     if all(lines == [name] for name, lines in groups):
         return [Channel(n, lines[0], module) for n, (_, lines) in zip(names, groups, strict=True)]
     return [Channel(line, line, module) for _, lines in groups for line in lines]
+
+
+def _order(groups: list[tuple[str, list[str]]]) -> tuple[int, ...]:
+    found: list[int] = []
+    for name, lines in groups:
+        places = range(len(found), len(found) + len(lines))
+        found += places if lines == [name] else reversed(places)
+    return tuple(found)
 
 
 def add_inputs(system: SimulatedSystem, request: Any) -> Answer:

@@ -8,6 +8,7 @@ from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import split
 from modallab_simulators.ni_daqmx_server.calls.saved_channels import add_saved
+from modallab_simulators.ni_daqmx_server.calls.timing import verify
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
@@ -17,7 +18,7 @@ from modallab_simulators.ni_daqmx_server.tasks import Task
 Answer = dict[str, Any]
 
 NEW, ATTACH = 1, 2
-COMMIT, RESERVE, UNRESERVE, ABORT = 3, 4, 5, 6
+VERIFY, COMMIT, RESERVE, UNRESERVE, ABORT = 2, 3, 4, 5, 6
 LOOK_S = 0.005
 STOPPED_EARLY = 200010
 
@@ -71,7 +72,9 @@ def clear_task(system: SimulatedSystem, request: Any) -> Answer:
 
 def start_task(system: SimulatedSystem, request: Any) -> Answer:
     """Start."""
-    system.start(with_channels(system.task(request.task.name, Task)))
+    task = with_channels(system.task(request.task.name, Task))
+    verify(system, task)
+    system.start(task)
     return {}
 
 
@@ -104,6 +107,8 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     """Reserve, stop, abort and the like."""
     task = system.task(request.task.name, Task)
     action = request.action_raw or request.action
+    if action in (VERIFY, COMMIT, RESERVE):
+        verify(system, with_channels(task))
     if action in (COMMIT, RESERVE):
         system.reserved.take(with_channels(task))
         task.committed = True

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from modallab_simulators.ni_daqmx_server import teds
+from modallab_simulators.ni_daqmx_server import events, teds
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls import (
     analog_inputs, counters, devices, digital, outputs, sessions, timing, triggers, writes,
@@ -83,6 +83,12 @@ HANDLERS: dict[str, Handler] = {
     "TristateOutputTerm": devices.nothing,
     "ConfigureLogging": devices.configure_logging,
     "StartNewFile": devices.nothing,
+    "UnregisterDoneEvent": partial(events.unregister, key="done"),
+    "UnregisterEveryNSamplesEvent": partial(events.unregister, key="every"),
+    "UnregisterSignalEvent": partial(events.unregister, key="signal"),
+    "RestoreLastExtCalConst": devices.self_test,
+    "SaveGlobalChan": devices.save_channel,
+    "SaveScale": devices.nothing,
     "ConfigureTEDS": teds.configure,
     "ClearTEDS": teds.clear,
 } | MOMENTS

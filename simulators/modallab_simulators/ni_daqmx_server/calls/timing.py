@@ -19,6 +19,7 @@ from modallab_simulators.ni_daqmx_server.tasks import Task
 Answer = dict[str, Any]
 
 FINITE, CONTINUOUS, SINGLE_POINT = 10178, 10123, 12522
+NO_TRIGGER = 10230
 SAMPLE_CLOCK, ON_DEMAND, IMPLICIT = 10388, 10390, 10451
 HANDSHAKE, BURST, CHANGE_DETECTION, PIPELINED = 10389, 12548, 12504, 14668
 _TERMINALS = ("PFI", "RTSI", "PXI", "CLOCK", "CLK", "TIMEBASE", "TRIGGER", "INTERNAL", "CTR", "SIGNAL", "APFI", "EVENT",
@@ -45,9 +46,32 @@ def _pace(task: Task, kind: int, mode: int, count: int) -> None:
     task.attributes["", "SAMP_QUANT_SAMP_PER_CHAN"] = count
 
 
+def require_routes(system: SimulatedSystem, task: Task) -> None:
+    """Reject clocks and triggers that cannot be routed: a device says so when it is committed, or asked.
+
+    Raises:
+        StatusError: there is no such terminal.
+    """
+    for attribute in ("SAMP_CLK_SRC", "DIG_EDGE_START_TRIG_SRC"):
+        require_terminal(system, task.get(attribute, ""))
+
+
+def verify(system: SimulatedSystem, task: Task) -> None:
+    """Look through all that was set, as a device does before it reserves.
+
+    Raises:
+        StatusError: something does not fit.
+    """
+    require_routes(system, task)
+    exported = task.get("START_TRIG_OUTPUT_TERM", "")
+    if exported and exported.upper() in ("RTSI", "PFI"):
+        raise StatusError(status.NO_SUCH_DESTINATION, f"Destination Terminal: {exported}")
+    if task.timing == "on-demand" and task.get("START_TRIG_TYPE", NO_TRIGGER) != NO_TRIGGER:
+        raise StatusError(status.TRIGGER_ON_DEMAND, f"Task Name: {task.name}")
+
+
 def set_clock(system: SimulatedSystem, request: Any) -> Answer:
     """Rate and length, by a clock."""
-    require_terminal(system, request.source)
     task = system.task(request.task.name, Task)
     mode = request.sample_mode_raw or request.sample_mode
     _set_rate(task, request.rate, int(request.samps_per_chan) if mode == FINITE else 0)

@@ -8,7 +8,7 @@ from modallab_simulators.ni_daqmx_server.calls.kinds import fields_of
 from modallab_simulators.ni_daqmx_server.calls.timing import require_terminal
 from modallab_simulators.ni_daqmx_server.input_task import InputTask, ReferenceTrigger
 from modallab_simulators.ni_daqmx_server.status import StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
+from modallab_simulators.ni_daqmx_server.tasks import Task, terminal
 
 Answer = dict[str, Any]
 
@@ -25,13 +25,14 @@ def configure(system: SimulatedSystem, request: Any, kind: str, place: str) -> A
     """A trigger of a kind such as DIG_EDGE at START or REF."""
     task = system.task(request.task.name, Task)
     given = fields_of(request)
-    if kind == "DIG_EDGE":
-        require_terminal(system, request.trigger_source)
     if place == "REF" and isinstance(task, InputTask):
         _set_reference(task, given, kind)
     for field, value in given.items():
         if field in _FIELDS:
-            task.attributes["", f"{kind}_{place}_TRIG_{_FIELDS[field]}"] = value
+            full = field == "trigger_source" and kind != "DIG_PATTERN" and "/" not in value
+            task.attributes["", f"{kind}_{place}_TRIG_{_FIELDS[field]}"] = (
+                terminal(value, task.device) if full else value
+            )
     if "pretrigger_samples" in given:
         task.attributes["", "REF_TRIG_PRETRIG_SAMPLES"] = given["pretrigger_samples"]
     task.attributes["", f"{place}_TRIG_TYPE"] = TYPES[kind]

@@ -84,7 +84,8 @@ def raw(system: SimulatedSystem, request: Any) -> Answer:
         numbers = np.frombuffer(request.write_array, dtype=f"<u{width}").reshape(-1, len(task.channels)).T
         return {"samps_per_chan_written": _set_lines(system, task, numbers, auto_start=request.auto_start)}
     output = system.task(request.task.name, OutputTask)
-    numbers = np.frombuffer(request.write_array, dtype="<i2").reshape(-1, 1 + len(output.others)).T
+    whole = int(request.num_samps) * (1 + len(output.others))
+    numbers = np.frombuffer(request.write_array, dtype="<i2")[:whole].reshape(-1, 1 + len(output.others)).T
     volts = numbers / CODES["WriteBinaryI16"][1] * output.channels[0].module.output_range_v
     return {"samps_per_chan_written": _put(system, output, volts, auto_start=request.auto_start)}
 
@@ -189,6 +190,8 @@ def digital_waveforms(system: SimulatedSystem, request: Any) -> Answer:
         if waveform.signal_count != width:
             raise StatusError(status.WRONG_LINES, f"Number of Lines: {width}\nin Data: {waveform.signal_count}")
         levels = np.frombuffer(waveform.y_data, dtype=np.uint8).reshape(-1, width)
-        parts.append(levels.astype(np.bool_))
+        placed = np.empty_like(levels)
+        placed[:, list(channel.wave_order or range(width))] = levels
+        parts.append(placed.astype(np.bool_))
     written = _set_levels(system, task, np.concatenate(parts, axis=1), auto_start=request.auto_start)
     return {"samps_per_chan_written": written}
