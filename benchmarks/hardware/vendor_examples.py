@@ -47,9 +47,7 @@ def main() -> int:
 
 def _run_one(python: Path, checkout: Path, example: Path) -> str:
     # Each has a server of its own: what one leaves running does not spoil the next.
-    with subprocess.Popen(
-        server_command(checkout), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as server:
+    with subprocess.Popen(server_command(checkout), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None
         port = json.loads(server.stdout.readline())["port"]

@@ -203,9 +203,7 @@ def _digital_waveforms(response: Any, asked: Any, task: AcquiringTask, values: N
         _times(waveform, task, task.position - values.shape[1], asked)
         if mode & 2:
             waveform.attributes["NI_ChannelName"].string_value = channel.name
-            waveform.attributes["NI_LineNames"].string_value = ", ".join(
-                channel.physical.split(",")[n] for n in order
-            )
+            waveform.attributes["NI_LineNames"].string_value = ", ".join(channel.physical.split(",")[n] for n in order)
         response.waveforms.append(waveform)
     response.samps_per_chan_read = values.shape[1]
     return response

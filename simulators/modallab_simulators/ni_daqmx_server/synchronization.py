@@ -55,7 +55,7 @@ class Clocks:
         if not self.several:
             return 0.0
         for attribute in ("SAMP_CLK_SRC", "SAMP_CLK_TIMEBASE_SRC"):
-            lent = _device_of(task.source(attribute))
+            lent = _device_of(task.routed(attribute))
             if lent and lent not in _devices(task):
                 return self._device_ppm(lent)
         reference = task.routed("REF_CLK_SRC").rpartition("/")[2].upper()
@@ -76,6 +76,11 @@ class Clocks:
         else:
             self.phases[own] = float(self._draw.uniform())
         return self.phases[own]
+
+    def late(self, task: InputTask) -> float:
+        """By how many parts of a sample a task begins after its moment: another's first sample if it waited."""
+        own = self.phase(task)
+        return (own - self.phases.get(_device_of(task.routed("DIG_EDGE_START_TRIG_SRC")), 0.0)) % 1.0
 
     def software_s(self) -> float:
         """How much later than asked for a start by software is."""

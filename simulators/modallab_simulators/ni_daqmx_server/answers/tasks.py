@@ -4,17 +4,17 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.answers.defaults import default
 from modallab_simulators.ni_daqmx_server.answers.known import COMPUTED
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import split
 from modallab_simulators.ni_daqmx_server.calls.timing import IMPLICIT, ON_DEMAND, require_routes, set_rate
+from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task, terminal
-from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 
 REGENERATE = 10097
 _PER_DEVICE = ("AI_CONV", "SYNC_PULSE", "SAMP_CLK_TIMEBASE", "REF_CLK", "FIRST_SAMP_CLK")

@@ -6,8 +6,7 @@ from modallab.core.units import STANDARD_GRAVITY
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import assigned, split
-from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, settings
-from modallab_simulators.ni_daqmx_server.calls.kinds import fields_of
+from modallab_simulators.ni_daqmx_server.calls.kinds import MEASURES, fields_of, settings
 from modallab_simulators.ni_daqmx_server.input_task import InputChannel, InputTask
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.scales import scaling
