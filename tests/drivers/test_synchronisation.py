@@ -33,7 +33,7 @@ def test_the_delay_between_two_channels_is_found_within_its_sigma(signal, delay_
     found = delay_between(signal(TIMES) + noise[0], signal(TIMES - delay_s) + noise[1], RATE_HZ)
     assert found is not None
     assert abs(found.seconds - delay_s) < 5 * found.sigma_s + 1e-3 * delay_s
-    # A tenth of a degree at 10 kHz can be told from none.
+    # A tenth of a degree at 10 kHz differs from none.
     assert found.degrees(found.sigma_s) < 0.02
 
 
