@@ -78,6 +78,13 @@ class Burst:
         """From 0 V to 0 V."""
         return 2 * self.ramp_s + self.hold_s
 
+    def envelope(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Level at times since its start, 0 to 1: cosine tapers at both ends."""
+        if self.ramp_s == 0:
+            return ((times_s >= 0) & (times_s <= self.duration_s)).astype(float)
+        edge = np.clip(np.minimum(times_s, self.duration_s - times_s) / self.ramp_s, 0, 1)
+        return (1 - np.cos(np.pi * edge)) / 2
+
 
 @runtime_checkable
 class Bench(Protocol):

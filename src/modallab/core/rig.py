@@ -194,13 +194,27 @@ class Converter(Frozen):
 
 
 class Limits(Frozen):
-    """What the excitation may never exceed. Needed to drive, not to read."""
+    """What the excitation may never exceed. Needed to drive, not to read.
+
+    Attributes:
+        drive_v: amplitude of the drive.
+        slew_v_per_s: its steepest slope.
+        force_n: of the force channel, either way.
+        acceleration_m_s2: of every acceleration channel, either way.
+        max_burst_s: how long a burst may last.
+        velocity_m_s: of every response, either way; measured, or integrated from the acceleration.
+        displacement_m: the same of the displacement.
+        stroke_m: of the shaker, either way from its middle: the displacement at its point, where a response must be.
+    """
 
     drive_v: Positive
     slew_v_per_s: Positive
     force_n: Positive
     acceleration_m_s2: Positive
     max_burst_s: Positive
+    velocity_m_s: Positive | None = None
+    displacement_m: Positive | None = None
+    stroke_m: Positive | None = None
 
 
 class Rig(Frozen):

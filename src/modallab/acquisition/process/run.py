@@ -3,17 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from math import ceil
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.live import LiveSamples, LiveTap
+from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
-from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
@@ -35,7 +36,6 @@ Order = Literal["stop", "abort", "emergency", "ended", "lost"]
 """How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
 
 Control = Callable[[], Order | None]
-Live = Callable[[LiveSamples], None]
 
 REAL_TIME_CHUNK_S = 0.05
 FREE_CHUNK_S = 0.5
@@ -66,7 +66,7 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
-    live: Live | None = None,
+    live: LiveRing | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -82,7 +82,7 @@ def run_plan(
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
-        live: takes a look at the samples as they come.
+        live: where samples are shown as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -140,13 +140,11 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
-    live: Live | None = None
+    live: LiveRing | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
-        """Shows what comes, if somebody wants to see it."""
-        if self.live is None:
-            return None
-        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
+        """Shows what comes, where it is to be shown."""
+        return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.
@@ -214,7 +212,9 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-    keep = MEMORY_BLOCKS * block
+    # A block is looked at, and written, when its burst has ended.
+    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    keep = MEMORY_BLOCKS * block + tail
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
