@@ -11,6 +11,7 @@ from modallab_simulators.cantilever.read_effect import read_effect
 from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S
 
 MAX_ZETA = 0.2
+TOLERANCES = ("none", "usual", "stated")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +31,7 @@ class Settings:
         operator: port on which a script says when and where the hammer strikes; 0: the bench strikes when asked.
         speed: with `pace`, how many times faster than real time reads go.
         effects: what else is wrong with the bench; the parameter `effect` may occur many times.
+        tolerances: how well it is put together: "none" is ideally, "usual" as in a lab, "stated" as its rig file says.
     """
 
     seed: int = 0
@@ -44,6 +46,7 @@ class Settings:
     operator: int = 0
     speed: float = 1.0
     effects: tuple[Effect, ...] = ()
+    tolerances: str = "none"
 
 
 def parse(url: str) -> Settings:
@@ -146,6 +149,12 @@ def _range(text: str) -> tuple[float, float]:
     return low, high
 
 
+def _tolerances(text: str) -> str:
+    if text not in TOLERANCES:
+        raise ValueError(text)
+    return text
+
+
 _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "seed": (_seed, "a whole number from 0"),
     "bad_hits": (_number(0.0, 1.0), "a probability, 0 to 1"),
@@ -157,5 +166,6 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "peak_n": (_range, "lowest and highest peak of a hit in N, such as 50,150"),
     "operator": (_port, "a port from 1024 to 65535"),
     "speed": (_number(0.0, 100.0, above=True), "how many times faster than real time, above 0 to 100"),
+    "tolerances": (_tolerances, ", ".join(TOLERANCES)),
     "reaction_s": (_range, "shortest and longest time to a hit in s, such as 0.5,1.5"),
 }
