@@ -15,10 +15,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).parent / "vendor"
-sys.path.insert(0, str(HERE))
+from vendor.environment import interpreter, server_command
 
-from environment import interpreter, server_command
+HERE = Path(__file__).parent / "vendor"
 
 ENTER_S = 3.0
 LIMIT_S = 20.0
@@ -47,9 +46,7 @@ def main() -> int:
 
 def _run_one(python: Path, checkout: Path, example: Path) -> str:
     # Each has a server of its own: what one leaves running does not spoil the next.
-    with subprocess.Popen(
-        server_command(checkout), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as server:
+    with subprocess.Popen(server_command(checkout), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None
         port = json.loads(server.stdout.readline())["port"]

@@ -110,7 +110,9 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="modallab_simulators.ni_daqmx_server", description=__doc__)
     parser.add_argument("--rig", type=Path, required=True, help="what truly stands on the bench, JSON or YAML")
     parser.add_argument("--system", choices=sorted(SYSTEMS), default="9215")
-    parser.add_argument("--devices", type=Path, action="append", help="the vendor's file of devices, in place of --system")
+    parser.add_argument(
+        "--devices", type=Path, action="append", help="the vendor's file of devices, in place of --system"
+    )
     parser.add_argument("--port", type=int, default=0)
     parser.add_argument("--bench", default="sim://cantilever?seed=1&bad_hits=0", help="the bench behind the devices")
     parser.add_argument("--bits", type=int, default=24, help="at most so many of the converters")

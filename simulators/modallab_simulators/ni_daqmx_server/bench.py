@@ -55,9 +55,7 @@ class SimulatedSystem:
         faults: armed.
     """
 
-    def __init__(
-        self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: Saved | None = None
-    ) -> None:
+    def __init__(self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: Saved | None = None) -> None:
         self.lock = threading.RLock()
         self.clock = clock
         self.chassis = {chassis.name: chassis for chassis in layout.chassis}

@@ -1,8 +1,8 @@
 """Events that clients register for: every so many samples, at the end of a task, at a signal."""
 
 import time
-from itertools import count
 from collections.abc import Callable, Iterator
+from itertools import count
 from typing import Any
 
 import grpc

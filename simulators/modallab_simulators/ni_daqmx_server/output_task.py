@@ -59,7 +59,9 @@ class OutputTask(Task):
             return
         at_s = clock.now() + LATENCY_S if at_s is None else at_s
         again = not self.finite and self.again
-        self.wave = Samples(at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps)
+        self.wave = Samples(
+            at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps
+        )
         self.line.put(at_s, self.wave)
 
     def stop(self, clock: BenchClock) -> None:

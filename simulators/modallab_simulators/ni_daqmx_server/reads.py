@@ -3,7 +3,6 @@
 import time
 from typing import Any
 
-import numpy as np
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 from numpy.typing import NDArray
 

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
+from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.digital_task import DigitalInputTask
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
-from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
@@ -118,7 +118,7 @@ def route(source: str) -> str:
 
 def start_terminals(task: Task) -> set[str]:
     """Where the start trigger of a task can be found."""
-    devices = {c.module.name for c in task.all_channels()} | {task.device}
+    devices = {c.module.name for c in task.all_channels()} | {task.own_device}
     own = {f"/{device}/{kind_of(task)}/StartTrigger" for device in devices}
     exported = task.routed("START_TRIG_OUTPUT_TERM")
     return own | ({route(exported)} if exported else set())
@@ -146,7 +146,9 @@ def pulses_of(task: Task, source: str) -> Pulses | None:
                 return task.pulses(channel)
         return None
     kind = kind_of(task)
-    ends = {f"/{device}/{kind}/SampleClock" for device in {c.module.name for c in task.all_channels()} | {task.device}}
+    ends = {
+        f"/{device}/{kind}/SampleClock" for device in {c.module.name for c in task.all_channels()} | {task.own_device}
+    }
     exported = task.routed("SAMP_CLK_OUTPUT_TERM")
     clocks = ends | ({route(exported)} if exported else set())
     return clock_pulses(task) if kind and route(source) in clocks else None

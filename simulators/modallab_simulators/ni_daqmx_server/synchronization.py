@@ -55,7 +55,7 @@ class Clocks:
         if not self.several:
             return 0.0
         for attribute in ("SAMP_CLK_SRC", "SAMP_CLK_TIMEBASE_SRC"):
-            lent = _device_of(task.source(attribute))
+            lent = _device_of(task.routed(attribute))
             if lent and lent not in _devices(task):
                 return self._device_ppm(lent)
         reference = task.routed("REF_CLK_SRC").rpartition("/")[2].upper()
