@@ -164,6 +164,7 @@ class SimulatedSystem:
         true_hz = (rate_hz or task.rate_hz) * (1 + self.clocks.ppm(task) * 1e-6)
         first_s = at_s if rate_hz else at_s + self.clocks.phase(task) / true_hz
         task.sample(first_s, true_hz, lambda hz, from_s: channel_sources(self, task, hz, from_s))
+        task.triggered_s = at_s
 
     def pulses(self, source: str) -> Pulses | None:
         """What is on a terminal now."""

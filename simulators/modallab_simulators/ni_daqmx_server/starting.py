@@ -62,6 +62,8 @@ def _moment(system: "SimulatedSystem", task: Task, begun: Task | None) -> Moment
     """When a task begins, and the rate of a clock that is not its own; None: not yet."""
     at_s: float | None = system.clock.now()
     source = _trigger(task)
+    if isinstance(task, InputTask) and not source:
+        at_s = system.clock.now() + system.clocks.software_s()
     if source:
         at_s = _edge(system, source, at_s, begun, rising=task.get("DIG_EDGE_START_TRIG_EDGE") != FALLING)
     if at_s is None:
@@ -94,7 +96,9 @@ def _edge(system: "SimulatedSystem", source: str, at_s: float, begun: Task | Non
 
 def begun_at(task: Task, now_s: float) -> float:
     """Bench time at which a task began."""
-    if isinstance(task, AcquiringTask | LineTask | CounterOutputTask):
+    if isinstance(task, AcquiringTask):
+        return task.triggered_s
+    if isinstance(task, LineTask | CounterOutputTask):
         return task.start_s
     return task.wave.start_s if isinstance(task, OutputTask) and task.wave is not None else now_s
 
