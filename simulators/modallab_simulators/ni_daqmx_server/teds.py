@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 MILLIVOLTS_PER_G = 12509
 NUMBER_BITS = 40
+MILLIVOLTS_PER_NEWTON = 15891
+_MEASURED = {"Accel": "acceleration", "ForceIEPE": "force"}
 
 
 def sheet_of(system: "SimulatedSystem", physical: str, call: str) -> dict[str, Any] | None:
@@ -21,13 +23,25 @@ def sheet_of(system: "SimulatedSystem", physical: str, call: str) -> dict[str, A
     if physical in system.sheets:
         return {}
     module = system.module_of(physical)
-    if module.simulated or physical not in module.input_names() or call != "Accel":
+    if module.simulated or physical not in module.input_names() or call not in _MEASURED:
         return None
     channel = system.rig.channels[system.row_of(physical)]
-    if channel.quantity != "acceleration" or channel.coupling != "IEPE" or not channel.serial:
+    if channel.quantity != _MEASURED[call] or channel.coupling != "IEPE" or not channel.serial:
         return None
+    if call == "ForceIEPE":
+        millivolts = 1e3 * channel.sensitivity("impact")
+        return {
+            "AI_FORCE_IEPE_SENSOR_SENSITIVITY": millivolts,
+            "AI_FORCE_IEPE_SENSOR_SENSITIVITY_UNITS": MILLIVOLTS_PER_NEWTON,
+        }
     volts_per_g = channel.sensitivity("impact") * STANDARD_GRAVITY
     return {"AI_ACCEL_SENSITIVITY": 1e3 * volts_per_g, "AI_ACCEL_SENSITIVITY_UNITS": MILLIVOLTS_PER_G}
+
+
+def serial_of(system: "SimulatedSystem", physical: str) -> int:
+    """The serial number in the data sheet of the bench's own sensor; 0: it has none."""
+    channel = system.rig.channels[system.row_of(physical)]
+    return int(channel.serial) if channel.coupling == "IEPE" and channel.serial.isdecimal() else 0
 
 
 def configure(system: "SimulatedSystem", request: Any) -> dict[str, Any]:

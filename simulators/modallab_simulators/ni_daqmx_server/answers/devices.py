@@ -11,6 +11,7 @@ from modallab_simulators.ni_daqmx_server.catalogue import C_SERIES, X_SERIES
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import Chassis
+from modallab_simulators.ni_daqmx_server.teds import serial_of
 from modallab_simulators.ni_daqmx_server.timebases import MODES, TRIGGERED
 
 ACCESSORY_NUMBERS = {"RM-24999_A": 0x7992}
@@ -150,6 +151,8 @@ def physical(server: SimulatedSystem, which: str, name: str) -> Any:
 
 
 def _sheet(server: SimulatedSystem, which: str, name: str) -> Any:
+    if which not in server.sheets and name == "TEDS_SERIAL_NUM" and serial_of(server, which):
+        return serial_of(server, which)
     if which not in server.sheets:
         raise StatusError(status.NO_TEDS, f"Physical Channel: {which}")
     data = server.sheets[which]
