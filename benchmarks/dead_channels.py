@@ -15,7 +15,6 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
 
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
@@ -25,6 +24,7 @@ from modallab.core.plan import PAPER_LINES, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.storage import Store
+from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
 
 GOAL_S = 0.3
 LOOK_SAMPLES = 300

@@ -8,8 +8,8 @@ import grpc
 import nidaqmx
 import numpy as np
 import pytest
-from nidaqmx.constants import AcquisitionType
 from ni_server import NiServer
+from nidaqmx.constants import AcquisitionType
 from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
