@@ -15,7 +15,6 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
 
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
@@ -25,6 +24,7 @@ from modallab.core.plan import PAPER_LINES, SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.storage import Store
+from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
 
 GOAL_S = 0.3
 LOOK_SAMPLES = 300
@@ -124,7 +124,12 @@ def random_fault(rig: Rig, seed: int) -> ChannelFault:
     # A rise of a cosine reaches a tenth after a fifth of its time.
     part = rng.uniform(0.205 * RAMP_S / duration, 1 - RAMP_S / duration)
     return ChannelFault(
-        KINDS[seed % len(KINDS)], channel, int(rng.integers(1, BURSTS + 1)), float(part), other, float(rng.uniform(0.3, 0.8))
+        KINDS[seed % len(KINDS)],
+        channel,
+        int(rng.integers(1, BURSTS + 1)),
+        float(part),
+        other,
+        float(rng.uniform(0.3, 0.8)),
     )
 
 
