@@ -166,6 +166,12 @@ class NiBench:
         self._require("open", "configured", "stopped", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
 
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        if self._inputs is None or not self._inputs.open_unseen:
+            return ()
+        return tuple(p.channel.name for p in self._plugs if p.channel.coupling in ("IEPE", "bridge"))
+
     def zero(self) -> None:
         """Bring the output to 0 V now."""
         self._shaker.zero(reachable=self._state not in ("closed", "gone"))

@@ -71,6 +71,7 @@ class Inputs:
         self._flags = True
         self._polls_faults = any(plug.channel.coupling in ("IEPE", "bridge") for plug in plugs)
         self._polled_s = 0.0
+        self.open_unseen = False
 
     def _set_clock(self, rate_hz: float, reference: ReferenceTrigger | None) -> None:
         timing = self._task.timing
@@ -189,6 +190,7 @@ class Inputs:
             except nidaqmx.errors.DaqError as error:
                 if int(error.error_code) not in _UNSUPPORTED:
                     raise typed(error, self._where) from error
+                self.open_unseen |= exist == "open_chans_exist"
                 continue
             if found:
                 names = [plug.channel.name for plug in self._plugs if plug.physical in found]

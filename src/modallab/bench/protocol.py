@@ -209,6 +209,15 @@ class SelfDescribing(Protocol):
         ...
 
 
+@runtime_checkable
+class FeedsSensors(Protocol):
+    """A bench whose device feeds sensors, and may be able to say that one is missing."""
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Found:
     """A device that was found.
