@@ -2,7 +2,7 @@
 
     python benchmarks/dead_channels.py --trials 100
 
-Each trial is a sine test of three bursts on the simulated bench at the pace of the clock on the wall. At a random moment
+Each trial is a sine test of two bursts on the simulated bench at the pace of the clock on the wall. At a random moment
 of a random burst, from a tenth of the full drive on to the end of the hold, the force or an accelerometer dies, freezes,
 is unplugged, clips, or changes places with another. `--free` lets time be virtual: the same, counted in samples.
 """
@@ -29,7 +29,7 @@ from modallab.storage import Store
 GOAL_S = 0.3
 LOOK_SAMPLES = 300
 REST_SAMPLES = 1000
-BURSTS = 3
+BURSTS = 2
 RAMP_S = 1.0
 VISIBLE = 10.0
 """A channel that moves by less than so many times its noise, had it gone on, cannot be seen to fail."""

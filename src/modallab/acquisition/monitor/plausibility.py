@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
-from modallab.acquisition.monitor.tone_prediction import Foreseen, dead, faults, foresee, kept_up, lost, tone_basis
+from modallab.acquisition.monitor.tone_prediction import Foreseen, astray, dead, faults, foresee, kept_up, lost, tone_basis
 from modallab.bench.protocol import Burst, Chunk
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples
@@ -27,8 +27,8 @@ HOP_S = 0.02
 EARLIER_S = 0.1
 """Length of the earlier window, or one period of the drive if that is longer."""
 
-GAP_S = 0.02
-"""Between the two windows, as long as a hop: some look then finds all of a fault in the later one, none in the other."""
+GAP_S = 0.06
+"""Between the two windows, three hops: as many looks in a row find all of a fault in the later one, none in the other."""
 
 LATER_S = 0.05
 LATER_PERIODS = 0.4
@@ -166,6 +166,8 @@ class Plausibility:
             if self._watched[channel]:
                 raise _error(f"{self._names[channel]} {reason.format(*self._names)}")
         gone = self._unless_beats(dead(*pair, look.white_v), *pair)
+        # The responses may beat; the force follows the drive directly.
+        gone[self._force] |= astray(*pair, look.noise_v)[self._force]
         weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
         if weak is not None:
             gone |= self._unless_beats(lost(*weak, look.white_v), *weak)

@@ -21,16 +21,22 @@ BETTER = 4.0
 OVER_NOISE = 3.0
 """A channel is judged where it parts from what was foreseen by so many times its noise at rest."""
 
-OVER_MISFIT = 5.0
+OVER_MISFIT = 6.0
 """And by so many times what the earlier window left unexplained: an amplitude that rises or falls along a line parts by
-3.3 times that over the windows used here, however fast it does."""
+4.7 times that over the windows used here, however fast it does."""
 
 OVER_SIGNAL = 0.02
 """And by this part of its own amplitude."""
 
 STILL = 2.0
 MOVING = 8.0
-"""A channel is dead that stays within so many times its noise where it was to move by more than so many times."""
+"""A channel is dead that stays within so many times its noise and parts from what was foreseen by more than so many."""
+
+APART = 0.5
+"""Or, of a tone that is slow, by this part of it."""
+
+ASTRAY = 10.0
+"""A channel has gone astray that parts by so many times its noise and what was left unexplained before."""
 
 LEAST_CUT = 5
 CUT_PART = 0.1
@@ -122,7 +128,16 @@ def kept_up(seen: Real, foreseen: Foreseen) -> Real:
 
 def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
-    return (_still(seen) < STILL * white) & (_still(foreseen.later) > MOVING * white)
+    # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
+    least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
+    moving = (_still(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
+    return (_still(seen) < STILL * white) & moving
+
+
+def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+    """(channels,) whether a channel that followed the drive well parts from what was foreseen by as much as it moved."""
+    least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
+    return _rms(seen - foreseen.later, axis=1) > least
 
 
 def _still(values: Real) -> Real:
