@@ -1,10 +1,10 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
-While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known envelope:
-a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one. Where the two
-part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the same cut at a
-level (clipped), or what another channel should do (swapped). A structure does none of these from one window to the next;
-that it merely parts, as after a knock on the table, is no fault of the channel.
+While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
+envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one.
+Where the two part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the
+same cut at a level (clipped), or what another channel should do (swapped). A structure does none of these from one
+window to the next; that it merely parts, as after a knock on the table, is no fault of the channel.
 """
 
 from dataclasses import dataclass
@@ -85,7 +85,7 @@ def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
 
 
 def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
-    """What has become of channels, in words by channel; none for those that do what was foreseen, or merely part from it.
+    """What has become of channels, in words by channel; none for those that follow, or merely part from it.
 
     Args:
         seen: (channels, n) the later window, all in the same unit.
@@ -109,7 +109,10 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
             continue
         # Two plugs change places: each must read what the other was to read.
         if (_rms(seen[pair] - foreseen.later[pair[::-1]], axis=1) < parted[pair] / BETTER).all():
-            found |= {int(one): f"and {{{other}}} have changed places", int(other): f"and {{{one}}} have changed places"}
+            found |= {
+                int(one): f"and {{{other}}} have changed places",
+                int(other): f"and {{{one}}} have changed places",
+            }
     return found
 
 
@@ -122,7 +125,7 @@ def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
 
 
 def kept_up(seen: Real, foreseen: Foreseen) -> Real:
-    """(channels,) rms over what was foreseen: it falls in all responses at once where the structure's own beats do it."""
+    """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
     return _still(seen) / np.maximum(_still(foreseen.later), 1e-300)
 
 
@@ -135,7 +138,7 @@ def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
 
 
 def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
-    """(channels,) whether a channel that followed the drive well parts from what was foreseen by as much as it moved."""
+    """(channels,) whether what followed the drive well parts from what was foreseen by as much as it moved."""
     least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
     return _rms(seen - foreseen.later, axis=1) > least
 
@@ -150,10 +153,10 @@ def _still(values: Real) -> Real:
 def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | None:
     """The part of what was foreseen at which a channel is cut off flat; None if it is not."""
     top = float(np.abs(own).max())
-    beyond = np.abs(later) > top
-    if beyond.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
+    above = np.abs(later) > top
+    if above.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
         return None
-    flat = np.abs(own[beyond])
+    flat = np.abs(own[above])
     return top / float(np.abs(later).max()) if flat.std() < STILL * white else None
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.burst_watch import BurstWatch
+from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.procedures.drive import Measured
 from modallab.acquisition.procedures.settling import Settled, Settling, amplitude_at, fit_settling
 from modallab.bench.protocol import Burst

@@ -20,8 +20,8 @@ def take_priority() -> str:
             _take_on_posix()
     except OSError as error:
         return (
-            f"the watch on the limits runs at ordinary priority ({error.strerror or error}): on a busy machine a limit is"
-            " acted on later; permit a negative nice value, or keep other programs off"
+            f"the watch on the limits runs at ordinary priority ({error.strerror or error}): on a busy machine a limit"
+            " is acted on later; permit a negative nice value, or keep other programs off"
         )
     return ""
 
@@ -29,7 +29,7 @@ def take_priority() -> str:
 if sys.platform == "win32":
 
     def _take_on_windows() -> None:
-        import ctypes  # noqa: PLC0415
+        import ctypes
 
         kernel = ctypes.windll.kernel32
         if not kernel.SetPriorityClass(kernel.GetCurrentProcess(), HIGH_PRIORITY_CLASS):
