@@ -2,9 +2,9 @@
 
     python benchmarks/dead_channels.py --trials 100
 
-Each trial is a sine test of two bursts on the simulated bench, in real time. At a random moment
-of a random burst, from a tenth of the full drive on to the end of the hold, the force or an accelerometer dies,
-freezes, is unplugged, clips, or changes places with another. `--free` lets time be virtual: the same, counted in samples.
+Each trial is a sine test of two bursts on the simulated bench, in real time. At a random moment of a random burst, from
+a tenth of the full drive on to the end of the hold, the force or an accelerometer dies, freezes, is unplugged, clips,
+or changes places with another. `--free` lets time be virtual: the same, counted in samples.
 """
 
 import argparse

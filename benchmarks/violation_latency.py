@@ -5,8 +5,8 @@
     python benchmarks/violation_latency.py --trials 100 --load 20 --ordinary
 
 The loop is the one that runs in a rig's process, at its priority; the simulated bench computes in the same process.
-`--load` starts so many processes that never rest; `--ordinary` leaves the priority as it is. Counted are the time from when the
-sample was due to when the output was set to 0 V, and the 4 ms in which the simulated amplifier follows.
+`--load` starts so many processes that never rest; `--ordinary` leaves the priority as it is. Counted are the time from
+when the sample was due to when the output was set to 0 V, and the 4 ms in which the simulated amplifier follows.
 """
 
 import argparse

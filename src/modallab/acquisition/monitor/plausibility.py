@@ -37,7 +37,7 @@ EARLIER_S = 0.1
 """Length of the earlier window, or one period of the drive if that is longer."""
 
 GAP_S = 0.06
-"""Between the two windows, three hops: so many looks in a row find a fault in all of the later one, in none of the other."""
+"""Between the two windows, three hops: so many looks find a fault in all of the later one, and in none of the other."""
 
 LATER_S = 0.05
 LATER_PERIODS = 0.4
