@@ -210,11 +210,53 @@ class SelfDescribing(Protocol):
 
 
 @runtime_checkable
-class FeedsSensors(Protocol):
+class LooksForSensors(Protocol):
     """A bench whose device feeds sensors, and may be able to say that one is missing."""
 
     def open_sensors_unseen(self) -> tuple[str, ...]:
         """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
+        ...
+
+
+@runtime_checkable
+class SelfNaming(Protocol):
+    """A bench whose sensors may say themselves which they are (TEDS)."""
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SyncState:
+    """How several devices sample as one.
+
+    Attributes:
+        method: in words; empty where one device samples all.
+        acquired: samples each device has counted since the start.
+        unlocked: inputs whose clock has lost its reference.
+    """
+
+    method: str
+    acquired: dict[str, int]
+    unlocked: tuple[str, ...]
+
+
+@runtime_checkable
+class Synchronised(Protocol):
+    """A bench of several devices that sample as one."""
+
+    def synchronisation(self) -> SyncState:
+        """What the devices say of it, once configured."""
+        ...
+
+
+@runtime_checkable
+class FeedsSensors(Protocol):
+    """A bench whose inputs feed sensors: their bias must settle after the supply comes on."""
+
+    def fed_channels(self) -> tuple[str, ...]:
+        """Names of the channels that it feeds with a current."""
         ...
 
 

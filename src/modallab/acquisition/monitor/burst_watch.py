@@ -55,8 +55,7 @@ class BurstWatch:
         noise = RestNoise.of(rest, counts=counts)
         if self.own is None:
             self.own = noise
-        # Whole numbers may hide a small noise; real ones show any.
-        dead = self.own.fallen(noise) | self.own.ends_frozen(rest) | (~noise.visible & (not counts))
+        dead = self.own.fallen(noise) | self.own.ends_frozen(rest)
         fallen = np.flatnonzero(dead & np.isfinite(self.limits.limit))
         if fallen.size:
             names = ", ".join(self.limits.names[channel] for channel in fallen)

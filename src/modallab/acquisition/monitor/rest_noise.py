@@ -50,9 +50,12 @@ class RestNoise:
     def of(cls, window: Samples, *, counts: bool) -> Self:
         """Of a (channels, n) window at rest, as delivered; `counts`: in whole numbers."""
         rms = _fast_rms(window)
-        visible = rms >= (LEAST_COUNTS if counts else np.finfo(float).tiny)
-        same = np.diff(window, axis=1) == 0
-        often = np.maximum(same.mean(axis=1), _repeats(rms) if counts else 1e-3)
+        steps = np.abs(np.diff(window.astype(float), axis=1))
+        same = steps == 0
+        # Real numbers have a count as well, that of the converter they came from: their smallest step.
+        step = np.ones(len(rms)) if counts else np.min(np.where(same, np.inf, steps), axis=1)
+        visible = rms >= LEAST_COUNTS * step
+        often = np.maximum(same.mean(axis=1), _repeats(rms / step))
         likely = np.log(RARE) / np.log(np.minimum(often, 1 - 1e-9))
         resting = RESTING_RUN * np.array([_longest(row) for row in same])
         return cls(rms, np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf), visible)

@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
-from modallab.bench.protocol import FeedsSensors
+from modallab.bench.protocol import LooksForSensors
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice
@@ -212,7 +212,7 @@ def run_sine(context: Context, plan: SinePlan) -> None:
 
 
 def _say_what_is_unseen(context: Context) -> None:
-    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, FeedsSensors) else ()
+    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, LooksForSensors) else ()
     if unseen:
         what = (
             f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"
