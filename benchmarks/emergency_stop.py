@@ -137,9 +137,10 @@ def measure(name: str, bench: Bench, fault: Callable[[], object], headers: dict[
     took = [ms for _, ms in pressed]
     good = sum(status == 200 for status, _ in pressed)
     p99 = float(np.percentile(took, 99))
+    stays = "" if zero else " AND NOT TO THE END"
     print(
-        f"{name}: {good} of {presses} answered with 200, output at 0 V {zero_s:.2f} s after the first"
-        f"{'' if zero else ' AND NOT TO THE END'}; first {took[0]:.0f} ms, median {np.median(took):.1f} ms, p99 {p99:.1f} ms, longest {max(took):.0f} ms",
+        f"{name}: {good} of {presses} answered with 200, output at 0 V {zero_s:.2f} s after the first{stays}; first"
+        f" {took[0]:.0f} ms, median {np.median(took):.1f} ms, p99 {p99:.1f} ms, longest {max(took):.0f} ms",
         flush=True,
     )
     return good == presses and zero and zero_s <= ZERO_S and p99 <= LIMIT_MS
