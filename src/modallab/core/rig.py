@@ -14,8 +14,9 @@ from pydantic import (
 )
 
 from modallab.core.errors import RigError
-from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation
+from modallab.core.frozen import Frozen, unstated
+from modallab.core.hardware import Calibration, Excitation, Synchronisation
+from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
 from modallab.core.units import Quantity, Test
 from modallab.core.versions import RIG
@@ -24,6 +25,12 @@ Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+FORCE_SHARE = 0.5
+"""Of an accelerometer's tolerance: what the force transducer's sensitivity is uncertain by."""
+RESPONSE = 0.02
+"""Share of the response below which a difference does not matter, where a rig file does not say it."""
 
 
 class Beam(Frozen):
@@ -56,7 +63,7 @@ class Tolerance(Frozen):
         youngs_modulus: of E.
         thickness: of the beam's thickness.
         density: of rho.
-        sensitivity: of each accelerometer.
+        sensitivity: of each accelerometer; half of it of the force transducer.
         position_m: of each accelerometer along the beam.
         hit_position_m: of each hit along the beam.
         hit_gain: of what the beam gets of each hit over what the hammer reads.
@@ -69,6 +76,7 @@ class Tolerance(Frozen):
         shaker_mass_kg: of what hangs on the beam at the shaker point in the sine test; positive.
         stinger_rotation: of the rotational spring there, in EI / L; positive.
         meaning: in words.
+        response: share of the response below which a difference between simulation and bench does not matter.
     """
 
     youngs_modulus: NonNegative = 0.012
@@ -87,11 +95,38 @@ class Tolerance(Frozen):
     shaker_mass_kg: NonNegative = 0.0
     stinger_rotation: NonNegative = 0.0
     meaning: str = "one standard deviation, relative"
+    response: Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] = RESPONSE
+
+    @classmethod
+    def usual(cls) -> Self:
+        """What a bench of this kind is off where people take ordinary care."""
+        return cls(
+            youngs_modulus=0.012,
+            thickness=0.003,
+            density=0.003,
+            sensitivity=0.01,
+            position_m=5e-4,
+            hit_position_m=2e-3,
+            hit_gain=4e-3,
+            clamp_compliance=2e-3,
+            sensor_mass_kg=3e-4,
+            stiffness_field=3e-3,
+            mass_field=2e-3,
+            stiffness_drift=5e-4,
+            damper_n_s_per_m=0.5,
+            shaker_mass_kg=1e-3,
+            stinger_rotation=4e-3,
+        )
+
+    @property
+    def stated(self) -> bool:
+        """Whether the rig file states any."""
+        return bool(self.model_fields_set - {"meaning", "response"})
 
     @property
     def of_assembly(self) -> bool:
         """Whether it says how well the bench is put together, not only how well beam and sensors are known."""
-        own = {"youngs_modulus", "thickness", "density", "sensitivity", "meaning"}
+        own = {"youngs_modulus", "thickness", "density", "sensitivity", "meaning", "response"}
         return any(getattr(self, name) for name in self.model_fields_set - own)
 
     @model_serializer(mode="wrap")
@@ -137,6 +172,7 @@ class Channel(Frozen):
         ac_corner_hz: corner of the first-order AC coupling; 0 for DC.
         delay_s: by how much the samples lag what the sensor felt, as a converter's digital filter does.
         skew_s: by how much later than channel 0 a multiplexer reads this channel.
+        certificate: of the sensor's calibration.
     """
 
     index: Annotated[int, Field(ge=0)]
@@ -157,6 +193,7 @@ class Channel(Frozen):
     ac_corner_hz: NonNegative = 0.0
     delay_s: NonNegative = 0.0
     skew_s: NonNegative = 0.0
+    certificate: Certificate | None = Field(default=None, exclude_if=unstated)
 
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""
@@ -191,13 +228,27 @@ class Converter(Frozen):
 
 
 class Limits(Frozen):
-    """What the excitation may never exceed. Needed to drive, not to read."""
+    """What the excitation may never exceed. Needed to drive, not to read.
+
+    Attributes:
+        drive_v: amplitude of the drive.
+        slew_v_per_s: its steepest slope.
+        force_n: of the force channel, either way.
+        acceleration_m_s2: of every acceleration channel, either way.
+        max_burst_s: how long a burst may last.
+        velocity_m_s: of every response, either way; measured, or integrated from the acceleration.
+        displacement_m: the same of the displacement.
+        stroke_m: of the shaker, either way from its middle: the displacement at its point, where a response must be.
+    """
 
     drive_v: Positive
     slew_v_per_s: Positive
     force_n: Positive
     acceleration_m_s2: Positive
     max_burst_s: Positive
+    velocity_m_s: Positive | None = None
+    displacement_m: Positive | None = None
+    stroke_m: Positive | None = None
 
 
 class Rig(Frozen):
@@ -219,6 +270,7 @@ class Rig(Frozen):
     limits: Limits | None = None
     excitation: Excitation | None = None
     history: tuple[Calibration, ...] = ()
+    synchronisation: Synchronisation | None = Field(default=None, exclude_if=unstated)
 
     @model_validator(mode="before")
     @classmethod

@@ -18,7 +18,6 @@ from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.events import Feed
 from modallab.service.api.head import HeadAsGet
-from modallab.service.api.live import LiveHub
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
@@ -39,7 +38,7 @@ METHODS = ("get", "put", "post", "patch", "delete")
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     """The application for an open service; every request must carry `token`."""
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
-    app.state.live = LiveHub()
+    app.state.feed = Feed(service.log)
     app.state.service, app.state.settings, app.state.token = service, settings, token
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
     app.state.sessions = Sessions(service.engine, token)
@@ -64,9 +63,7 @@ def resources() -> list[APIRouter]:
 
 @asynccontextmanager
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
-    app.state.feed = Feed(app.state.service.log)
     app.state.feed.open()
-    app.state.live.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()

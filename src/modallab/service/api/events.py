@@ -24,7 +24,9 @@ from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
 STILL_HERE = b": still here\n\n"
-LOOK_S = 0.05
+LOOK_S = 0.2
+"""Between two looks at the log where nobody says that there is something new in it."""
+HAND_OUT_S = 0.05
 AT_ONCE = 500
 TOGETHER = 20
 PAUSE_S = 0.002
@@ -57,6 +59,7 @@ class Feed:
         self._log = log
         self._listeners: set[Listener] = set()
         self._closing = Flag()
+        self._new = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._read = (time.monotonic(), utc_now())
         self._thread = Thread(target=self._look, name="events", daemon=True)
@@ -80,6 +83,7 @@ class Feed:
     def close(self) -> None:
         """Let everyone go; from the event loop."""
         self._closing.set()
+        self._new.set()
         for listener in self._listeners:
             _put(listener, None)
 
@@ -110,10 +114,27 @@ class Feed:
         finally:
             self._listeners.discard(listener)
 
+    async def follow(self, topic: Topic) -> AsyncGenerator[EventView | None]:
+        """Events from now on; None first, once nothing that comes after is missed, and now and then."""
+        listener = Listener()
+        self._listeners.add(listener)
+        try:
+            yield None
+            async for line in _follow(listener, -1, topic):
+                yield None if line is None else line.event
+        finally:
+            self._listeners.discard(listener)
+
+    def look(self) -> None:
+        """There is something new in the log: look now. From any thread."""
+        self._new.set()
+
     def _look(self) -> None:
         last: int | None = None
         lost = False
-        while not self._closing.wait(LOOK_S):
+        while not self._closing.is_set():
+            self._new.wait(LOOK_S)
+            self._new.clear()
             try:
                 last = self._log.last() if last is None else last
                 events = self._log.after(last, AT_ONCE)
@@ -131,7 +152,7 @@ class Feed:
     def _wait_for(self, handed_out: Future[None]) -> None:
         # One after the other: the order of events is that of the log.
         while not self._closing.is_set() and not handed_out.done():
-            wait([handed_out], LOOK_S)
+            wait([handed_out], HAND_OUT_S)
 
     async def _hand_out(self, lines: list[Line]) -> None:
         # Not all at once: a thousand listeners that wake together keep live samples and answers waiting.

@@ -101,10 +101,7 @@ def get_frf(run: str, service: ServiceOf, response: Response, if_none_match: IfN
     tag = f"{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
     if unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
-    # Imported here, since it takes seconds: the service can be asked everything else meanwhile.
-    from modallab.service.campaigns.live_frf import live_frf
-
-    frf = live_frf(service.store, run)
+    frf = service.frfs().frf(run)
     mark(response, tag)
     return FrfView(
         run=run,

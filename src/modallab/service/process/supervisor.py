@@ -77,7 +77,7 @@ class Supervisor:
         self._orphans.end_all()
         self._counter: Counter | None = None
         boot = secrets.token_hex(8)
-        log = EventLog(self.store.catalogue.engine)
+        log = EventLog(self.store.catalogue.engine, self._new_events)
         diary = Diary(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._diary = diary
@@ -90,7 +90,7 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, rig, url, settings.data), diary, after, self._show)
+                Controller(Bench(i, rig, url, settings.data), diary, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,
@@ -175,10 +175,10 @@ class Supervisor:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
         return {name: pid for name, pid in known.items() if pid is not None} | self._computing
 
-    def _show(self, content: bytes) -> None:
+    def _new_events(self) -> None:
         counter = self._counter
         if counter is not None:
-            counter.show(content)
+            counter.new_events()
 
     def _keep(self) -> None:
         """Housekeeping, which may wait for a disk."""

@@ -70,7 +70,7 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
     control = RemoteControl(connection, gone)
     service = open_service(settings.data, control, boot)
     app = create_app(service, settings, token)
-    control.on_frame = app.state.live.show
+    control.on_events = app.state.feed.look
     server = uvicorn.Server(
         uvicorn.Config(
             app,

@@ -1,7 +1,7 @@
 """The log of events: append-only, in one order, so that whoever was away reads on from where he was."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Lock
 from typing import Any
@@ -34,8 +34,10 @@ class Topic:
 class EventLog:
     """Appends and reads events. A full disk delays them and never stops who reports them."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, written: Callable[[], None] = lambda: None) -> None:
+        """`written` is called after events were added; it must not wait."""
         self._engine = engine
+        self._written = written
         self._waiting: deque[dict[str, Any]] = deque(maxlen=MAX_WAITING)
         self._adding = Lock()
         self._writing = Lock()
@@ -106,6 +108,7 @@ class EventLog:
         with self._adding:
             while self._waiting and id(self._waiting[0]) in written:
                 self._waiting.popleft()
+        self._written()
 
 
 def _view(row: RowMapping) -> EventView:

@@ -10,7 +10,6 @@ from queue import Empty, SimpleQueue
 from threading import Event as Flag
 from threading import Lock, Thread
 
-from modallab.acquisition.monitor.live import frame
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import BenchInfo
@@ -52,7 +51,6 @@ class Controller:
         bench: Bench,
         diary: Diary,
         ended: Callable[[str], None],
-        live: Callable[[bytes], None] | None = None,
         begin_s: float = BEGIN_S,
     ) -> None:
         """Begin to open the bench.
@@ -61,11 +59,9 @@ class Controller:
             bench: the rig.
             diary: where it writes.
             ended: called with the name of every run that has ended.
-            live: called with a frame of samples now and then, while a run is on.
             begin_s: until a run must have begun.
         """
         self._begin_s = begin_s
-        self._live = live
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
         self._diary = diary
@@ -212,9 +208,6 @@ class Controller:
 
     def _open_and_serve(self) -> None:
         process = self._process = RigProcess(self.bench.url, self.bench.rig, self.bench.folder)
-        if self._live is not None:
-            show = self._live
-            process.on_live = lambda live: show(frame(self.bench.id, live))
         try:
             self._info = process.info
             self._is("idle")
