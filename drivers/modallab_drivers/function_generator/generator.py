@@ -1,18 +1,26 @@
-"""A sine generator as the shaker's drive: every setting read back, every burst ending by itself."""
+"""A sine generator as the shaker's drive: every setting read back and watched, every burst ending by itself."""
 
+from collections.abc import Generator as Yields
+from contextlib import contextmanager
 from math import ceil, cos, pi
 
 from modallab.bench.protocol import Burst
-from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, OutputLostError
 from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
-from modallab_drivers.function_generator.dialects import LANGUAGES, Language, Name, agrees
-from modallab_drivers.function_generator.line import SerialLine
+from modallab_drivers.function_generator.dialects import LANGUAGES, Name
+from modallab_drivers.function_generator.instrument import Instrument, must_be_switched_off
+from modallab_drivers.function_generator.line import Line
+from modallab_drivers.function_generator.values import number
 
-STEP_S = 0.05
+STEP_S = 0.03
 """Between two steps of the amplitude while it rises or falls."""
 
-MIN_STEPS = 4
+MIN_STEPS = 32
+"""Of a cosine: its largest step is then 5 % of the level."""
+
+LOOK_EVERY_S = 0.05
+"""While a burst is on, some settings are asked for so often; of an instrument that answers in 5 ms all in 0.2 s."""
 
 
 def open_generator(rig: Rig) -> "Generator":
@@ -26,7 +34,7 @@ def open_generator(rig: Rig) -> "Generator":
     if excitation is None or excitation.dialect is None or not excitation.output:
         missing = "excitation.output" if excitation is None or not excitation.output else "excitation.dialect"
         raise ConfigurationError(
-            f"{missing}: missing; allowed: a serial port and one of {', '.join(LANGUAGES)}",
+            f"{missing}: missing; allowed: a serial port or a VISA address, and one of {', '.join(LANGUAGES)}",
             where=f"rig {rig.name}",
             remedy="add it to the rig file",
         )
@@ -37,7 +45,7 @@ def open_generator(rig: Rig) -> "Generator":
             where=f"rig {rig.name}",
             remedy="mend this field of the rig file",
         )
-    return Generator(SerialLine(excitation.output, excitation.baud), excitation.dialect)
+    return Generator(Line(excitation.output, excitation.baud), excitation.dialect)
 
 
 def emergency_off(excitation: Excitation) -> None:
@@ -48,43 +56,32 @@ def emergency_off(excitation: Excitation) -> None:
     """
     if excitation.dialect is None:
         return
-    line = SerialLine(excitation.output, excitation.baud)
+    line = Line(excitation.output, excitation.baud)
     try:
-        _switch_off(line, LANGUAGES[excitation.dialect])
+        Instrument(line, excitation.dialect).bring_down()
     finally:
         line.close()
-
-
-def _switch_off(line: SerialLine, language: Language) -> None:
-    # A line that is closed, or an error that is raised, must not overtake what was said last: so an answer is awaited.
-    setting = language.settings["output"]
-    line.send(setting.command.format("OFF"))
-    if not agrees("OFF", setting.read(line.ask(setting.ask))):
-        raise DeviceGoneError(
-            "the output was switched off and is still on", where=line.port, remedy="switch the amplifier off"
-        )
 
 
 class Generator:
     """One channel of a generator.
 
     A burst is a whole number of cycles that the instrument counts itself, so it ends by itself; the amplitude rises and
-    falls in steps, which the bench's sample count paces. At its end the output is switched off.
+    falls in steps, which the bench's sample count paces. Meanwhile the settings are asked for in turn: what somebody
+    changes at the front panel ends the burst. At its end the output is switched off.
     """
 
-    def __init__(self, line: SerialLine, dialect: str) -> None:
+    def __init__(self, line: Line, dialect: str) -> None:
         """Check who answers, switch the output off, and set what never changes."""
-        self._line, self._dialect = line, dialect
-        self._language: Language = LANGUAGES[dialect]
+        self._line, self._instrument = line, Instrument(line, dialect)
+        self._language = self._instrument.language
         self._steps: list[tuple[int, float]] = []
+        self._next_look = self._look_every = self._ends = 0
+        self._rate_hz = 1.0
         try:
-            self._require_dialect()
-            self._drain_errors()
-            self.set("output", "OFF")
-            for name, word in self._language.words.items():
-                self.set(name, word)
-            self.set("offset", 0.0)
-            self.set("amplitude", self._language.lowest_vpp)
+            self.identity = self._instrument.require_dialect()
+            self._instrument.bring_down()
+            self._set_up()
         except BaseException:
             line.close()
             raise
@@ -100,34 +97,75 @@ class Generator:
         return bool(self._steps)
 
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
-        """Start a burst at its lowest amplitude; `tick` takes it up and down again."""
-        self.set("frequency", burst.frequency_hz)
-        self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
-        self.set("amplitude", self._language.lowest_vpp)
-        self.set("output", "ON")
-        self._line.send(self._language.trigger)
-        self._require_no_error("trigger")
-        self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
+        """Start a burst at its lowest amplitude; `tick` takes it up and down again.
+
+        Raises:
+            ConfigurationError: the instrument does not take what the burst needs; the output is off.
+            OutputLostError: a setting is not as it was left; the output is off.
+        """
+        with self._safely(now):
+            self._require_unchanged(at_all=True)
+            self.set("frequency", burst.frequency_hz)
+            self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
+            self.set("amplitude", self._language.lowest_vpp)
+            self._rate_hz = rate_hz
+            self._ends = now + ceil((burst.duration_s + 1 / burst.frequency_hz) * rate_hz)
+            self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
+            self.set("output", "ON")
+            self._line.send(self._language.trigger)
+            if errors := self._instrument.errors():
+                raise ConfigurationError(f"trigger: it reports {', '.join(errors)}", where=self._instrument.where)
+        self._look_every = max(1, round(LOOK_EVERY_S * rate_hz))
+        self._next_look = now + self._look_every
 
     def next_event(self) -> int | None:
-        """The sample at which the amplitude takes its next step."""
-        return self._steps[0][0] if self._steps else None
+        """The sample at which the amplitude takes its next step, or its settings are looked at."""
+        return min(self._steps[0][0], self._next_look) if self._steps else None
 
     def tick(self, now: int) -> None:
-        """Take the steps that are due; of several, the last."""
-        due = [volts for sample, volts in self._steps if sample <= now]
-        if not due:
-            return
-        self._steps = self._steps[len(due) :]
+        """Take the steps that are due, of several the last, and look whether the settings still stand.
+
+        Raises:
+            OutputLostError: somebody changed one, or an answer came too late; the output was brought to 0 V.
+            DeviceGoneError: the line died: the amplifier must be switched off by hand.
+        """
         if not self._steps:
-            self.zero()
-        else:
-            self.set("amplitude", max(2 * due[-1], self._language.lowest_vpp))
+            return
+        with self._safely(now):
+            self._step(now)
+            if self._steps and now >= self._next_look:
+                self._next_look = now + self._look_every
+                self._require_unchanged(at_all=False)
+
+    def facts(self) -> dict[str, float | str]:
+        """What the instrument took, read back now; while a burst is on, all settings are looked at.
+
+        Raises:
+            OutputLostError: one was changed; the output was brought to 0 V.
+            DeviceGoneError: the line died.
+        """
+        if self._steps:
+            with self._safely(self._steps[0][0]):
+                self._require_unchanged(at_all=True)
+        taken = self._instrument.taken
+        return {
+            "generator_frequency_hz": number(taken["frequency"]),
+            "generator_amplitude_v": number(taken["amplitude"]) / 2,
+        }
 
     def zero(self) -> None:
-        """Switch the output off."""
-        self._steps = []
-        self.set("output", "OFF")
+        """Bring the output down and switch it off.
+
+        Raises:
+            DeviceGoneError: the line is dead, or the output stays on.
+        """
+        on, self._steps = bool(self._steps), []
+        try:
+            self._instrument.bring_down()
+        except DeviceGoneError as error:
+            if not on or "amplifier" in error.remedy:
+                raise
+            raise must_be_switched_off(error, self._instrument.where, self._ends / self._rate_hz) from error
 
     def close(self) -> None:
         """Switch the output off and let go of the port."""
@@ -145,52 +183,62 @@ class Generator:
         Raises:
             ConfigurationError: it was rejected, or another value was applied; the output is off.
         """
-        setting = self._language.settings[name]
-        self._line.send(setting.command.format(value if isinstance(value, str) else f"{value:.9g}"))
         try:
-            found = setting.read(self._line.ask(setting.ask))
-            good = agrees(value, found)
-        except ValueError as error:
-            found, good = str(error), False
-        errors = self._drain_errors()
-        if good and not errors:
-            return
-        if name != "output":
-            _switch_off(self._line, self._language)
-        raise self._rejected(f"{name}: {value} was set, the generator says {found}", errors)
+            self._instrument.set(name, value)
+        except ConfigurationError:
+            self._instrument.bring_down()
+            raise
 
-    def _require_dialect(self) -> None:
-        answer = self._line.ask("*IDN?")
-        language = self._language
-        maker = answer.casefold().startswith(tuple(m.casefold() for m in language.makers))
-        if not (maker and any(model in answer for model in language.models)):
-            raise ConfigurationError(
-                f"excitation.dialect: found {self._dialect}, but {answer!r} answers",
-                where=f"generator on {self._line.port}",
-                remedy=f"choose the instrument's own dialect: {', '.join(LANGUAGES)}",
+    def _set_up(self) -> None:
+        self._instrument.errors()
+        self.set("output", "OFF")
+        for name, word in self._language.constants.items():
+            self.set(name, word)
+        self.set("amplitude", self._language.lowest_vpp)
+        self.set("frequency", 1000.0)
+        self.set("cycles", 1.0)
+
+    def _step(self, now: int) -> None:
+        due = [volts for sample, volts in self._steps if sample <= now]
+        if not due:
+            return
+        self._steps = self._steps[len(due) :]
+        if not self._steps:
+            self._instrument.bring_down()
+        else:
+            # Steps come fast: its queue of errors is asked at the next burst.
+            self._instrument.set("amplitude", max(2 * due[-1], self._language.lowest_vpp), ask_errors=False)
+
+    def _require_unchanged(self, *, at_all: bool) -> None:
+        if changed := self._instrument.changed(at_all=at_all):
+            raise OutputLostError(
+                f"{changed}: it was changed at the front panel, or the generator was switched off and on",
+                where=self._instrument.where,
+                remedy="leave the generator alone during a test; its settings were set anew for the next burst",
             )
 
-    def _require_no_error(self, what: str) -> None:
-        errors = self._drain_errors()
-        if errors:
-            _switch_off(self._line, self._language)
-            raise self._rejected(what, errors)
-
-    def _drain_errors(self) -> list[str]:
-        found: list[str] = []
-        # A queue has its end; an instrument that never says so is not read for ever.
-        for _ in range(32):
-            answer = self._line.ask("SYST:ERR?")
-            if answer.lstrip("+").startswith("0"):
-                return found
-            found.append(answer)
-        return found
-
-    def _rejected(self, what: str, errors: list[str]) -> BenchError:
-        errors_said = f"; it reports {', '.join(errors)}" if errors else ""
-        return ConfigurationError(
-            f"{what}{errors_said}", where=f"generator on {self._line.port}", remedy="ask for what the instrument can do"
-        )
+    @contextmanager
+    def _safely(self, now: int) -> Yields[None]:
+        """Whatever goes wrong: bring the output to 0 V, and say so if that cannot be done."""
+        try:
+            yield
+        except BenchError as error:
+            left_s = max(0.0, (self._ends - now) / self._rate_hz) if self._steps else 0.0
+            on, self._steps = bool(self._steps), []
+            try:
+                self._instrument.bring_down()
+                self._set_up()
+            except BenchError as dead:
+                if not on:
+                    raise error from dead
+                raise must_be_switched_off(error, self._instrument.where, left_s) from dead
+            if isinstance(error, DeviceGoneError):
+                raise OutputLostError(
+                    f"{error.what}; it answers again, and the output was brought to 0 V",
+                    where=self._instrument.where,
+                    remedy="look at the cable and at what else speaks to the generator",
+                ) from error
+            raise
 
 
 def _staircase(burst: Burst) -> list[tuple[float, float]]:

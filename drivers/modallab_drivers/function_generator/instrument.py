@@ -1,0 +1,187 @@
+"""One generator's settings: set, read back, asked for again, and brought down."""
+
+import time
+from collections import deque
+
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
+from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Language, Name
+from modallab_drivers.function_generator.line import Line
+from modallab_drivers.function_generator.values import agrees, number
+
+STOP_STEPS = 25
+"""Of 4 % of the level each, where the instrument is fast enough."""
+
+STOP_STEP_S = 0.002
+STOP_S = 0.25
+"""A stop takes at most about so long: with a slow instrument the steps become larger, not the time."""
+
+LEAST_STOP_STEPS = 4
+MOST_ERRORS = 32
+LOOK_S = 0.02
+"""How long one look at the settings may take: others are waiting for their samples."""
+
+
+class Instrument:
+    """A generator on a line, and what it took of what was set.
+
+    Attributes:
+        language: its dialect.
+        taken: what was read back, as the instrument wrote it, by name.
+    """
+
+    def __init__(self, line: Line, dialect: str) -> None:
+        self.line, self.language = line, LANGUAGES[dialect]
+        self.taken: dict[Name, str] = {}
+        self._wanted: dict[Name, float | str] = {}
+        self._queue: deque[Name] = deque()
+        self._command_s = 0.0
+        self._dialect = dialect
+
+    @property
+    def where(self) -> str:
+        """For messages."""
+        return self.line.where
+
+    def require_dialect(self) -> str:
+        """Ask who it is, which is returned.
+
+        Raises:
+            ConfigurationError: not an instrument of the rig file's dialect.
+        """
+        answer, language = self.line.identify(), self.language
+        maker = answer.casefold().startswith(tuple(m.casefold() for m in language.makers))
+        if not (maker and any(model in answer for model in language.models)):
+            raise ConfigurationError(
+                f"excitation.dialect: found {self._dialect}, but {answer!r} answers",
+                where=self.where,
+                remedy=f"choose the instrument's own dialect: {', '.join(LANGUAGES)}",
+            )
+        return answer
+
+    def set(self, name: Name, value: float | str, *, ask_errors: bool = True) -> None:
+        """Set, read back, and ask for errors.
+
+        Raises:
+            ConfigurationError: it was rejected, or what was applied differs by more than the stated tolerance.
+        """
+        self.put(name, value)
+        errors = self.errors() if ask_errors else []
+        found, good = self._found(name)
+        if not good or errors:
+            reports = f"; it reports {', '.join(errors)}" if errors else ""
+            raise ConfigurationError(
+                f"{name}: {value} was set, the generator says {found}{reports}",
+                where=self.where,
+                remedy="ask for what the instrument can do",
+            )
+
+    def put(self, name: Name, value: float | str) -> None:
+        """Set without reading back: the next look does."""
+        started = time.monotonic()
+        text = value if isinstance(value, str) else f"{value:.7g}"
+        self._wanted[name] = value
+        self.line.send(self.language.settings[name].command.format(text))
+        self._paced(started)
+
+    def errors(self) -> list[str]:
+        """All errors it has noted."""
+        found: list[str] = []
+        # A queue has its end; an instrument that never says so is not read for ever.
+        while self.language.errors and len(found) < MOST_ERRORS:
+            answer = self.line.ask(self.language.errors)
+            if answer.lstrip("+").startswith("0"):
+                break
+            found.append(answer)
+        return found
+
+    def changed(self, *, at_all: bool) -> str:
+        """What is no longer as it was set, in words, or empty: at all settings, or at as many as fit into LOOK_S."""
+        if at_all:
+            self._queue.clear()
+        self._queue = self._queue or deque(sorted(self._wanted, key=_danger))
+        until, answers = time.monotonic() + LOOK_S, dict[str, str]()
+        while self._queue and (at_all or not answers or time.monotonic() < until):
+            name = self._queue.popleft()
+            found, good = self._found(name, answers)
+            if not good:
+                self._queue.clear()
+                return f"{name}: {self._wanted[name]} was set, the generator now says {found}"
+        return ""
+
+    def bring_down(self) -> None:
+        """Bring the amplitude down in steps, then switch the output off, by every way the instrument knows.
+
+        Raises:
+            DeviceGoneError: nothing answers, or the output stays on.
+        """
+        if self._is_off():
+            return
+        self._ramp_down()
+        for remedy in ("", "*CLS", "*RST"):
+            # An instrument that holds an unread error may obey nothing else; a reset switches every output off.
+            if remedy:
+                self.line.send(remedy)
+            self.put("output", "OFF")
+            if self._is_off():
+                return
+        raise DeviceGoneError("the output was switched off and is still on", where=self.where, remedy=AMPLIFIER_OFF)
+
+    def _is_off(self) -> bool:
+        # An answer is awaited: a line that is closed, or an error that is raised, must not overtake what was sent.
+        setting = self.language.settings["output"]
+        try:
+            return agrees("output", "OFF", setting.read(self.line.ask(setting.ask)))
+        except (ValueError, ConfigurationError):
+            return False
+
+    def _ramp_down(self) -> None:
+        try:
+            setting = self.language.settings["amplitude"]
+            vpp = number(setting.read(self.line.ask(setting.ask)))
+        except (ValueError, ConfigurationError):
+            return
+        each_s = max(STOP_STEP_S, self._command_s)
+        steps = int(min(STOP_STEPS, max(LEAST_STOP_STEPS, STOP_S / each_s)))
+        for left in range(steps - 1, -1, -1):
+            lowest = self.language.lowest_vpp
+            self.put("amplitude", max(lowest, vpp * left / steps))
+            time.sleep(STOP_STEP_S)
+            if vpp * left / steps <= lowest:
+                break
+
+    def _found(self, name: Name, answers: dict[str, str] | None = None) -> tuple[str, bool]:
+        setting = self.language.settings[name]
+        known = answers if answers is not None else {}
+        if setting.ask not in known:
+            started = time.monotonic()
+            known[setting.ask] = self.line.ask(setting.ask)
+            self._paced(started)
+        try:
+            found = setting.read(known[setting.ask])
+            good = agrees(name, self._wanted[name], found)
+        except ValueError as error:
+            return str(error), False
+        self.taken[name] = found
+        return found, good
+
+    def _paced(self, started_s: float) -> None:
+        # What a command takes, as the slowest of late: an instrument that reads slowly blocks the sender or the answer.
+        spent_s = time.monotonic() - started_s
+        self._command_s = max(spent_s, 0.9 * self._command_s)
+
+
+AMPLIFIER_OFF = "switch the shaker's amplifier off by hand, now: nothing else can end the output"
+
+
+def _danger(name: Name) -> int:
+    return DANGEROUS.index(name) if name in DANGEROUS else len(DANGEROUS)
+
+
+def must_be_switched_off(error: BenchError, where: str, ends_s: float) -> DeviceGoneError:
+    """The error of a line that died in a burst: what the operator must do, and what happens if nobody does."""
+    return DeviceGoneError(
+        f"the line to the generator died in a burst: {error.what}; the output is still driven, and ends by itself"
+        f" only after at most {ends_s:.3g} s",
+        where=where,
+        remedy=AMPLIFIER_OFF,
+    )
