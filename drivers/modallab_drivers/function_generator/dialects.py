@@ -14,7 +14,7 @@ Name = Literal[
     "phase",
 ]  # fmt: skip
 
-DANGEROUS: tuple[Name, ...] = ("amplitude", "output", "burst", "frequency", "function", "offset", "load", "cycles")
+DANGEROUS: tuple[Name, ...] = ("output", "amplitude", "burst", "frequency", "function", "offset", "load", "cycles")
 """What the shaker feels at once when it changes: looked at before all else."""
 
 

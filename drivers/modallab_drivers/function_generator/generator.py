@@ -1,5 +1,6 @@
 """A sine generator as the shaker's drive: every setting read back and watched, every burst ending by itself."""
 
+import time
 from collections.abc import Generator as Yields
 from contextlib import contextmanager
 from math import ceil, cos, pi
@@ -9,7 +10,7 @@ from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
 from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES, Name
-from modallab_drivers.function_generator.instrument import Instrument, must_be_switched_off
+from modallab_drivers.function_generator.instrument import AMPLIFIER_OFF, Instrument
 from modallab_drivers.function_generator.line import Line
 from modallab_drivers.function_generator.values import number
 
@@ -18,6 +19,8 @@ STEP_S = 0.03
 
 MIN_STEPS = 32
 """Of a cosine: its largest step is then 5 % of the level."""
+
+EMERGENCY_TRIES = 3
 
 LOOK_EVERY_S = 0.05
 """While a burst is on, some settings are asked for so often; of an instrument that answers in 5 ms all in 0.2 s."""
@@ -52,13 +55,27 @@ def emergency_off(excitation: Excitation) -> None:
     """Switch the output off through a line of one's own.
 
     Raises:
-        DeviceGoneError: the port cannot be opened; a burst that is on ends by itself.
+        DeviceGoneError: it could not be done: the amplifier must be switched off by hand.
     """
     if excitation.dialect is None:
         return
-    line = Line(excitation.output, excitation.baud)
     try:
-        Instrument(line, excitation.dialect).bring_down()
+        _bring_down(excitation.output, excitation.baud, excitation.dialect)
+    except BenchError as error:
+        raise DeviceGoneError(error.what, where=error.where, remedy=AMPLIFIER_OFF) from error
+
+
+def _bring_down(address: str, baud: int, dialect: str) -> None:
+    line = Line(address, baud)
+    try:
+        for tries_left in reversed(range(EMERGENCY_TRIES)):
+            try:
+                line.identify()
+                return Instrument(line, dialect).bring_down()
+            except BenchError:
+                # On a serial port its owner may have taken our answer, as we may have taken the owner's.
+                if not tries_left:
+                    raise
     finally:
         line.close()
 
@@ -76,8 +93,8 @@ class Generator:
         self._line, self._instrument = line, Instrument(line, dialect)
         self._language = self._instrument.language
         self._steps: list[tuple[int, float]] = []
-        self._next_look = self._look_every = self._ends = 0
-        self._rate_hz = 1.0
+        self._next_look = self._look_every = 0
+        self._ends_s = 0.0
         try:
             self.identity = self._instrument.require_dialect()
             self._instrument.bring_down()
@@ -103,13 +120,12 @@ class Generator:
             ConfigurationError: the instrument does not take what the burst needs; the output is off.
             OutputLostError: a setting is not as it was left; the output is off.
         """
-        with self._safely(now):
+        with self._safely():
             self._require_unchanged(at_all=True)
             self.set("frequency", burst.frequency_hz)
             self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
             self.set("amplitude", self._language.lowest_vpp)
-            self._rate_hz = rate_hz
-            self._ends = now + ceil((burst.duration_s + 1 / burst.frequency_hz) * rate_hz)
+            self._ends_s = time.monotonic() + burst.duration_s + 1 / burst.frequency_hz
             self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
             self.set("output", "ON")
             self._line.send(self._language.trigger)
@@ -131,7 +147,7 @@ class Generator:
         """
         if not self._steps:
             return
-        with self._safely(now):
+        with self._safely():
             self._step(now)
             if self._steps and now >= self._next_look:
                 self._next_look = now + self._look_every
@@ -145,7 +161,7 @@ class Generator:
             DeviceGoneError: the line died.
         """
         if self._steps:
-            with self._safely(self._steps[0][0]):
+            with self._safely():
                 self._require_unchanged(at_all=True)
         taken = self._instrument.taken
         return {
@@ -159,13 +175,12 @@ class Generator:
         Raises:
             DeviceGoneError: the line is dead, or the output stays on.
         """
-        on, self._steps = bool(self._steps), []
+        self._steps = []
         try:
-            self._instrument.bring_down()
+            self._bring_down()
         except DeviceGoneError as error:
-            if not on or "amplifier" in error.remedy:
-                raise
-            raise must_be_switched_off(error, self._instrument.where, self._ends / self._rate_hz) from error
+            self._say_amplifier(error)
+            raise
 
     def close(self) -> None:
         """Switch the output off and let go of the port."""
@@ -204,7 +219,7 @@ class Generator:
             return
         self._steps = self._steps[len(due) :]
         if not self._steps:
-            self._instrument.bring_down()
+            self._bring_down()
         else:
             # Steps come fast: its queue of errors is asked at the next burst.
             self._instrument.set("amplitude", max(2 * due[-1], self._language.lowest_vpp), ask_errors=False)
@@ -212,26 +227,25 @@ class Generator:
     def _require_unchanged(self, *, at_all: bool) -> None:
         if changed := self._instrument.changed(at_all=at_all):
             raise OutputLostError(
-                f"{changed}: it was changed at the front panel, or the generator was switched off and on",
+                f"{changed}: it was changed at the front panel or by another program, or the generator was switched off"
+                " and on; the output was brought to 0 V",
                 where=self._instrument.where,
                 remedy="leave the generator alone during a test; its settings were set anew for the next burst",
             )
 
     @contextmanager
-    def _safely(self, now: int) -> Yields[None]:
+    def _safely(self) -> Yields[None]:
         """Whatever goes wrong: bring the output to 0 V, and say so if that cannot be done."""
         try:
             yield
         except BenchError as error:
-            left_s = max(0.0, (self._ends - now) / self._rate_hz) if self._steps else 0.0
-            on, self._steps = bool(self._steps), []
+            self._steps = []
             try:
-                self._instrument.bring_down()
+                self._bring_down()
                 self._set_up()
             except BenchError as dead:
-                if not on:
-                    raise error from dead
-                raise must_be_switched_off(error, self._instrument.where, left_s) from dead
+                self._say_amplifier(error)
+                raise error from dead
             if isinstance(error, DeviceGoneError):
                 raise OutputLostError(
                     f"{error.what}; it answers again, and the output was brought to 0 V",
@@ -239,6 +253,21 @@ class Generator:
                     remedy="look at the cable and at what else speaks to the generator",
                 ) from error
             raise
+
+    def _bring_down(self) -> None:
+        self._instrument.bring_down()
+        self._ends_s = 0.0
+
+    def _say_amplifier(self, error: BenchError) -> None:
+        """Raise what the operator must do where a burst may still be on."""
+        left_s = self._ends_s - time.monotonic()
+        if left_s > 0:
+            raise DeviceGoneError(
+                f"the line to the generator died in a burst: {error.what}; the output is still driven and ends by"
+                f" itself only after at most {left_s:.3g} s",
+                where=self._instrument.where,
+                remedy=AMPLIFIER_OFF,
+            ) from error
 
 
 def _staircase(burst: Burst) -> list[tuple[float, float]]:

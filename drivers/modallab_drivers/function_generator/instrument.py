@@ -3,10 +3,12 @@
 import time
 from collections import deque
 
-from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
-from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Language, Name
+from modallab.core.errors import ConfigurationError, DeviceGoneError
+from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
 from modallab_drivers.function_generator.line import Line
 from modallab_drivers.function_generator.values import agrees, number
+
+AMPLIFIER_OFF = "switch the shaker's amplifier off by hand, now: nothing else can end the output"
 
 STOP_STEPS = 25
 """Of 4 % of the level each, where the instrument is fast enough."""
@@ -170,18 +172,5 @@ class Instrument:
         self._command_s = max(spent_s, 0.9 * self._command_s)
 
 
-AMPLIFIER_OFF = "switch the shaker's amplifier off by hand, now: nothing else can end the output"
-
-
 def _danger(name: Name) -> int:
     return DANGEROUS.index(name) if name in DANGEROUS else len(DANGEROUS)
-
-
-def must_be_switched_off(error: BenchError, where: str, ends_s: float) -> DeviceGoneError:
-    """The error of a line that died in a burst: what the operator must do, and what happens if nobody does."""
-    return DeviceGoneError(
-        f"the line to the generator died in a burst: {error.what}; the output is still driven, and ends by itself"
-        f" only after at most {ends_s:.3g} s",
-        where=where,
-        remedy=AMPLIFIER_OFF,
-    )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from modallab.bench.protocol import Burst
 from modallab.core.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
 from modallab.core.rig import Rig
-from modallab_drivers.function_generator.generator import open_generator
+from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards
 from modallab_drivers.ni_daqmx.plugs import output_of
@@ -93,8 +93,18 @@ class Shaker:
     def zero(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V now; of a device that is gone, forget the burst."""
         self._burst_end = 0
-        if self._output is not None and reachable:
+        # A generator has a line of its own, which lives on without the device.
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             self._output.zero()
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What a generator took of what it was set to, looked at now; raises as its `facts`."""
+        return self._output.facts() if isinstance(self._output, Generator) else {}
+
+    @property
+    def identity(self) -> str:
+        """The generator's own name; empty where an analog output drives."""
+        return self._output.identity if isinstance(self._output, Generator) else ""
 
     def gone(self) -> None:
         """The device is gone: whatever is on its output ends by itself, or by the supervisor's handle."""
@@ -107,9 +117,9 @@ class Shaker:
         if chosen is not None:
             self._output = AnalogOutput(route, *chosen)
 
-    def let_go(self) -> None:
+    def let_go(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V and let go of it."""
-        if self._output is not None:
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             try:
                 self._output.close()
             except DeviceBusyError:

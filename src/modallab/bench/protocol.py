@@ -194,6 +194,19 @@ class HardwareTriggered(Protocol):
 
 
 @runtime_checkable
+class SelfReporting(Protocol):
+    """A bench whose excitation can be asked what it plays."""
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What the excitation says it plays, asked now; empty if it cannot be asked.
+
+        Raises:
+            OutputLostError: it is not what was set; the output was brought to 0 V.
+        """
+        ...
+
+
+@runtime_checkable
 class SelfDescribing(Protocol):
     """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
 

@@ -10,6 +10,7 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.bench.protocol import SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import SinePlan
@@ -110,6 +111,9 @@ class SineTest:
             context.bench.zero()
             self._keep_tripped(note, error)
             raise
+        if isinstance(context.bench, SelfReporting):
+            # Asked after the block's last sample: what was changed by hand within it must not be kept.
+            note = replace(note, facts=note.facts | context.bench.output_facts())
         seen = look_at(context, self.plan, self.watch, note, setting)
         following = self._next(step, setting, seen)
         context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))

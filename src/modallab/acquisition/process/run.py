@@ -17,7 +17,7 @@ from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
-from modallab.core.errors import BenchError, ModallabError, PlanError
+from modallab.core.errors import BenchError, ModallabError, OutputLostError, PlanError
 from modallab.core.events import BlockDropped, Failed, Notice
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
@@ -90,13 +90,13 @@ def run_plan(
     )  # fmt: skip
     try:
         try:
-            _work(setup)
+            _work_unless_ended(setup)
         except OrderedEndError as end:
-            make_safe(bench)
+            _make_safe(setup)
             _drop_left(setup)
             _end(setup, end.order)
     except BaseException as error:
-        make_safe(bench)
+        _make_safe(setup)
         _fail(life, recorder, emit, error)
         raise
 
@@ -108,14 +108,31 @@ def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control
         return recorder.run
 
 
-def make_safe(bench: Bench) -> None:
-    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried."""
+def make_safe(bench: Bench) -> list[BenchError]:
+    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried, and is returned."""
+    failed: list[BenchError] = []
     for step in (bench.zero, bench.stop):
         try:
             step()
-        except BenchError:
-            # The run's own error says more; a burst on a device that is gone ends by itself.
-            continue
+        except BenchError as error:
+            failed.append(error)
+    return failed
+
+
+def _make_safe(setup: "Setup") -> None:
+    # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
+    for error in make_safe(setup.bench)[:1]:
+        remedy = f": {error.remedy}" if error.remedy else ""
+        setup.emit(Notice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
+
+
+def _work_unless_ended(setup: "Setup") -> None:
+    try:
+        _work(setup)
+    except OutputLostError:
+        # To the driver an emergency stop by another handle looks like a hand at the device.
+        setup.poll()
+        raise
 
 
 @dataclass(frozen=True, slots=True)
