@@ -199,5 +199,6 @@ def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
         # Its owner finds the output switched off.
         with pytest.raises(OutputLostError, match="output: ON was set, the generator now says OFF"):
             bench.read(200, 5.0)
+        bench.read(200, 5.0)
         assert server.say("levels")["generator"] == 0.0
         bench.close()

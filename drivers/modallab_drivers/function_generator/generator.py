@@ -263,8 +263,8 @@ class Generator:
         left_s = self._ends_s - time.monotonic()
         if left_s > 0:
             raise DeviceGoneError(
-                f"the line to the generator died in a burst: {error.what}; the output is still driven and ends by"
-                f" itself only after at most {left_s:.3g} s",
+                f"the line to the generator died in a burst: {error.what}; the output may still be driven, and"
+                f" ends by itself only after at most {left_s:.3g} s",
                 where=self._instrument.where,
                 remedy=AMPLIFIER_OFF,
             ) from error

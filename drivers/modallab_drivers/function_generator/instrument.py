@@ -2,6 +2,7 @@
 
 import time
 from collections import deque
+from contextlib import suppress
 
 from modallab.core.errors import ConfigurationError, DeviceGoneError
 from modallab_drivers.function_generator.dialects import DANGEROUS, LANGUAGES, Name
@@ -78,12 +79,10 @@ class Instrument:
             )
 
     def put(self, name: Name, value: float | str) -> None:
-        """Set without reading back: the next look does."""
-        started = time.monotonic()
+        """Set together with the next question, which reads it back."""
         text = value if isinstance(value, str) else f"{value:.7g}"
         self._wanted[name] = value
-        self.line.send(self.language.settings[name].command.format(text))
-        self._paced(started)
+        self.line.hold(self.language.settings[name].command.format(text))
 
     def errors(self) -> list[str]:
         """All errors it has noted."""
@@ -107,6 +106,9 @@ class Instrument:
             found, good = self._found(name, answers)
             if not good:
                 self._queue.clear()
+                # Another load changes what is shown of every voltage: then it is the cause.
+                if name in ("amplitude", "offset") and not self._found("load", answers)[1]:
+                    name, found = "load", self.taken["load"]
                 return f"{name}: {self._wanted[name]} was set, the generator now says {found}"
         return ""
 
@@ -114,62 +116,77 @@ class Instrument:
         """Bring the amplitude down in steps, then switch the output off, by every way the instrument knows.
 
         Raises:
-            DeviceGoneError: nothing answers, or the output stays on.
+            DeviceGoneError: the output stays on, or nothing answers: it was done blindly and cannot be confirmed.
         """
-        if self._is_off():
-            return
-        self._ramp_down()
-        for remedy in ("", "*CLS", "*RST"):
-            # An instrument that holds an unread error may obey nothing else; a reset switches every output off.
-            if remedy:
-                self.line.send(remedy)
-            self.put("output", "OFF")
+        try:
             if self._is_off():
                 return
-        raise DeviceGoneError("the output was switched off and is still on", where=self.where, remedy=AMPLIFIER_OFF)
+            self._ramp_down(answering=True)
+            for remedy in ("", "*CLS", "*RST"):
+                # An instrument that holds an unread error may obey nothing else; a reset switches every output off.
+                if remedy:
+                    self.line.hold(remedy)
+                self.put("offset", 0.0)
+                self.put("output", "OFF")
+                if self._is_off():
+                    return
+        except DeviceGoneError:
+            with suppress(DeviceGoneError):
+                self._ramp_down(answering=False)
+                self.put("output", "OFF")
+                self.line.flush()
+            raise
+        raise DeviceGoneError(
+            "the output was switched off, and the generator does not say that it is", where=self.where,
+            remedy=AMPLIFIER_OFF,
+        )  # fmt: skip
 
     def _is_off(self) -> bool:
         # An answer is awaited: a line that is closed, or an error that is raised, must not overtake what was sent.
-        setting = self.language.settings["output"]
         try:
-            return agrees("output", "OFF", setting.read(self.line.ask(setting.ask)))
+            return agrees("output", "OFF", self.language.settings["output"].read(self._ask("output")))
         except (ValueError, ConfigurationError):
             return False
 
-    def _ramp_down(self) -> None:
-        try:
-            setting = self.language.settings["amplitude"]
-            vpp = number(setting.read(self.line.ask(setting.ask)))
-        except (ValueError, ConfigurationError):
-            return
-        each_s = max(STOP_STEP_S, self._command_s)
-        steps = int(min(STOP_STEPS, max(LEAST_STOP_STEPS, STOP_S / each_s)))
+    def _ramp_down(self, *, answering: bool) -> None:
+        lowest, vpp = self.language.lowest_vpp, self._amplitude_now(answering=answering)
+        # Each step waits for its answer: else the network would hand over several at once.
+        steps = int(min(STOP_STEPS, max(LEAST_STOP_STEPS, STOP_S / (STOP_STEP_S + 2 * self._command_s))))
         for left in range(steps - 1, -1, -1):
-            lowest = self.language.lowest_vpp
             self.put("amplitude", max(lowest, vpp * left / steps))
+            if answering:
+                with suppress(ConfigurationError):
+                    self._ask("amplitude")
+            else:
+                self.line.flush()
             time.sleep(STOP_STEP_S)
             if vpp * left / steps <= lowest:
-                break
+                return
+
+    def _amplitude_now(self, *, answering: bool) -> float:
+        """In Vpp: what the instrument says, or what it was set to last."""
+        if answering:
+            with suppress(ValueError, ConfigurationError):
+                return number(self.language.settings["amplitude"].read(self._ask("amplitude")))
+        return float(self._wanted.get("amplitude", self.language.lowest_vpp))
+
+    def _ask(self, name: Name) -> str:
+        started = time.monotonic()
+        answer = self.line.ask(self.language.settings[name].ask)
+        spent_s = time.monotonic() - started
+        self._command_s = 0.8 * self._command_s + 0.2 * spent_s if self._command_s else spent_s
+        return answer
 
     def _found(self, name: Name, answers: dict[str, str] | None = None) -> tuple[str, bool]:
         setting = self.language.settings[name]
         known = answers if answers is not None else {}
         if setting.ask not in known:
-            started = time.monotonic()
-            known[setting.ask] = self.line.ask(setting.ask)
-            self._paced(started)
+            known[setting.ask] = self._ask(name)
         try:
-            found = setting.read(known[setting.ask])
-            good = agrees(name, self._wanted[name], found)
+            found = self.taken[name] = setting.read(known[setting.ask])
+            return found, agrees(name, self._wanted[name], found)
         except ValueError as error:
             return str(error), False
-        self.taken[name] = found
-        return found, good
-
-    def _paced(self, started_s: float) -> None:
-        # What a command takes, as the slowest of late: an instrument that reads slowly blocks the sender or the answer.
-        spent_s = time.monotonic() - started_s
-        self._command_s = max(spent_s, 0.9 * self._command_s)
 
 
 def _danger(name: Name) -> int:

@@ -28,6 +28,7 @@ class Line:
         self.address = address
         self.identity = ""
         self._behind = False
+        self._held = ""
         try:
             self._transport = open_transport(address, baud, TIMEOUT_S)
         except (OSError, ValueError) as error:
@@ -47,16 +48,33 @@ class Line:
         self.identity = self.ask("*IDN?")
         return self.identity
 
+    def hold(self, text: str) -> None:
+        """Keep a line back: it goes out together with the next question.
+
+        In a network two short messages in a row wait for each other; one with both does not.
+        """
+        self._held += f"{text}\n"
+
     def send(self, text: str) -> None:
-        """Send a line.
+        """Send a line, and before it what was kept back.
 
         Raises:
             DeviceGoneError: the line is dead.
         """
+        self.hold(text)
+        self.flush()
+
+    def flush(self) -> None:
+        """Send what was kept back.
+
+        Raises:
+            DeviceGoneError: the line is dead.
+        """
+        lines, self._held = self._held, ""
         try:
-            self._transport.write(f"{text}\n".encode("ascii"))
+            self._transport.write(lines.encode("ascii"))
         except OSError as error:
-            raise self._gone(text, str(error)) from error
+            raise self._gone(lines.strip(), str(error)) from error
 
     def ask(self, text: str) -> str:
         """Send a line and wait for its answer.
@@ -99,6 +117,7 @@ class Line:
                                    "framing at both ends (excitation.baud)") from error  # fmt: skip
 
     def _catch_up(self) -> None:
+        held, self._held = self._held, ""
         self.send("*IDN?")
         until = time.monotonic() + TIMEOUT_S
         while self._read("*IDN?", max(until - time.monotonic(), SPENT_S)) != self.identity:
@@ -110,6 +129,7 @@ class Line:
                 pass
         except OSError as error:
             raise self._gone("*IDN?", str(error)) from error
+        self._held = held
 
     def _gone(self, text: str, why: str) -> DeviceGoneError:
         return DeviceGoneError(f"{text!r}: {why}", where=self.where, remedy=_REMEDY)

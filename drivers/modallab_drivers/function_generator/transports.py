@@ -10,8 +10,8 @@ END = b"\n"
 class Transport(Protocol):
     """An open way to one instrument. Every method may raise OSError: the way is dead."""
 
-    def write(self, line: bytes) -> None:
-        """Send a line."""
+    def write(self, lines: bytes) -> None:
+        """Send whole lines."""
         ...
 
     def read(self, timeout_s: float) -> tuple[bytes, bool]:
@@ -50,9 +50,9 @@ class SerialPort:
 
         self._serial = serial.Serial(port, baud, timeout=timeout_s, write_timeout=timeout_s)
 
-    def write(self, line: bytes) -> None:
-        """Send a line."""
-        self._serial.write(line)
+    def write(self, lines: bytes) -> None:
+        """Send lines."""
+        self._serial.write(lines)
 
     def read(self, timeout_s: float) -> tuple[bytes, bool]:
         """Up to a line feed."""
@@ -63,7 +63,13 @@ class SerialPort:
 
     def drop(self) -> None:
         """Empty the port's buffer."""
-        self._serial.reset_input_buffer()
+        try:
+            self._serial.reset_input_buffer()
+        except OSError:
+            raise
+        except Exception as error:
+            # The terminal's own error of a plug that was pulled is no OSError.
+            raise OSError(str(error)) from error
 
     def close(self) -> None:
         """Let go of the port."""
@@ -75,22 +81,25 @@ class VisaResource:
 
     def __init__(self, address: str, timeout_s: float) -> None:
         import pyvisa
+        from pyvisa import constants, errors
 
-        self._errors: Any = pyvisa.errors
-        self._timed_out: Any = pyvisa.constants.StatusCode.error_timeout
+        self._errors: Any = errors
+        self._timed_out: Any = constants.StatusCode.error_timeout
         milliseconds = round(1000 * timeout_s)
         with self._as_os_error():
             self._resource: Any = pyvisa.ResourceManager("@py").open_resource(
                 address, open_timeout=milliseconds, timeout=milliseconds
             )
-        if address.upper().endswith("::SOCKET"):
+        self._messages = not address.upper().endswith("::SOCKET")
+        if not self._messages:
             # A bare socket has no end of a message but the line feed.
             self._resource.read_termination = "\n"
 
-    def write(self, line: bytes) -> None:
-        """Send a message."""
+    def write(self, lines: bytes) -> None:
+        """Send each line as a message, or all at once where nothing but line feeds ends them."""
         with self._as_os_error():
-            self._resource.write_raw(line)
+            for each in lines.splitlines(keepends=True) if self._messages else [lines]:
+                self._resource.write_raw(each)
 
     def read(self, timeout_s: float) -> tuple[bytes, bool]:
         """A message, whose end the protocol marks; on a bare socket a line."""
