@@ -1,7 +1,7 @@
 """Ten generators that misbehave in the hold of a burst: is the output at 0 V in time, and is the cause named?
 
-`python benchmarks/misbehaving_generators.py [repetitions]`: on the wall's clock, over pseudo-terminals with pyserial and
-over TCP sockets with pyvisa-py. Safe is: 0 V after the fault within LIMIT_S where the instrument answers; where it does
+`python benchmarks/misbehaving_generators.py [repetitions]`: on the wall's clock, over pseudo-terminals with pyserial
+and over TCP sockets with pyvisa-py. Safe is: 0 V within LIMIT_S where the instrument answers; where it does
 not, an error that says that the amplifier must be switched off. No block of such a burst would be kept, since the
 error ends the run.
 """
