@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, Waveform
 from modallab.core.errors import ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
@@ -155,6 +155,14 @@ class NiBench:
         self._require("running", to="play")
         assert self._inputs is not None
         self._shaker.play(burst, self._position, self._inputs.rate_hz)
+        start = max(self._inputs.acquired(), self._position)
+        return start + round(self._inputs.delay_s * self._inputs.rate_hz)
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave; the place of its beginning counts the converter's own delay."""
+        self._require("running", to="play")
+        assert self._inputs is not None
+        self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 

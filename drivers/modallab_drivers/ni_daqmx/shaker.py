@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import Generator, open_generator
@@ -10,7 +10,7 @@ from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
-from modallab_drivers.order import require_burst
+from modallab_drivers.order import require_burst, require_wave
 from modallab_drivers.output import Output
 
 
@@ -78,6 +78,26 @@ class Shaker:
         self._guards.ready()
         self._output.play(burst, now, rate_hz)
         self._burst_end = now + round(burst.duration_s * rate_hz)
+
+    def play_wave(self, wave: Waveform, now: int, rate_hz: float) -> None:
+        """Start a wave at sample `now`.
+
+        Raises:
+            UnsupportedError: there is no analog output.
+            ConfigurationError: something is still on, or the wave is beyond the rig's limits or the output's range.
+        """
+        if not isinstance(self._output, AnalogOutput):
+            raise UnsupportedError(
+                "there is no analog output, and a sine generator plays no waves",
+                where=self._where,
+                remedy="drive by an analog output of the device, or run a sine test",
+            )
+        require_wave(wave, self._output.range_v, self._rig.limits, self._where)
+        if self._output.busy:
+            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
+        self._guards.ready()
+        self._output.play_wave(wave)
+        self._burst_end = now + round(wave.duration_s * rate_hz)
 
     def up_to_event(self, now: int, count: int) -> int:
         """So many of the next `count` samples may be read before it must be looked after."""

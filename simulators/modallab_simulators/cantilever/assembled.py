@@ -33,7 +33,7 @@ def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary
     bare: Modes = CrackedBeam(beam, changes.losses) if changes.losses else beam
     bare = PreloadedModes(bare, changes.preload_n) if changes.preload_n else bare
     bare = RotaryModes(bare, rotary_inertia_kg_m) if rotary_inertia_kg_m else bare
-    attachments = [*changes.attachments, *(changes.at_shaker if test == "sine" else ())]
+    attachments = [*changes.attachments, *(() if test == "impact" else changes.at_shaker)]
     root, hung = changes.root_n_m, changes.absorbers
     return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != np.inf else bare
 

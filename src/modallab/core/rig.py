@@ -17,7 +17,7 @@ from modallab.core.errors import RigError
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Excitation
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
-from modallab.core.units import Quantity, Test
+from modallab.core.units import BROADBAND, Quantity, Test
 from modallab.core.versions import RIG
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
@@ -163,6 +163,9 @@ class Channel(Frozen):
         value = self.sensitivity_v_per_unit
         if isinstance(value, float | int):
             return float(value)
+        if test not in value and test in BROADBAND and "sine" in value:
+            # The shaker drives in both, and nobody turns the preamplifiers between.
+            return value["sine"]
         if test not in value:
             raise RigError(
                 f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",

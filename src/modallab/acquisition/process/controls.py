@@ -22,7 +22,7 @@ from modallab.core.events import (
     RunState,
     StateChanged,
 )
-from modallab.core.plan import Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, Plan, SinePlan
 from modallab.storage import Store
 
 
@@ -168,7 +168,7 @@ class RunControls(ABC):
 
     @property
     def _driving(self) -> bool:
-        return isinstance(self._plan, SinePlan) and self._view.state in ("armed", "acquiring", "paused")
+        return isinstance(self._plan, SinePlan | BroadbandPlan) and self._view.state in ("armed", "acquiring", "paused")
 
     @abstractmethod
     def _send(self, message: Message) -> None:

@@ -9,6 +9,7 @@ from modallab.acquisition.monitor.live import LiveSamples, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.procedures.broadband import longest_wave_s, require_waves, run_broadband
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
@@ -19,7 +20,7 @@ from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
 from modallab.core.errors import BenchError, ModallabError, OutputLostError, PlanError
 from modallab.core.events import BlockDropped, Failed, Notice
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder, Store
@@ -182,11 +183,15 @@ def _work(setup: Setup) -> None:
         setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
     require_trigger(setup.plan, setup.bench)
-    if isinstance(setup.plan, SinePlan):
-        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
+    if isinstance(setup.plan, BroadbandPlan):
+        require_waves(setup.plan, setup.bench, setup.rig)
+    if isinstance(setup.plan, SinePlan | BroadbandPlan):
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup)))
     context = _prepare(setup)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan)
+    elif isinstance(setup.plan, BroadbandPlan):
+        run_broadband(context, setup.plan)
     else:
         run_sine(context, setup.plan)
     setup.bench.zero()
@@ -197,8 +202,9 @@ def _work(setup: Setup) -> None:
     setup.life.enter("done")
 
 
-def _what_ends_it(plan: SinePlan, supervision: str) -> str:
-    longest = longest_burst_s(plan)
+def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+    supervision = setup.supervision
+    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig.limits)
     notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
     return f"{notice}; {supervision}" if supervision else notice
 
@@ -213,8 +219,8 @@ def _drop_left(setup: Setup) -> None:
 def _prepare(setup: Setup) -> Context:
     bench, plan = setup.bench, setup.plan
     bench.zero()
-    delivery = bench.configure(Request(plan.kind, plan.rate_hz))
-    conversion = Conversion.of(setup.rig, plan.kind, delivery.units, delivery.scale, delivery.dtype)
+    delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut(plan, delivery)
     if recut is None:

@@ -3,6 +3,7 @@
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
+from modallab.frf.broadband import broadband_frf, driven_band
 from modallab.frf.estimate import convert, group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.service.errors import ConflictError
@@ -26,13 +27,19 @@ def live_frf(store: Store, run: str) -> Frf:
     blocks = [block for block in store.blocks(run) if not overloaded(block, record.rig)]
     if not blocks:
         raise ConflictError(f"run {run} has no good block yet", where=run, remedy="wait for the first good block")
-    frf = _impact(blocks, record.rig) if record.test == "impact" else _sine(blocks, record.rig)
+    of_test = _impact if record.test == "impact" else _sine if record.test == "sine" else _broadband
+    frf = of_test(blocks, record.rig)
     return convert(frf, "mobility")
 
 
 def _impact(blocks: list[Block], rig: Rig) -> Frf:
     groups = group_by_point(to_signals_of(blocks, rig))
     return impact_frf(groups, rig, (LOWEST_HZ, USABLE * blocks[0].rate_hz))
+
+
+def _broadband(blocks: list[Block], rig: Rig) -> Frf:
+    signals = to_signals_of([b for b in blocks if b.level == blocks[-1].level], rig)
+    return broadband_frf(signals, rig, driven_band(signals))
 
 
 def _sine(blocks: list[Block], rig: Rig) -> Frf:
