@@ -118,8 +118,8 @@ class SinePlan(Frozen):
 class BroadbandPlan(Frozen):
     """A broadband test: the shaker plays a finite wave, of which blocks are recorded one after another.
 
-    `pseudo-random` and `chirp` repeat with every block, so that a settled block holds whole periods; `burst-random` ends
-    within its block, which then holds the decay too; `random` never repeats, and its FRFs are made with a Hann window.
+    `pseudo-random` and `chirp` repeat with every block, so that a settled block holds whole periods. `burst-random`
+    ends within its block, and the decay with it, if the block is long enough. `random` never repeats.
 
     Attributes:
         signal: what is played.

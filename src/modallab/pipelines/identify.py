@@ -13,6 +13,7 @@ from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
 from modallab.frf.broadband import broadband_frf, driven_band, of_one_level
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.frf.joined import joined_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
@@ -164,11 +165,10 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 
 def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
     every, notes = usable(campaign, campaign.of(test))
-    frf = broadband_frf(of_one_level(every), campaign.rig, options.band_hz or driven_band(every))
-    if test == "random":
-        line_hz = float(frf.frequency_hz[1] - frf.frequency_hz[0])
-        notes = (*notes, f"The Hann window widens every peak by {1.5 * line_hz:.3g} Hz: the damping of a narrower mode is"
-                 " too large. Longer blocks, or a pseudo-random drive, do not have this.")  # fmt: skip
+    band = options.band_hz or driven_band(every)
+    # A block of random drive is cut out of what never ends: only the blocks together are long enough.
+    made = joined_frf if test in ("random", "burst-random") else broadband_frf
+    frf = made(of_one_level(every), campaign.rig, band)
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)
