@@ -45,7 +45,7 @@ def broadband_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, fl
         )
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)
-    window = np.asarray(signal.windows.hann(n, sym=False)) if first.block.test == "random" else np.ones(n)
+    window = _window(n, hann=first.block.test == "random")
     force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
     values, coherence = combine(force, response)
@@ -69,8 +69,8 @@ def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
     """
     check_test(signals)
     n, rate = signals[0].force.size, signals[0].rate_hz
-    # Leakage of a plain cut would reach far beyond the band.
-    window = np.asarray(signal.windows.hann(n, sym=False))
+    # Leakage of a plain cut would reach far beyond the band; a window would take the ends off a chirp.
+    window = _window(n, hann=signals[0].block.test in ("random", "burst-random"))
     power = np.mean([np.abs(_spectrum(s.force, window)) ** 2 for s in signals], axis=0)
     smooth = np.convolve(power, np.ones(SMOOTHED) / SMOOTHED, mode="same")
     driven = np.flatnonzero(smooth > smooth.max() * 10 ** (-DRIVEN_DB / 10))
@@ -85,6 +85,10 @@ def of_one_level(signals: Sequence[Signals]) -> list[Signals]:
     levels = [s.block.level for s in signals]
     most = max(levels, key=levels.count, default=None)
     return [s for s in signals if s.block.level == most]
+
+
+def _window(n: int, *, hann: bool) -> NDArray[np.float64]:
+    return np.asarray(signal.windows.hann(n, sym=False)) if hann else np.ones(n)
 
 
 def _spectrum(values: NDArray[np.float64], window: NDArray[np.float64]) -> NDArray[np.complex128]:
