@@ -148,7 +148,7 @@ def test_beyond_a_limit_the_run_ends_at_zero_and_keeps_what_tripped(store: Store
     rig = link_rig.model_copy(update={"limits": link_rig.limits.model_copy(update={"force_n": 0.5})})
     bench = open_bench(URL, rig)
     with pytest.raises(SafetyError, match="beyond the abort limit"):
-        record(bench, rig, plan_of("random", blocks=2, levels_v={"low": 1.0}), store, lambda _: None)
+        record(bench, rig, plan_of("random", blocks=2, band_hz=(2.0, 100.0), levels_v={"low": 1.0}), store, lambda _: None)
     rows = store.catalogue.blocks(store.catalogue.runs()[-1].id)
     assert [(r.note.accepted, r.note.name.endswith("_tripped")) for r in rows] == [(False, True)]
 
