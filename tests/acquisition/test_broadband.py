@@ -20,7 +20,7 @@ from modallab.core.units import BROADBAND, Broadband
 from modallab.gap.diagnosis import diagnose
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
-from modallab.service.campaigns.live_frf import live_frf
+from modallab.service.campaigns.live_frf import LiveFrfs
 from modallab.storage import Store
 
 URL = "sim://cantilever?seed=1"
@@ -116,7 +116,7 @@ def test_blocks_follow_each_other_without_a_gap_and_say_what_they_are(store: Sto
     assert 0.2 < float(facts["drive_peak_v"]) < 1.5
     notice = next(e for e in events if isinstance(e, Notice))
     assert "longest burst" in notice.what
-    frf = live_frf(store, run)
+    frf = LiveFrfs(store).frf(run)
     assert frf.coherence is not None
     assert frf.averages == (3,)
 
@@ -148,7 +148,9 @@ def test_beyond_a_limit_the_run_ends_at_zero_and_keeps_what_tripped(store: Store
     rig = link_rig.model_copy(update={"limits": link_rig.limits.model_copy(update={"force_n": 0.5})})
     bench = open_bench(URL, rig)
     with pytest.raises(SafetyError, match="beyond the abort limit"):
-        record(bench, rig, plan_of("random", blocks=2, band_hz=(2.0, 100.0), levels_v={"low": 1.0}), store, lambda _: None)
+        record(
+            bench, rig, plan_of("random", blocks=2, band_hz=(2.0, 100.0), levels_v={"low": 1.0}), store, lambda _: None
+        )
     rows = store.catalogue.blocks(store.catalogue.runs()[-1].id)
     assert [(r.note.accepted, r.note.name.endswith("_tripped")) for r in rows] == [(False, True)]
 

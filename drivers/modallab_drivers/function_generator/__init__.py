@@ -1,6 +1,7 @@
 """Sine generators on a serial line, on USB or in the network."""
 
 from contextlib import suppress
+from typing import Any
 
 from modallab.bench.protocol import Found
 
@@ -21,8 +22,9 @@ def _on_usb() -> list[Found]:
 
     # Without libusb, or without the right to look at the bus, there is nothing to be found.
     with suppress(Exception):
+        devices: list[Any] = list(find_tmc_devices() or [])
         return [
             Found(f"USB0::0x{d.idVendor:04X}::0x{d.idProduct:04X}::{d.serial_number}::INSTR", f"USB, {d.product}")
-            for d in find_tmc_devices() or []
+            for d in devices
         ]
     return []

@@ -93,7 +93,8 @@ class Generator:
         self._line, self._instrument = line, Instrument(line, dialect)
         self._language = self._instrument.language
         self._steps: list[tuple[int, float]] = []
-        self._next_look = self._look_every = 0
+        self._next_look = self._look_every = self._fall = 0
+        self._held: dict[str, float | str] = {}
         self._ends_s = 0.0
         try:
             self.identity = self._instrument.require_dialect()
@@ -127,6 +128,8 @@ class Generator:
             self.set("amplitude", self._language.lowest_vpp)
             self._ends_s = time.monotonic() + burst.duration_s + 1 / burst.frequency_hz
             self._steps = [(now + round(t * rate_hz), volts) for t, volts in _staircase(burst)]
+            self._fall = now + round((burst.ramp_s + burst.hold_s) * rate_hz)
+            self._held = {}
             self.set("output", "ON")
             self._line.send(self._language.trigger)
             if errors := self._instrument.errors():
@@ -154,15 +157,19 @@ class Generator:
                 self._require_unchanged(at_all=False)
 
     def facts(self) -> dict[str, float | str]:
-        """What the instrument took, read back now; while a burst is on, all settings are looked at.
+        """What the instrument took of the last burst: while its hold is on read back now, later as at its end.
 
         Raises:
-            OutputLostError: one was changed; the output was brought to 0 V.
+            OutputLostError: a setting was changed; the output was brought to 0 V.
             DeviceGoneError: the line died.
         """
-        if self._steps:
+        if self._steps and not self._held:
             with self._safely():
-                self._require_unchanged(at_all=True)
+                return self._taken()
+        return self._held
+
+    def _taken(self) -> dict[str, float | str]:
+        self._require_unchanged(at_all=True)
         taken = self._instrument.taken
         return {
             "generator_frequency_hz": number(taken["frequency"]),
@@ -217,6 +224,9 @@ class Generator:
         due = [volts for sample, volts in self._steps if sample <= now]
         if not due:
             return
+        if now >= self._fall and not self._held:
+            # What was changed in the last moments of the hold must be seen before the fall covers it.
+            self._held = self._taken()
         self._steps = self._steps[len(due) :]
         if not self._steps:
             self._bring_down()

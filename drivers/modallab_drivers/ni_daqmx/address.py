@@ -17,10 +17,11 @@ class Address:
 
     Attributes:
         url: as it was given.
-        device: name of the device or chassis.
+        device: name of the device or chassis; of several, the first, whose clock the others follow.
         server: `host:port` of a gRPC device server; empty: this machine.
         certificate: of the authority that signed the server's certificate; None: no TLS.
         own: our certificate and its key, for a server that wants to know who asks.
+        others: further devices or chassis of the bench.
         virtual_time: whether the bench's time goes on only by reading, as with a simulated server that is not paced.
     """
 
@@ -30,6 +31,7 @@ class Address:
     certificate: Path | None = None
     own: tuple[Path, Path] | None = None
     virtual_time: bool = False
+    others: tuple[str, ...] = ()
 
 
 def parse(url: str, *, whole_system: bool = False) -> Address:
@@ -40,9 +42,13 @@ def parse(url: str, *, whole_system: bool = False) -> Address:
     """
     parts = urlsplit(url)
     remote = parts.scheme == "nidaqmx+grpc"
-    device = parts.path.strip("/") if remote else parts.netloc
+    device, *others = (parts.path.strip("/") if remote else parts.netloc).split(",")
     example = "nidaqmx+grpc://host:31763/cDAQ1" if remote else "nidaqmx://cDAQ1"
-    if not (device or whole_system) or (remote and not parts.netloc) or (not remote and parts.path.strip("/")):
+    if (
+        not all((device or whole_system, *others))
+        or (remote and not parts.netloc)
+        or (not remote and parts.path.strip("/"))
+    ):
         raise ConfigurationError(f"no device is named by {url!r}", remedy=f"write {example}")
     given = dict(parse_qsl(parts.query, keep_blank_values=True))
     unknown = sorted(set(given) - set(_KNOWN))
@@ -55,7 +61,15 @@ def parse(url: str, *, whole_system: bool = False) -> Address:
     files = {name: Path(given[name]) for name in _FILES if name in given}
     _require_files(files, url)
     own = (files["cert"], files["key"]) if "cert" in files else None
-    return Address(url, device, parts.netloc if remote else "", files.get("tls"), own, given.get("virtual_time") == "1")
+    return Address(
+        url,
+        device,
+        parts.netloc if remote else "",
+        files.get("tls"),
+        own,
+        given.get("virtual_time") == "1",
+        tuple(others),
+    )
 
 
 def _require_files(files: Mapping[str, Path], url: str) -> None:

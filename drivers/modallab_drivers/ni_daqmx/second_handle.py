@@ -12,9 +12,9 @@ from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import translated
-from modallab_drivers.ni_daqmx.inputs import session_name
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.synchronise import session_name
 
 GROUP_BY_CHANNEL = 0
 

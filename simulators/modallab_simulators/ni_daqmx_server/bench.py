@@ -17,6 +17,7 @@ from modallab_simulators.ni_daqmx_server.modules import CHASSIS, Module
 from modallab_simulators.ni_daqmx_server.output_task import LineTask, OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.supply import Supplies
 from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 
 T = TypeVar("T", bound=Task)
@@ -50,6 +51,7 @@ class SimulatedSystem:
         self.generator_line: OutputLine | None = None
         self.tasks: dict[str, Task] = {}
         self.reserved = Reservations()
+        self.supplies = Supplies()
         self.faults = faults.FaultPlan()
         self.reset_keeps_outputs = False
         self._numbers = 0
@@ -116,6 +118,8 @@ class SimulatedSystem:
         """Start a task: reserve, then run."""
         self.reserved.take(task)
         if isinstance(task, InputTask):
+            task.supplies = self.supplies
+            self.supplies.switch_on(task.fed, self.clock.now())
             task.start(self.plant, self.shaker_line, self.clock)
         elif isinstance(task, OutputTask):
             task.start(self.clock)
@@ -134,6 +138,8 @@ class SimulatedSystem:
         if isinstance(task, WatchdogTask):
             self.let_go(task)
         task.running = False
+        if isinstance(task, InputTask) and not task.committed:
+            self.supplies.switch_off(task.fed)
         self.reserved.release(task)
 
     def clear(self, name: str) -> None:
@@ -141,6 +147,8 @@ class SimulatedSystem:
         task = self.tasks.pop(name, None)
         if task is None:
             raise StatusError(status.INVALID_TASK, f"Task Name: {name}")
+        if isinstance(task, InputTask):
+            task.committed = False
         self.stop(task)
 
     def reset(self, device: str) -> None:

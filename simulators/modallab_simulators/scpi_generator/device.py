@@ -31,8 +31,8 @@ class ScpiGenerator:
     when the load is changed, runs on without end when its burst mode is switched off, and rests at its offset.
 
     Attributes:
-        clip_vpp: it silently applies no more.
-        gain: it silently applies so many times what is asked for.
+        clip_vpp: it applies no more, and says nothing.
+        gain: it applies so many times what is asked for, and says nothing.
         deaf: it obeys no OFF: "" it does, "error" until its errors are cleared, "always".
     """
 

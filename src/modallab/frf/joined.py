@@ -46,9 +46,9 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     n = min(force.size, max(first.force.size, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
     count = min(MOST_RECORDS, force.size // n)
     chosen = lines(n, rate, band_hz)
-    spectra = [_spectrum(v, n, count)[..., chosen] for v in (force[None], responses)]
-    values, variance = local_polynomial_frf(*spectra)
-    power = np.sum(np.abs(spectra[0][:, 0]) ** 2, axis=0)
+    spectrum_f = _spectrum(force[None], n, count)[..., chosen]
+    values, variance = local_polynomial_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen])
+    power = np.sum(np.abs(spectrum_f[:, 0]) ** 2, axis=0)
     if not power.all():
         raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
     return Frf(

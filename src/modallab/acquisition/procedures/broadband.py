@@ -3,8 +3,10 @@
 from dataclasses import dataclass, field, replace
 from math import ceil
 
+import numpy as np
+
+from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.limits import LimitWatch, watch_of
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.procedures.broadband_wave import (
     Layout,
@@ -19,6 +21,9 @@ from modallab.core.errors import PlanError, SafetyError, SamplesLostError, Unsup
 from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits, Rig
 from modallab.storage import BlockNote
+
+SEEN = 3.0
+"""A force is one if it is so many times what its channel shows at rest."""
 
 
 def longest_wave_s(plan: BroadbandPlan, limits: Limits | None) -> float:
@@ -58,7 +63,7 @@ class BroadbandTest:
         context: the bench.
         plan: signal, band, levels, blocks.
         limits: of the rig.
-        watch: looks at the limits.
+        watch: looks at the limits, and before each wave whether the channels are alive.
         kept: names of the blocks that count, by level.
         waves: played so far, by level.
         rejected: blocks that did not count.
@@ -68,7 +73,7 @@ class BroadbandTest:
     context: Context
     plan: BroadbandPlan
     limits: Limits
-    watch: LimitWatch
+    watch: BurstWatch
     kept: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
     waves: dict[str, int] = field(default_factory=dict[str, int])
     rejected: int = 0
@@ -93,14 +98,18 @@ class BroadbandTest:
                 except SamplesLostError as error:
                     self.restarts += 1
                     self.context.restart(error, self.restarts)
+                    self.watch.restart()
                     self.context.excitation.on = False
 
     def _play(self, level: str) -> None:
         """One wave, and the blocks in it."""
         context, stream = self.context, self.context.stream
         context.pause_if_requested(self.watch)
-        stream.advance_to(stream.next + stream.samples_of(self.plan.wait_s), self.watch)
+        stream.advance_to(stream.next + max(stream.samples_of(self.plan.wait_s), context.window), self.watch)
         context.pause_if_requested(self.watch)
+        rest = stream.cut(stream.next - context.window, context.window)
+        self.watch.require_alive(rest, counts=stream.counts)
+        rest_n = float(np.std(context.conversion.force_n(rest)))
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
         missing = self.plan.blocks - len(self.kept[level])
         fitting = min(missing, blocks_a_wave(self.plan, self.limits.max_burst_s))
@@ -113,8 +122,8 @@ class BroadbandTest:
         assert isinstance(context.bench, WavePlaying)
         start = context.bench.play_wave(wave)
         for place in range(fitting):
-            self._take(self._note(level, number, place, start, layout, wave))
-        stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch)
+            self._take(self._note(level, number, place, start, layout, wave), rest_n)
+        stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
         context.excitation.on = False
         self._obey()
 
@@ -135,11 +144,12 @@ class BroadbandTest:
             },
         )
 
-    def _take(self, note: BlockNote) -> None:
+    def _take(self, note: BlockNote, rest_n: float) -> None:
         """Read one block, and keep it."""
         context, stream = self.context, self.context.stream
         try:
-            stream.advance_to(note.first_sample + context.block, self.watch)
+            stream.advance_to(note.first_sample + context.block, self.watch, context.driving_chunk)
+            self._require_force(note, rest_n)
         except SafetyError as error:
             context.bench.zero()
             first = stream.next - context.block
@@ -156,6 +166,16 @@ class BroadbandTest:
             self.kept[note.level or ""].append(note.name)
         done = sum(map(len, self.kept.values()))
         context.progress(done, self.plan.blocks * len(self.kept), f"level {note.level}, {self.plan.signal}")
+
+    def _require_force(self, note: BlockNote, rest_n: float) -> None:
+        block = self.context.stream.cut(note.first_sample, self.context.block)
+        force_n = float(np.std(self.context.conversion.force_n(block)))
+        if force_n <= SEEN * rest_n:
+            raise SafetyError(
+                f"the force is {force_n:.3g} N rms while {self.plan.levels_v[note.level or '']:g} V rms drive, and"
+                f" {rest_n:.3g} N at rest; the output was brought to 0 V",
+                remedy="check the force sensor, the amplifier and the stinger, or drive harder",
+            )
 
     def _require_patience(self, reason: str) -> None:
         if self.rejected > self.plan.max_rejections:
@@ -177,7 +197,8 @@ def run_broadband(context: Context, plan: BroadbandPlan) -> None:
     limits = context.rig.limits
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
-    BroadbandTest(context, plan, limits, watch_of(context.rig, limits, context.conversion)).run()
+    watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
+    BroadbandTest(context, plan, limits, watch).run()
 
 
 def require_waves(plan: BroadbandPlan, bench: object, rig: Rig) -> None:

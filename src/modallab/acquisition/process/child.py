@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready
@@ -19,6 +20,7 @@ from modallab.core.errors import BenchError, ModallabError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.storage import Store
+from modallab.storage.records import ENDED
 
 BROKEN_FILE_EXIT = 3
 
@@ -67,6 +69,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
         bench.zero()
         with Store(folder) as store:
             store.recover()
+            clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
                 _run(link, bench, rig, store, command.plan, guard)
@@ -87,12 +90,12 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
         return link.order()
 
     try:
-        with store.begin(plan, rig, bench.info) as recorder:
+        with store.begin(plan, rig, bench.info) as recorder, LiveRing(store.folder) as live:
             try:
                 run_plan(
                     bench, rig, plan, recorder, link.send, control,
                     requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
-                    live=link.send,
+                    live=live,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable
