@@ -96,6 +96,7 @@ class Generator:
         self._next_look = self._look_every = self._fall = 0
         self._held: dict[str, float | str] = {}
         self._ends_s = 0.0
+        self._as_left = True
         try:
             self.identity = self._instrument.require_dialect()
             self._instrument.bring_down()
@@ -122,7 +123,10 @@ class Generator:
             OutputLostError: a setting is not as it was left; the output is off.
         """
         with self._safely():
-            self._require_unchanged(at_all=True)
+            if self._as_left:
+                self._require_unchanged(at_all=True)
+            else:
+                self._set_up()
             self.set("frequency", burst.frequency_hz)
             self.set("cycles", float(ceil(burst.duration_s * burst.frequency_hz)))
             self.set("amplitude", self._language.lowest_vpp)
@@ -212,6 +216,7 @@ class Generator:
             raise
 
     def _set_up(self) -> None:
+        self._as_left = True
         self._instrument.errors()
         self.set("output", "OFF")
         for name, word in self._language.constants.items():
@@ -240,7 +245,7 @@ class Generator:
                 f"{changed}: it was changed at the front panel or by another program, or the generator was switched off"
                 " and on; the output was brought to 0 V",
                 where=self._instrument.where,
-                remedy="leave the generator alone during a test; its settings were set anew for the next burst",
+                remedy="leave the generator alone during a test; its settings are set anew for the next burst",
             )
 
     @contextmanager
@@ -250,9 +255,10 @@ class Generator:
             yield
         except BenchError as error:
             self._steps = []
+            # Only at the next burst: whoever waits must not wait for that too.
+            self._as_left = False
             try:
                 self._bring_down()
-                self._set_up()
             except BenchError as dead:
                 self._say_amplifier(error)
                 raise error from dead

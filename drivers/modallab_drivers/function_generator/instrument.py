@@ -16,9 +16,9 @@ STOP_STEPS = 25
 
 STOP_STEP_S = 0.002
 STOP_S = 0.25
-"""A stop takes at most about so long: with a slow instrument the steps become larger, not the time."""
+LATE_STEPS = 3
+"""A stop that takes longer than STOP_S, since the instrument is slow, goes on in steps so many times as large."""
 
-LEAST_STOP_STEPS = 4
 MOST_ERRORS = 32
 LOOK_S = 0.02
 """How long one look at the settings may take: others are waiting for their samples."""
@@ -37,7 +37,6 @@ class Instrument:
         self.taken: dict[Name, str] = {}
         self._wanted: dict[Name, float | str] = {}
         self._queue: deque[Name] = deque()
-        self._command_s = 0.0
         self._dialect = dialect
 
     @property
@@ -106,11 +105,18 @@ class Instrument:
             found, good = self._found(name, answers)
             if not good:
                 self._queue.clear()
-                # Another load changes what is shown of every voltage: then it is the cause.
-                if name in ("amplitude", "offset") and not self._found("load", answers)[1]:
-                    name, found = "load", self.taken["load"]
-                return f"{name}: {self._wanted[name]} was set, the generator now says {found}"
+                return self._cause(name, found, answers)
         return ""
+
+    def _cause(self, name: Name, found: str, answers: dict[str, str]) -> str:
+        # Without the burst mode a Siglent shows no carrier, and another load changes what is shown of every voltage.
+        for cause in ("burst", "load"):
+            if name not in ("output", cause):
+                other, good = self._found(cause, answers)
+                if not good:
+                    name, found = cause, other
+                    break
+        return f"{name}: {self._wanted[name]} was set, the generator now says {found}"
 
     def bring_down(self) -> None:
         """Bring the amplitude down in steps, then switch the output off, by every way the instrument knows.
@@ -150,18 +156,17 @@ class Instrument:
 
     def _ramp_down(self, *, answering: bool) -> None:
         lowest, vpp = self.language.lowest_vpp, self._amplitude_now(answering=answering)
-        # Each step waits for its answer: else the network would hand over several at once.
-        steps = int(min(STOP_STEPS, max(LEAST_STOP_STEPS, STOP_S / (STOP_STEP_S + 2 * self._command_s))))
-        for left in range(steps - 1, -1, -1):
-            self.put("amplitude", max(lowest, vpp * left / steps))
+        step, until, left = vpp / STOP_STEPS, time.monotonic() + STOP_S, vpp
+        while left > lowest:
+            left = max(lowest, left - (step if time.monotonic() < until else LATE_STEPS * step))
+            self.put("amplitude", left)
+            # Each step waits for its answer: else the network would hand over several at once.
             if answering:
                 with suppress(ConfigurationError):
                     self._ask("amplitude")
             else:
                 self.line.flush()
             time.sleep(STOP_STEP_S)
-            if vpp * left / steps <= lowest:
-                return
 
     def _amplitude_now(self, *, answering: bool) -> float:
         """In Vpp: what the instrument says, or what it was set to last."""
@@ -171,11 +176,7 @@ class Instrument:
         return float(self._wanted.get("amplitude", self.language.lowest_vpp))
 
     def _ask(self, name: Name) -> str:
-        started = time.monotonic()
-        answer = self.line.ask(self.language.settings[name].ask)
-        spent_s = time.monotonic() - started
-        self._command_s = 0.8 * self._command_s + 0.2 * spent_s if self._command_s else spent_s
-        return answer
+        return self.line.ask(self.language.settings[name].ask)
 
     def _found(self, name: Name, answers: dict[str, str] | None = None) -> tuple[str, bool]:
         setting = self.language.settings[name]
