@@ -7,9 +7,9 @@ from modallab.core.errors import DataError
 Quantity = Literal["force", "acceleration", "velocity", "displacement", "voltage"]
 Broadband = Literal["random", "burst-random", "pseudo-random", "chirp"]
 """What a shaker plays in a broadband test; a record says which, since it decides how an FRF is made of it."""
-Test = Literal["impact", "sine"] | Broadband
+Test = Literal["impact", "sine", "random", "burst-random", "pseudo-random", "chirp"]
 BROADBAND: tuple[Broadband, ...] = get_args(Broadband)
-TESTS: tuple[Test, ...] = ("impact", "sine", *BROADBAND)
+TESTS: tuple[Test, ...] = get_args(Test)
 
 STANDARD_GRAVITY = 9.80665
 
