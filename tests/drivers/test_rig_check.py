@@ -172,7 +172,9 @@ def test_cold_sensors_are_waited_for_and_then_good(rig: Rig, system: str):
     # 4.9 V of bias fade to the noise; the USB device has DC as its default and would read 10 V for ever.
     iepe = fed(rig)
     if system == "4431":
-        iepe = iepe.model_copy(update={"channels": iepe.channels[:4]})
+        assert iepe.limits is not None
+        limits = iepe.limits.model_copy(update={"drive_v": 3.0})
+        iepe = iepe.model_copy(update={"channels": iepe.channels[:4], "limits": limits})
     with NiServer(iepe, system) as server:
         bench = open_bench(server.url, iepe)
         findings = check_idle(bench, iepe, 1.0)

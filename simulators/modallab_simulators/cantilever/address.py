@@ -11,6 +11,7 @@ from modallab_simulators.cantilever.read_effect import read_effect
 from modallab_simulators.cantilever.swing import PEAK_N, REACTION_S
 
 MAX_ZETA = 0.2
+TOLERANCES = ("none", "usual", "stated")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,7 @@ class Settings:
         peak_n: between which forces the operator's hits peak, before what the sensors bear is known.
         reaction_s: between which times after the prompt the operator strikes.
         effects: what else is wrong with the bench; the parameter `effect` may occur many times.
+        tolerances: how well it is put together: "none" is ideally, "usual" as in a lab, "stated" as its rig file says.
     """
 
     seed: int = 0
@@ -40,6 +42,7 @@ class Settings:
     peak_n: tuple[float, float] = PEAK_N
     reaction_s: tuple[float, float] = REACTION_S
     effects: tuple[Effect, ...] = ()
+    tolerances: str = "none"
 
 
 def parse(url: str) -> Settings:
@@ -137,6 +140,12 @@ def _range(text: str) -> tuple[float, float]:
     return low, high
 
 
+def _tolerances(text: str) -> str:
+    if text not in TOLERANCES:
+        raise ValueError(text)
+    return text
+
+
 _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "seed": (_seed, "a whole number from 0"),
     "bad_hits": (_number(0.0, 1.0), "a probability, 0 to 1"),
@@ -146,5 +155,6 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "n_per_v": (_number(0.0, 1e4, above=True), "newton per volt of the generator, above 0 to 1e4"),
     "place_m": (_number(0.0, 0.1), "standard deviation of a hit's place in m, 0 to 0.1"),
     "peak_n": (_range, "lowest and highest peak of a hit in N, such as 50,150"),
+    "tolerances": (_tolerances, ", ".join(TOLERANCES)),
     "reaction_s": (_range, "shortest and longest time to a hit in s, such as 0.5,1.5"),
 }

@@ -174,8 +174,13 @@ class CantileverBench:
         self._swings += 1
         swing = self._drawn_swing()
         bearable_n = self._site.bearable_n(swing.width_s, self._on_beam(x_m + swing.place_m))
-        x_m = self._on_beam(x_m + swing.place_m + self._truth.effects.altered.excitation.hit_shift_m)
+        changes = self._truth.effects.altered.excitation
+        own_m, own_gain = generator(self._settings.seed, Stream.SCATTER, self._swings).standard_normal(2)
+        x_m = self._on_beam(x_m + swing.place_m + changes.hit_shift_m + own_m * changes.scatter_m)
         hits = self._with_knock(swing.hit(self._now_s, x_m, bearable_n))
+        if changes.gain_scatter:
+            # What does not fall square gives the beam more or less than the transducer feels.
+            hits.append(hits[0].knock(own_gain * changes.gain_scatter))
         self._hit_s = hits[0].start_s
         self._excitation.strike(hits, self._now_s)
         self._stream.changed()

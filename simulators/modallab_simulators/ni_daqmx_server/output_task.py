@@ -1,5 +1,6 @@
-"""Analog output and digital lines: on demand, finite, or again and again until somebody stops it."""
+"""Analog output: on demand, finite, or again and again until somebody stops it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,22 +9,34 @@ from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import Floats, Hold, OutputLine, Samples
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
 from modallab_simulators.ni_daqmx_server.status import OUTPUT_UNDERFLOW, StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
+from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 _EMPTY = np.zeros(0)
 
 
 @dataclass(slots=True)
 class OutputTask(Task):
-    """One analog output."""
+    """One analog output, with the `others` of its task, which do as it does.
+
+    Attributes:
+        held_steps: whether the converter holds each sample until the next one.
+    """
 
     physical: str = ""
     line: OutputLine = field(default_factory=OutputLine)
     rate_hz: float = 0.0
     finite: bool = False
+    samples: int = 0
     again: bool = True
     data: Floats = field(default_factory=lambda: _EMPTY)
     wave: Samples | None = None
+    channels: list[Channel] = field(default_factory=list[Channel])
+    others: list["OutputTask"] = field(default_factory=list["OutputTask"])
+    held_steps: bool = False
+
+    def all_channels(self) -> Sequence[Channel]:
+        """Its channels, in order."""
+        return self.channels
 
     def write(self, values: Floats, clock: BenchClock) -> None:
         """Put values into the buffer, or on the output at once where there is no clock."""
@@ -31,19 +44,24 @@ class OutputTask(Task):
             self.line.put(clock.now() + LATENCY_S, Hold(float(values[-1])))
         elif self.running and self.wave is not None and not self.again:
             self.data = np.concatenate([self.data, values])
-            self.wave = Samples(self.wave.start_s, self.rate_hz, self.data, again=False, before_v=self.wave.before_v)
+            self.wave = Samples(
+                self.wave.start_s, self.rate_hz, self.data, again=False, before_v=self.wave.before_v,
+                held=self.held_steps,
+            )  # fmt: skip
             self.line.put(self.wave.start_s, self.wave)
         else:
             self.data = values.copy()
 
-    def start(self, clock: BenchClock) -> None:
-        """Begin to play the buffer."""
+    def start(self, clock: BenchClock, at_s: float | None = None) -> None:
+        """Begin to play the buffer, now or at the bench time that a trigger or clock gives."""
         self.running = True
         if self.rate_hz == 0:
             return
-        at_s = clock.now() + LATENCY_S
+        at_s = clock.now() + LATENCY_S if at_s is None else at_s
         again = not self.finite and self.again
-        self.wave = Samples(at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s))
+        self.wave = Samples(
+            at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps
+        )
         self.line.put(at_s, self.wave)
 
     def stop(self, clock: BenchClock) -> None:
@@ -60,7 +78,8 @@ class OutputTask(Task):
         """
         if not self.running or self.rate_hz == 0:
             return True
-        assert self.wave is not None
+        if self.wave is None:
+            return False
         ended = not self.wave.again and clock.now() >= self.wave.end_s
         if ended and not self.finite:
             raise StatusError(OUTPUT_UNDERFLOW, f"Task Name: {self.name}")
@@ -72,23 +91,6 @@ class OutputTask(Task):
             return 0
         count = max(0, int((clock.now() - self.wave.start_s) * self.rate_hz))
         return count if self.wave.again else min(count, len(self.data))
-
-
-@dataclass(slots=True)
-class LineTask(Task):
-    """Digital lines, of which the changes are counted."""
-
-    lines: tuple[str, ...] = ()
-    level: bool = False
-    changes: int = 0
-    last_change_s: float = 0.0
-
-    def write(self, level: bool, clock: BenchClock) -> None:
-        """Set the lines."""
-        if level != self.level:
-            self.changes += 1
-            self.last_change_s = clock.now()
-        self.level = level
 
 
 @dataclass(slots=True)

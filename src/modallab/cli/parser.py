@@ -97,6 +97,7 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
     command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
+    command.add_argument("--as-campaign", type=Path, metavar="CAMPAIGN.h5", help="also as a campaign modallab reads")
     command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
