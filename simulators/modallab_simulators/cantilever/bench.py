@@ -1,12 +1,13 @@
 """The simulated bench behind the bench protocol."""
 
 import time
+from collections.abc import Callable
 from math import ceil, isfinite
 from typing import Literal
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import Settings
@@ -22,6 +23,7 @@ from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
+from modallab_simulators.cantilever.wave_emission import WaveEmission
 
 RATES_HZ = (100.0, 10_000.0)
 OUTPUT_RANGE_V = 10.0
@@ -141,15 +143,32 @@ class CantileverBench:
 
     def play(self, burst: Burst, later_s: float = 0.0) -> int:
         """Start a burst a few samples from now, or by some of a sample later than on one."""
+        self._require_ready()
+        _check(burst, self._rate)
+        straight = self._circumstances.straight_ramp
+        return self._emit(lambda start_s: Emission(burst, start_s + later_s, self._clock, straight=straight))
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave a few samples from now."""
+        self._require_ready()
+        if not np.abs(wave.samples).max() <= OUTPUT_RANGE_V or wave.samples[0] != 0 or wave.samples[-1] != 0:
+            raise ConfigurationError(
+                f"a wave up to {np.abs(wave.samples).max():g} V, from {wave.samples[0]:g} to {wave.samples[-1]:g} V",
+                where=self._info.url,
+                remedy=f"let it begin and end at 0 V and stay within {OUTPUT_RANGE_V:g} V",
+            )
+        return self._emit(lambda start_s: WaveEmission(wave, start_s, self._clock))
+
+    def _require_ready(self) -> None:
         self._require("running", to="play")
         if self._shaker_x is None:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
-        _check(burst, self._rate)
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
+
+    def _emit(self, made: Callable[[float], Emission | WaveEmission]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        start_s = start / self._site.rate_hz + later_s
-        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._circumstances.straight_ramp))
+        self._excitation.emit(made(start / self._site.rate_hz))
         self._stream.changed()
         return start + self._site.structure.latency
 

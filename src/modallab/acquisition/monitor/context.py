@@ -73,7 +73,7 @@ class Context:
 
     @property
     def driving_chunk(self) -> int:
-        """Samples to read at once while a burst is on: few, where the time until they come is the clock's on the wall."""
+        """Samples to read at once while a burst is on: few, where they come at the pace of the clock on the wall."""
         chunk = self.stream.chunk
         return min(chunk, max(1, self.stream.samples_of(DRIVING_CHUNK_S))) if self.bench.info.real_time else chunk
 

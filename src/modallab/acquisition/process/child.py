@@ -3,7 +3,7 @@
 import os
 import signal
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
+from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.run import Order, make_safe, run_plan
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
@@ -66,6 +67,8 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
+        if bench.info.real_time and (ordinary := take_priority()):
+            guard = replace(guard, supervision="; ".join(filter(None, (guard.supervision, ordinary))))
         with Store(folder) as store:
             store.recover()
             clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)

@@ -23,7 +23,7 @@ from modallab.core.events import (
     RunState,
     StateChanged,
 )
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.storage import Store
 
 
@@ -183,7 +183,7 @@ class RunControls(ABC):
 
     @property
     def _driving(self) -> bool:
-        return isinstance(self._plan, SinePlan) and self._view.state in ("armed", "acquiring", "paused")
+        return isinstance(self._plan, SinePlan | BroadbandPlan) and self._view.state in ("armed", "acquiring", "paused")
 
     @abstractmethod
     def _send(self, message: Message) -> None:
