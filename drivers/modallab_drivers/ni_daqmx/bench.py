@@ -188,6 +188,10 @@ class NiBench:
         self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
 
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        return self._inputs.open_unseen() if self._inputs is not None else ()
+
     def sensed_serials(self) -> dict[str, str]:
         """Serial number of the sensors that carry a TEDS, by channel."""
         self._require("open", "configured", "stopped", "lost", to="ask sensors")

@@ -16,7 +16,8 @@ from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit
-from modallab_simulators.cantilever.loads import BLOCK
+from modallab_simulators.cantilever.loads import BLOCK, Moving
+from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
@@ -60,6 +61,8 @@ class CantileverBench:
         self._state: State = "open"
         self._starts = self._swings = circumstances.first_start
         self._circumstances = circumstances
+        self._operator = OperatorLine(settings.operator) if settings.operator else None
+        self._held_to_s = 0.0
         self._hit_s = 0.0
         self._age_s = 0.0
 
@@ -115,14 +118,14 @@ class CantileverBench:
             self._truth.effects.altered.excitation.harmonics,
         )
         self._stream = SampleStream(
-            lambda block: site.age(began_s + block * BLOCK / site.rate_hz),
+            lambda block: self._structure_at(site, began_s, block * BLOCK / site.rate_hz),
             site.chain_of_start(self._starts),
             self._excitation,
             site.rate_hz,
             generator(self._settings.seed, Stream.NOISE, self._starts),
             generator(self._settings.seed, Stream.FLAWS, self._starts),
         )
-        self._began_s = time.monotonic()
+        self._began_s, self._held_to_s = time.monotonic(), 0.0
         self._state = "running"
 
     def read(self, count: int, timeout_s: float) -> Chunk:
@@ -132,6 +135,8 @@ class CantileverBench:
             raise ConfigurationError(f"a read of {count} samples", where=self._info.url, remedy="read 1 or more")
         if self._settings.pace:
             self._wait(count, timeout_s)
+        if self._operator is not None:
+            self._act(self._operator)
         first = self._stream.position
         samples = self._stream.take(count)
         return Chunk(first, samples, self._site.chain.overload(samples))
@@ -170,6 +175,8 @@ class CantileverBench:
     def prompt_hit(self, point: int) -> None:
         """The virtual operator will strike `point` after a reaction time; a newer prompt replaces an older one."""
         self._require("running", to="prompt a hit")
+        if self._operator is not None:
+            return
         x_m = self._rig.x_of(point)
         self._swings += 1
         swing = self._drawn_swing()
@@ -182,7 +189,8 @@ class CantileverBench:
             # What does not fall square gives the beam more or less than the transducer feels.
             hits.append(hits[0].knock(own_gain * changes.gain_scatter))
         self._hit_s = hits[0].start_s
-        self._excitation.strike(hits, self._now_s)
+        self._excitation.give_up(self._now_s)
+        self._excitation.strike(hits)
         self._stream.changed()
 
     def zero(self) -> None:
@@ -202,6 +210,23 @@ class CantileverBench:
         """Release the bench."""
         self.stop()
         self._state = "closed"
+        if self._operator is not None:
+            self._operator.close()
+
+    def _structure_at(self, site: Site, began_s: float, at_s: float) -> Moving:
+        return site.held if at_s < self._held_to_s else site.age(began_s + at_s)
+
+    def _act(self, operator: OperatorLine) -> None:
+        """Do what the operator has asked for; without a new act nothing changes."""
+        for act in operator.acts():
+            if isinstance(act, Strike):
+                self._swings += 1
+                rng = generator(self._settings.seed, Stream.HITS, self._swings)
+                beside_m = act.beside_m + self._settings.place_m * rng.standard_normal()
+                self._excitation.strike(act.hits(self._now_s, self._on_beam(self._rig.x_of(act.point) + beside_m)))
+                self._stream.changed()
+            else:
+                self._held_to_s = self._now_s + act.seconds
 
     @property
     def _now_s(self) -> float:
@@ -240,7 +265,8 @@ class CantileverBench:
             )
 
     def _wait(self, count: int, timeout_s: float) -> None:
-        due_s = self._began_s + (self._stream.position + count) / self._site.rate_hz - time.monotonic()
+        elapsed_s = (self._stream.position + count) / self._site.rate_hz / self._settings.speed
+        due_s = self._began_s + elapsed_s - time.monotonic()
         if due_s > timeout_s:
             time.sleep(max(timeout_s, 0.0))
             raise BenchTimeoutError(

@@ -25,9 +25,12 @@ class Excitation:
         self._hits: list[Hit] = []
         self._emissions: list[Emission | WaveEmission] = []
 
-    def strike(self, hits: list[Hit], now_s: float) -> None:
-        """Schedule hits; those that were meant but not yet struck are given up for them."""
+    def give_up(self, now_s: float) -> None:
+        """Hits that were meant but not yet struck are not."""
         self._hits = [b for b in self._hits if b.start_s <= now_s]
+
+    def strike(self, hits: list[Hit]) -> None:
+        """Schedule hits."""
         self._hits += hits
 
     def emit(self, emission: Emission | WaveEmission) -> None:

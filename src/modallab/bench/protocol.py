@@ -254,6 +254,15 @@ class SelfDescribing(Protocol):
 
 
 @runtime_checkable
+class LooksForSensors(Protocol):
+    """A bench whose device feeds sensors, and may be able to say that one is missing."""
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
+        ...
+
+
+@runtime_checkable
 class SelfNaming(Protocol):
     """A bench whose sensors may say themselves which they are (TEDS)."""
 

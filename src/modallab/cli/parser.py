@@ -181,4 +181,6 @@ def _add_campaign(commands: _Commands) -> None:
     command.add_argument("--operator", metavar="NAME", help="who runs it (default: who is logged in)")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    command.add_argument("--mute", action="store_true", help="no tones")
+    command.add_argument("--keys", default="", metavar="MAP", help="such as undo=b,accept=pagedown for a pedal")
     campaign.set_defaults(module="campaign")

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat, PositiveInt
 
 from modallab.core.frozen import Frozen
+from modallab.core.units import Test
 
 Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]
 Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
@@ -47,7 +48,10 @@ class Synchronisation(Frozen):
 
 
 class Calibration(Frozen):
-    """One calibration of one channel, as it was found; nothing here is ever changed, only added to."""
+    """One calibration of one channel, as it was found; nothing here is ever changed, only added to.
+
+    `test` is the one whose settings of the preamplifier it holds for; none: it was not noted.
+    """
 
     date: date
     channel: str
@@ -56,3 +60,4 @@ class Calibration(Frozen):
     sensitivity_v_per_unit: Annotated[float, Field(allow_inf_nan=False)]
     sigma_v_per_unit: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     remark: str = ""
+    test: Test | None = None

@@ -16,7 +16,11 @@ PAPER_LINES = (3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72
 
 
 class HitAcceptance(Frozen):
-    """When a hit counts. Each rejection names its number."""
+    """When a hit counts. Each rejection names its number.
+
+    `max_residual_ratio` also says how long rest is waited for: until what still moves is below that part of what the
+    hit will make. With `check_point` a hit that looks like one at another point does not count.
+    """
 
     min_force_n: PositiveFloat = 10.0
     max_force_n: PositiveFloat = 480.0
@@ -25,6 +29,7 @@ class HitAcceptance(Frozen):
     max_residual_ratio: PositiveFloat = 0.01
     min_band_hz: PositiveFloat = 110.0
     band_drop_db: PositiveFloat = 20.0
+    check_point: bool = True
 
 
 class ImpactPlan(Frozen):

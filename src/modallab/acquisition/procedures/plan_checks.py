@@ -76,7 +76,7 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
     problems += _settle_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
-    return [*problems, *_limit_problems(plan, rig.limits)]
+    return [*problems, *_limit_problems(plan, rig.limits), *_stroke_problems(rig, rig.limits)]
 
 
 def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[str]:
@@ -118,6 +118,13 @@ def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
             f" allowed by the rig: {limits.max_burst_s:g} s"
         )
     return problems
+
+
+def _stroke_problems(rig: Rig, limits: Limits) -> list[str]:
+    moved = {c.point for c in rig.responses if c.quantity != "voltage"}
+    if limits.stroke_m is None or rig.shaker_point in moved:
+        return []
+    return [f"limits.stroke_m: no response at shaker_point {rig.shaker_point} can see it; allowed: with one there"]
 
 
 def _settle_problems(plan: SinePlan) -> list[str]:

@@ -21,6 +21,7 @@ from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
 from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
@@ -68,6 +69,7 @@ def run_plan(
     supervision: str = "",
     excitation: Excitation | None = None,
     live: LiveRing | None = None,
+    expected: ExpectedModes | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -84,6 +86,7 @@ def run_plan(
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
         live: where samples are shown as they come.
+        expected: the modes the structure is believed to have, to see which point a hit has struck.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -93,7 +96,7 @@ def run_plan(
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = Setup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        requests or Requests(), latch, supervision, excitation or Excitation(), live,
+        requests or Requests(), latch, supervision, excitation or Excitation(), live, expected,
     )  # fmt: skip
     try:
         try:
@@ -159,6 +162,7 @@ class Setup:
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
     live: LiveRing | None = None
+    expected: ExpectedModes | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
         """Shows what comes, where it is to be shown."""
@@ -195,7 +199,7 @@ def _work(setup: Setup) -> None:
     context = _prepare(setup)
     _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
-        run_impact(context, setup.plan)
+        run_impact(context, setup.plan, setup.expected)
     elif isinstance(setup.plan, BroadbandPlan):
         run_broadband(context, setup.plan)
     else:
