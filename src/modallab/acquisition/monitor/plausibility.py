@@ -200,7 +200,7 @@ class Plausibility:
         """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""
         follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
         for channel in np.flatnonzero(gone):
-            others = np.delete(follows, [self._force, channel])
+            others = np.delete(follows, np.array([self._force, int(channel)]))
             gone[channel] = channel == self._force or not others.size or np.median(others) >= KEPT_UP
         return gone
 
@@ -336,7 +336,7 @@ class _BurstLook:
 
 def _averaged(values: Real, step: int) -> Real:
     whole = values.shape[1] // step * step
-    return values[:, :whole].reshape(len(values), -1, step).mean(axis=2) if step > 1 else values
+    return np.add.reduce(values[:, :whole].reshape(len(values), -1, step), axis=2, dtype=np.float64) / step
 
 
 def _error(what: str) -> SafetyError:
