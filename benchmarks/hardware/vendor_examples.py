@@ -15,10 +15,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-HERE = Path(__file__).parent / "vendor"
-sys.path.insert(0, str(HERE))
+from vendor.environment import interpreter, server_command
 
-from environment import interpreter, server_command
+HERE = Path(__file__).parent / "vendor"
 
 ENTER_S = 3.0
 LIMIT_S = 20.0

@@ -15,15 +15,13 @@ import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
+
+from vendor.environment import interpreter, server_command
 
 HERE = Path(__file__).parent / "vendor"
-sys.path.insert(0, str(HERE))
-
-from environment import interpreter, server_command
 
 ANALOG = re.compile(r"analog|_ai\b|_ao\b|_ai_|power|timing|trigger|in_stream|out_stream")
-WANTS_NOTHING = "Only supported|library_skip|grpc_skip"
 
 
 def main() -> int:
@@ -39,7 +37,7 @@ def main() -> int:
             port = json.loads(server.stdout.readline())["port"]
             _run(python, arguments.checkout, port, report, arguments.select)
             server.communicate()
-        return _tell(report, arguments.list)
+        return _print(report, arguments.list)
 
 
 def _run(python: Path, checkout: Path, port: int, report: Path, select: list[str]) -> None:
@@ -56,10 +54,10 @@ def _run(python: Path, checkout: Path, port: int, report: Path, select: list[str
     subprocess.run(command, cwd=checkout, env=environment, check=False, stdout=subprocess.DEVNULL)
 
 
-def _tell(report: Path, listed: bool) -> int:
+def _print(report: Path, listed: bool) -> int:
     counts: Counter[tuple[str, str]] = Counter()
     reasons: Counter[str] = Counter()
-    for case in ElementTree.parse(report).iter("testcase"):
+    for case in ET.parse(report).iter("testcase"):
         name = f"{case.get('classname', '').removeprefix('tests.component.')}::{case.get('name', '')}"
         outcome, reason = _outcome(case)
         counts["all", outcome] += 1
@@ -78,7 +76,7 @@ def _tell(report: Path, listed: bool) -> int:
     return 0
 
 
-def _outcome(case: ElementTree.Element) -> tuple[str, str]:
+def _outcome(case: ET.Element) -> tuple[str, str]:
     for kind in ("failure", "error", "skipped"):
         found = case.find(kind)
         if found is not None:

@@ -45,7 +45,9 @@ def on(rig: Rig, inputs: list[str], method: str = "auto") -> Rig:
     """The first channels of the rig at these inputs."""
     assert rig.limits is not None
     assert rig.converter is not None
-    channels = [c.model_copy(update={"input": name, "range_v": 5.0}) for c, name in zip(rig.channels, inputs, strict=False)]
+    channels = [
+        c.model_copy(update={"input": name, "range_v": 5.0}) for c, name in zip(rig.channels, inputs, strict=False)
+    ]
     return rig.model_copy(
         update={
             "channels": tuple(channels),

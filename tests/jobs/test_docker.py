@@ -8,6 +8,7 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,6 +31,12 @@ ROOT = Path(__file__).parents[2]
 DOCKER = ROOT / "docker"
 PROGRAMS = Path(sys.executable).parent
 HERE = str(Path(__file__).parent)
+COMMAND = """#!{}
+import sys
+from modallab.cli import main
+if __name__ == "__main__":
+    sys.exit(main())
+"""
 
 
 def instructions() -> list[tuple[str, str]]:
@@ -147,16 +154,44 @@ def test_secrets_are_made_once_behind_a_folder_that_is_closed(tmp_path: Path) ->
     assert stat.S_IMODE((tmp_path / "secrets").stat().st_mode) == 0o700
 
 
-def test_the_images_own_command_begins_outside_an_engine_with_the_secret_token(tmp_path: Path) -> None:
-    """The entry, the command and the environment of the image and of compose; other ports, no database and no cluster."""
+def as_its_user() -> dict[str, int]:
+    """The image's user, where we may become it and it may run our Python."""
+    (user,) = of("USER")
+    number, group = (int(part) for part in user.split(":"))
+    who = {"user": number, "group": group}
+    try:
+        done = subprocess.run([sys.executable, "-c", "import modallab"], cwd="/", check=False, **who)
+    except PermissionError:
+        return {}
+    return who if done.returncode == 0 else {}
+
+
+@pytest.fixture
+def place() -> Iterator[Path]:
+    """A folder of the image's user; pytest's own let nobody else in."""
+    folder = Path(tempfile.mkdtemp(prefix="modallab-image-"))
+    who = as_its_user()
+    if who:
+        os.chown(folder, who["user"], who["group"])
+    yield folder
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_the_images_own_command_begins_outside_an_engine_with_the_secret_token(place: Path) -> None:
+    """Entry, command, environment and user of the image and of compose; other ports, no database and no cluster."""
     (command,) = of("CMD")
-    (tmp_path / "token").write_text("a token as secret\n", encoding="ascii")
-    own = {"MODALLAB_DATA": str(tmp_path / "data"), "MODALLAB_TOKEN_FILE": str(tmp_path / "token")}
-    own |= {"PATH": f"{PROGRAMS}:{os.environ['PATH']}", "HOME": str(tmp_path), "PYTHONUNBUFFERED": "1"}
+    shutil.copy(DOCKER / "entry.sh", place)
+    # The command as it was installed may be for its owner only.
+    program = place / "modallab"
+    program.write_text(COMMAND.format(sys.executable), encoding="utf-8")
+    program.chmod(0o755)
+    (place / "token").write_text("a token as secret\n", encoding="ascii")
+    own = {"MODALLAB_DATA": str(place / "data"), "MODALLAB_TOKEN_FILE": str(place / "token")}
+    own |= {"PATH": f"{place}:{os.environ['PATH']}", "HOME": str(place), "PYTHONUNBUFFERED": "1"}
     own["MODALLAB_HOSTS"] = services()["service"]["environment"]["MODALLAB_HOSTS"]
     arguments = [*json.loads(command), "--port", "0", "--stop-port", "0", "--no-jobs"]
     with subprocess.Popen(
-        ["sh", DOCKER / "entry.sh", *arguments], env=own, cwd=tmp_path, stdout=subprocess.PIPE, text=True
+        ["sh", place / "entry.sh", *arguments], env=own, cwd=place, stdout=subprocess.PIPE, text=True, **as_its_user()
     ) as process:
         assert process.stdout is not None
         said = process.stdout.readline()

@@ -1,16 +1,19 @@
 """The shaker on an analog output: finite bursts that end at exactly 0 V by themselves."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 import nidaqmx.errors
+import numpy as np
 from nidaqmx.constants import AcquisitionType, RegenerationMode
+from numpy.typing import NDArray
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import translated, typed
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
-from modallab_drivers.order import burst_samples
+from modallab_drivers.order import burst_samples, wave_samples
 
 MIN_RATE_HZ = 5000.0
 SAMPLES_A_CYCLE = 25.0
@@ -47,14 +50,20 @@ class AnalogOutput:
 
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
         """Write the whole burst to the device and start it: from here on it ends without us."""
+        self._start(max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz), lambda rate: burst_samples(burst, rate))
+
+    def play_wave(self, wave: Waveform) -> None:
+        """Write the whole wave to the device and start it: from here on it ends without us."""
+        self._start(wave.rate_hz, lambda rate: wave_samples(wave, rate))
+
+    def _start(self, requested: float, samples_at: Callable[[float], NDArray[np.float64]]) -> None:
         self._drop()
         with translated(self._where):
             task = patiently(lambda: self._new(task_name(self._physical)))
             try:
-                requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-                count = len(burst_samples(burst, requested))
+                count = len(samples_at(requested))
                 task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
-                wave = burst_samples(burst, float(task.timing.samp_clk_rate))
+                wave = samples_at(float(task.timing.samp_clk_rate))
                 if len(wave) != count:
                     task.timing.cfg_samp_clk_timing(
                         requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)

@@ -25,7 +25,7 @@ class AcquiringTask(Task):
         buffer: samples per channel that are kept for the reader.
         position: of the next sample to be read.
         start_s: bench time of the first sample.
-        started_by_read: whether a read started it.
+        triggered_s: bench time of its start trigger, which its converters may lag.
     """
 
     rate_hz: float = 1000.0
@@ -34,7 +34,7 @@ class AcquiringTask(Task):
     buffer: int = 0
     position: int = 0
     start_s: float = 0.0
-    started_by_read: bool = False
+    triggered_s: float = 0.0
 
     def set_clock(self, rate_hz: float, finite: int, buffer: int) -> None:
         """Set rate and length; `finite` 0 is without end."""
@@ -51,7 +51,8 @@ class AcquiringTask(Task):
 
     def begin(self, start_s: float, true_hz: float) -> None:
         """The first sample is at `start_s`."""
-        self.start_s, self.true_hz = start_s, true_hz
+        self.start_s = self.triggered_s = start_s
+        self.true_hz = true_hz
         if self.timing != "on-demand":
             self.position = 0
         self.running, self.waiting = True, False

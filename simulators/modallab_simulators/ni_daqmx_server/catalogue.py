@@ -59,7 +59,7 @@ PRODUCTS: dict[str, Module] = {
         _other(_DYNAMIC, "PXI-4461", inputs=2, outputs=2, bus=PXI),
         _other(_DYNAMIC, "PXIe-4464", inputs=4),
         _other(_DYNAMIC, "PXIe-4466", inputs=4),
-        _other(_DYNAMIC, "PXIe-4480", inputs=6, max_rate_hz=20_000_000.0, input_range_v=10.0, narrower_v=(0.5, 1.0, 5.0),
+        _other(_DYNAMIC, "PXIe-4480", inputs=6, max_rate_hz=20e6, input_range_v=10.0, narrower_v=(0.5, 1.0, 5.0),
                currents_a=(0.0, 0.004), measures=(*_DSA, "Charge", "AccelCharge", "Accel4WireDCVoltage")),
         _other(_DYNAMIC, "PXIe-4497", inputs=16, input_range_v=10.0, narrower_v=(0.316,), delay_samples=62,
                currents_a=(0.0, 0.004)),

@@ -84,13 +84,20 @@ class InputTask(AcquiringTask):
         self.begin(start_s, true_hz)
         self.ready, self.record = False, []
         self.overload = np.zeros(len(self.channels), dtype=np.bool_)
-        turns = [n * self.rate_hz / self.convert_rate_hz() if c.module.multiplexed else 0.0 for n, c in self._numbered]
+        turns = [self._turn(n, c) for n, c in self._numbered]
         self.source = DelayedSource(
             lambda before: begin(true_hz, start_s - before / true_hz),
             list(range(len(self.channels))),
             [self.delay_of(c) for c in self.channels],
             turns,
         )
+
+    def _turn(self, place: int, channel: InputChannel) -> float:
+        # What the driver makes up, or an internal loop, or a sample on demand, has no turn at the multiplexer.
+        own = channel.physical in channel.module.input_names() and not channel.module.simulated
+        if not channel.module.multiplexed or not own or self.timing == "on-demand":
+            return 0.0
+        return place * self.rate_hz / self.convert_rate_hz()
 
     def delay_of(self, channel: InputChannel) -> int:
         """Samples by which a channel's digital filter lags, as far as the device does not take it out."""

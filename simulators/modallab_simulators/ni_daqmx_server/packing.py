@@ -87,7 +87,8 @@ def _raw(response: Any, asked: Any, task: AcquiringTask, values: NDArray[Any], c
     else:
         lines = max(len(c.physical.split(",")) for c in channels)
         kind, codes = ("<u1" if lines <= 8 else "<u2" if lines <= 16 else "<u4"), values
-    response.read_array = codes.T.astype(kind).tobytes()
+    # The array on the wire is as long as was asked for, whatever came.
+    response.read_array = codes.T.astype(kind).tobytes().ljust(asked.array_size_in_bytes, b"\0")
     response.samps_read = values.shape[1]
     response.num_bytes_per_samp = np.dtype(kind).itemsize
     return response
@@ -226,8 +227,8 @@ FORMS: dict[str, Form] = {
     "ReadAnalogWaveforms": Form(_analog_waveforms),
     "ReadDigitalWaveforms": Form(_digital_waveforms),
 }
-FORMS |= {f"ReadBinary{k}": Form(_codes) for k in ("I16", "U16", "I32", "U32")}
-FORMS |= {f"ReadCounter{k}{e}": Form(_counts) for k in ("F64", "U32") for e in ("", "Ex")}
+FORMS.update({f"ReadBinary{k}": Form(_codes) for k in ("I16", "U16", "I32", "U32")})
+FORMS.update({f"ReadCounter{k}{e}": Form(_counts) for k in ("F64", "U32") for e in ("", "Ex")})
 for _name, _fields in {"Freq": ("frequency", "duty_cycle"), "Time": ("high_time", "low_time"),
                        "Ticks": ("high_ticks", "low_ticks")}.items():  # fmt: skip
     FORMS[f"ReadCtr{_name}"] = Form(_pairs(*_fields, scalar=False))

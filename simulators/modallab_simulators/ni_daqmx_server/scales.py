@@ -30,7 +30,7 @@ def scaling(saved: dict[str, Section], name: str) -> Callable[[Floats], Floats]:
         return lambda values: slope * values + first
     if kind == "Polynomial":
         coefficients = numbers(section["Poly.ForwardCoeff"])
-        return lambda values: np.polynomial.polynomial.polyval(values, coefficients)
+        return lambda values: np.asarray(np.polynomial.polynomial.polyval(values, coefficients), np.float64)
     if kind == "Map Ranges":
         before = [float(section["Map.PreScaledMin"]), float(section["Map.PreScaledMax"])]
         after = [float(section["Map.ScaledMin"]), float(section["Map.ScaledMax"])]

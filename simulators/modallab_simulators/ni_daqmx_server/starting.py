@@ -62,6 +62,8 @@ def _moment(system: "SimulatedSystem", task: Task, begun: Task | None) -> Moment
     """When a task begins, and the rate of a clock that is not its own; None: not yet."""
     at_s: float | None = system.clock.now()
     source = _trigger(task)
+    if isinstance(task, InputTask) and not source:
+        at_s = system.clock.now() + system.clocks.software_s()
     if source:
         at_s = _edge(system, source, at_s, begun, rising=task.get("DIG_EDGE_START_TRIG_EDGE") != FALLING)
     if at_s is None:
@@ -94,7 +96,9 @@ def _edge(system: "SimulatedSystem", source: str, at_s: float, begun: Task | Non
 
 def begun_at(task: Task, now_s: float) -> float:
     """Bench time at which a task began."""
-    if isinstance(task, AcquiringTask | LineTask | CounterOutputTask):
+    if isinstance(task, AcquiringTask):
+        return task.triggered_s
+    if isinstance(task, LineTask | CounterOutputTask):
         return task.start_s
     return task.wave.start_s if isinstance(task, OutputTask) and task.wave is not None else now_s
 
@@ -118,7 +122,7 @@ def route(source: str) -> str:
 
 def start_terminals(task: Task) -> set[str]:
     """Where the start trigger of a task can be found."""
-    devices = {c.module.name for c in task.all_channels()} | {task.device}
+    devices = {c.module.name for c in task.all_channels()} | {task.own_device}
     own = {f"/{device}/{kind_of(task)}/StartTrigger" for device in devices}
     exported = task.routed("START_TRIG_OUTPUT_TERM")
     return own | ({route(exported)} if exported else set())
@@ -146,7 +150,9 @@ def pulses_of(task: Task, source: str) -> Pulses | None:
                 return task.pulses(channel)
         return None
     kind = kind_of(task)
-    ends = {f"/{device}/{kind}/SampleClock" for device in {c.module.name for c in task.all_channels()} | {task.device}}
+    ends = {
+        f"/{device}/{kind}/SampleClock" for device in {c.module.name for c in task.all_channels()} | {task.own_device}
+    }
     exported = task.routed("SAMP_CLK_OUTPUT_TERM")
     clocks = ends | ({route(exported)} if exported else set())
     return clock_pulses(task) if kind and route(source) in clocks else None

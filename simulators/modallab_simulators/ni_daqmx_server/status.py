@@ -71,8 +71,8 @@ _SAID = {
     NO_TIMESTAMP: "Timestamp is not enabled for the event.",
     WRONG_CHANNELS: "Write cannot be performed, because the number of channels in the data does not match the "
     "number of channels in the task.",
-    WRONG_LINES: "Specified read or write operation failed, because the number of lines in the data for a channel does not "
-    "match the number of lines in the channel.",
+    WRONG_LINES: "Specified read or write operation failed, because the number of lines in the data for a channel does "
+    "not match the number of lines in the channel.",
     OTHER_SCALE: "Specified property is not supported for the type of the scale.",
     NO_SUCH_TASK_CHANNEL: "Specified channel name is not in the task.",
     NOT_CAPABLE_WHEN_IDLE: "Property can only be read while the task is reserved, committed or running.",

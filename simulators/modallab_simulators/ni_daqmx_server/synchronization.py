@@ -77,11 +77,6 @@ class Clocks:
             self.phases[own] = float(self._draw.uniform())
         return self.phases[own]
 
-    def late(self, task: InputTask) -> float:
-        """By how many parts of a sample a task begins after its moment: another's first sample if it waited."""
-        own = self.phase(task)
-        return (own - self.phases.get(_device_of(task.routed("DIG_EDGE_START_TRIG_SRC")), 0.0)) % 1.0
-
     def software_s(self) -> float:
         """How much later than asked for a start by software is."""
         return float(self._draw.uniform(0.0, SOFTWARE_S)) if self.several else 0.0

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from modallab.core.units import STANDARD_GRAVITY
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.status import StatusError
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 
 MILLIVOLTS_PER_G = 12509
-FROM_TEDS = 12516
+NUMBER_BITS = 40
 MILLIVOLTS_PER_NEWTON = 15891
 _MEASURED = {"Accel": "acceleration", "ForceIEPE": "force"}
 
@@ -53,10 +55,18 @@ def configure(system: "SimulatedSystem", request: Any) -> dict[str, Any]:
     if not request.file_path:
         raise StatusError(status.NO_TEDS, f"Physical Channel: {physical}")
     try:
-        system.sheets[physical] = Path(request.file_path).read_bytes()
+        system.sheets[physical] = _packed(Path(request.file_path).read_bytes())
     except OSError as error:
         raise StatusError(status.BAD_TEDS, f"File: {request.file_path}") from error
     return {}
+
+
+def _packed(data: bytes) -> bytes:
+    """The sheet of a file: a virtual one has a byte for each bit, and a number of its own before them."""
+    bits = np.frombuffer(data, dtype=np.uint8)
+    if not len(bits) or bits.max() > 1:
+        return data
+    return np.packbits(bits[NUMBER_BITS:], bitorder="little").tobytes()
 
 
 def clear(system: "SimulatedSystem", request: Any) -> dict[str, Any]:

@@ -16,8 +16,9 @@ class Excitation(Frozen):
     """What drives the shaker's amplifier.
 
     Attributes:
-        kind: an analog output of the device that also samples, or a generator on a serial line.
-        output: the device's name of the output (`cDAQ1Mod4/ao0`), or the serial port (`COM3`); empty: the first output.
+        kind: an analog output of the device that also samples, or a generator on a line of its own.
+        output: the device's name of the output (`cDAQ1Mod4/ao0`), the generator's serial port (`COM3`) or its VISA
+            address (`TCPIP0::192.168.0.5::INSTR`, `USB0::...::INSTR`); empty: the first output.
         dialect: how the generator speaks.
         baud: of the serial line.
         watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.

@@ -18,7 +18,7 @@ from modallab.core.frozen import Frozen, unstated
 from modallab.core.hardware import Calibration, Excitation, Synchronisation
 from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
-from modallab.core.units import Quantity, Test
+from modallab.core.units import BROADBAND, Quantity, Test
 from modallab.core.versions import RIG
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
@@ -200,6 +200,9 @@ class Channel(Frozen):
         value = self.sensitivity_v_per_unit
         if isinstance(value, float | int):
             return float(value)
+        if test not in value and test in BROADBAND and "sine" in value:
+            # The shaker drives in both, and nobody turns the preamplifiers between.
+            return value["sine"]
         if test not in value:
             raise RigError(
                 f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",

@@ -12,7 +12,7 @@ from modallab_simulators.ni_daqmx_server.starting import kind_of
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
-NONE, RISING, FINITE = 10230, 10280, 10178
+NONE, RISING, CONTINUOUS = 10230, 10280, 10123
 IEPE_KINDS = ("Accel", "ForceIEPE", "Microphone", "VelocityIEPE")
 AC, DC = 10045, 10050
 
@@ -23,7 +23,7 @@ _DEFAULTS: dict[tuple[str, str], Any] = {
     ("Write", "RELATIVE_TO"): 10430, ("Write", "SLEEP_TIME"): 0.001, ("Write", "WAIT_MODE"): 12547,
     ("Write", "REGEN_MODE"): 10097, ("Buffer", "OUTPUT_ONBRD_BUF_SIZE"): 8191,
     ("Buffer", "INPUT_ONBRD_BUF_SIZE"): 4095,
-    ("Timing", "SAMP_CLK_ACTIVE_EDGE"): RISING, ("Timing", "SAMP_QUANT_SAMP_MODE"): FINITE,
+    ("Timing", "SAMP_CLK_ACTIVE_EDGE"): RISING, ("Timing", "SAMP_QUANT_SAMP_MODE"): CONTINUOUS,
     ("Timing", "SAMP_QUANT_SAMP_PER_CHAN"): 1000, ("Timing", "REF_CLK_RATE"): 10e6,
     ("Timing", "AI_CONV_ACTIVE_EDGE"): RISING, ("Timing", "SAMP_CLK_TIMEBASE_ACTIVE_EDGE"): RISING,
     ("Timing", "FIRST_SAMP_TIMESTAMP_TIMESCALE"): 16126, ("Timing", "FIRST_SAMP_CLK_TIMESCALE"): 16126,
@@ -33,7 +33,7 @@ _DEFAULTS: dict[tuple[str, str], Any] = {
     ("Trigger", "START_TRIG_TIMESCALE"): 16126, ("Trigger", "START_TRIG_TIMESTAMP_TIMESCALE"): 16126,
     ("Trigger", "REF_TRIG_TIMESTAMP_TIMESCALE"): 16126, ("Trigger", "ARM_START_TRIG_TIMESTAMP_TIMESCALE"): 16126,
     ("Trigger", "ARM_START_TRIG_TIMESCALE"): 16126, ("Trigger", "START_TRIG_DELAY_UNITS"): 10364,
-    ("Trigger", "TRIGGER_SYNC_TYPE"): NONE,
+    ("Trigger", "TRIGGER_SYNC_TYPE"): NONE, ("Trigger", "REF_TRIG_PRETRIG_SAMPLES"): 2,
     ("Watchdog", "TIMEOUT"): 10.0, ("Watchdog", "DIG_EDGE_WATCHDOG_EXPIR_TRIG_EDGE"): RISING,
     ("Watchdog", "EXPIR_TRIG_TYPE"): NONE,
     ("ExportSignal", "START_TRIG_PULSE_POLARITY"): 10095, ("ExportSignal", "SAMP_CLK_PULSE_POLARITY"): 10095,
@@ -64,12 +64,12 @@ def _coupling(task: Task, channel: Channel | None) -> int:
 def _clock_source(task: Task, channel: Channel | None) -> str:
     if task.timing == "on-demand":
         return ""
-    return f"/{task.device}/{kind_of(task)}/SampleClockTimebase"
+    return f"/{task.own_device}/{kind_of(task)}/SampleClockTimebase"
 
 
 def _timebase(task: Task, channel: Channel | None) -> str:
     first = task.all_channels()[0].module
-    return f"/{task.device}/{first.timebase_hz / 1e6:g}MHzTimebase"
+    return f"/{task.own_device}/{first.timebase_hz / 1e6:g}MHzTimebase"
 
 
 def _division(task: Task, channel: Channel | None) -> int:
@@ -96,6 +96,7 @@ _BY_TASK: dict[tuple[str, str], Callable[[Task, Channel | None], Any]] = {
     ("Timing", "AI_CONV_TIMEBASE_DIV"): _convert_division,
     ("Timing", "SAMP_TIMING_TYPE"): _timing_type,
     ("Timing", "SAMP_CLK_RATE"): lambda task, _: 1000.0,
+    ("Timing", "AI_CONV_MAX_RATE"): lambda task, _: task.all_channels()[0].module.max_rate_hz,
     ("Timing", "SAMP_CLK_MAX_RATE"): lambda task, _: task.all_channels()[0].module.max_rate_hz,
     ("Timing", "FIRST_SAMP_TIMESTAMP_ENABLE"): lambda task, _: False,
 }
@@ -117,8 +118,8 @@ def default(family: str, name: str, kind: str, task: Task, channel: Channel | No
 
 def _require_fitting(family: str, name: str, task: Task, channel: Channel | None) -> None:
     prefix = name.partition("_")[0]
-    if family == "Channel" and prefix in ("AI", "AO", "CI", "CO", "DI", "DO"):
-        if channel is not None and prefix.lower() != (kind_of(task) or prefix.lower()):
-            raise StatusError(status.NOT_SUPPORTED_HERE, f"Property: {name}\nChannel: {channel.name}")
+    of_kind = family == "Channel" and prefix in ("AI", "AO", "CI", "CO", "DI", "DO")
+    if of_kind and channel is not None and prefix.lower() != (kind_of(task) or prefix.lower()):
+        raise StatusError(status.NOT_SUPPORTED_HERE, f"Property: {name}\nChannel: {channel.name}")
     if family in ("Timing", "Trigger") and not task.all_channels():
         raise StatusError(status.NO_CHANNELS, f"Property: {name}")

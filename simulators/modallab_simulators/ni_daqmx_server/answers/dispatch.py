@@ -17,6 +17,8 @@ CALL = re.compile(
     r"ExportedSignal|Scale|CalInfo|RealTime|PersistedTask|PersistedChan|PersistedScale)Attribute(Ex)?(\w*)"
 )
 _MESSAGES: Any = messages
+EPOCH_1904_S = -2_082_844_800
+"""What a time is that was never set, in s of the wire's own epoch."""
 
 
 def attribute(system: SimulatedSystem, call: str, match: "re.Match[str]", request: Any) -> Any:
@@ -51,7 +53,7 @@ def _which(request: Any) -> str:
 
 def _given(request: Any) -> Any:
     value = getattr(request, "value_raw", None)
-    value = request.value if not value else value
+    value = value or request.value
     return list(value) if hasattr(value, "append") else value
 
 
@@ -83,7 +85,9 @@ def _set(system: SimulatedSystem, family: str, name: str, request: Any, value: A
 
 def _fill(response: Any, kind: str, value: Any) -> None:
     if kind == "Timestamp":
-        if value is not None:
+        if value is None:
+            response.value.seconds = EPOCH_1904_S
+        else:
             response.value.CopyFrom(value)
     elif kind.endswith("Array"):
         field = response.value_raw if hasattr(response, "value_raw") else response.value

@@ -118,11 +118,11 @@ def _channels_to_read(server: SimulatedSystem, task: Task, channel: Channel | No
 
 
 def _start_term(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return f"/{task.device}/{kind_of(task)}/StartTrigger"
+    return f"/{task.own_device}/{kind_of(task)}/StartTrigger"
 
 
 def _clock_term(server: SimulatedSystem, task: Task, channel: Channel | None) -> str:
-    return f"/{task.device}/{kind_of(task)}/SampleClock"
+    return f"/{task.own_device}/{kind_of(task)}/SampleClock"
 
 
 def _moved(server: SimulatedSystem, task: Task, channel: Channel | None) -> int:
@@ -171,7 +171,9 @@ COMPUTED: dict[tuple[str, str], Computed] = {
     ("Channel", "DI_NUM_LINES"): _lines,
     ("Channel", "DO_NUM_LINES"): _lines,
     ("Channel", "CO_PULSE_DONE"): lambda s, t, c: t.done(s.clock),
-    ("Channel", "PWR_OUTPUT_STATE"): lambda s, t, c: 15980,
+    ("Channel", "PWR_OUTPUT_STATE"): lambda s, t, c: (
+        15500 if c and t.get("PWR_OUTPUT_ENABLE", False, c.name) else 15503
+    ),
     ("Timing", "SAMP_CLK_RATE"): _rate,
     ("Timing", "AI_CONV_RATE"): _convert_rate,
     ("Timing", "SAMP_CLK_TERM"): _clock_term,

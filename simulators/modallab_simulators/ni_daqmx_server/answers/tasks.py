@@ -85,27 +85,31 @@ def put(server: SimulatedSystem, family: str, name: str, task: Task, which: str,
         if isinstance(task, CounterOutputTask):
             _retrain(task, name, value)
         return
-    if family == "Timing" and name == "SAMP_CLK_RATE":
+    _apply(task, name, value)
+    place = which if family in ("Watchdog", "Timing") else ""
+    task.attributes[place, name] = _full(task, name, value) if family == "Timing" else value
+
+
+def _apply(task: Task, name: str, value: Any) -> None:
+    if name == "SAMP_CLK_RATE":
         set_rate(task, float(value))
-    elif family == "Timing" and name == "SAMP_TIMING_TYPE":
+    elif name == "SAMP_TIMING_TYPE":
         task.timing = "on-demand" if value == ON_DEMAND else "implicit" if value == IMPLICIT else "clocked"
     elif isinstance(task, AcquiringTask) and name == "INPUT_BUF_SIZE":
         task.buffer = int(value)
+    elif isinstance(task, AcquiringTask) and name == "OUTPUT_BUF_SIZE":
+        raise StatusError(status.NOT_SUPPORTED_HERE, f"Property: {name}")
     elif isinstance(task, OutputTask) and name == "REGEN_MODE":
         for output in (task, *task.others):
             output.again = value == REGENERATE
     elif isinstance(task, WatchdogTask) and name == "TIMEOUT":
         task.timeout_s = float(value)
-    place = which if family in ("Watchdog", "Timing") else ""
-    if name == "OUTPUT_BUF_SIZE" and isinstance(task, AcquiringTask):
-        raise StatusError(status.NOT_SUPPORTED_HERE, f"Property: {name}")
-    task.attributes[place, name] = _full(task, name, value) if family == "Timing" else value
 
 
 def _full(task: Task, name: str, value: Any) -> Any:
     # A terminal is kept with its device, as the device names it.
     is_terminal = name.endswith(_TERMINALS) and not any(part in name for part in _NO_TERMINAL)
-    return terminal(value, task.device) if is_terminal and isinstance(value, str) else value
+    return terminal(value, task.own_device) if is_terminal and isinstance(value, str) else value
 
 
 def _require_in_range(task: Task, channel: Channel, name: str, value: Any) -> None:
@@ -133,6 +137,8 @@ def reset(server: SimulatedSystem, family: str, name: str, task: Task, which: st
         return
     if name == "SAMP_CLK_RATE":
         set_rate(task, default("Timing", name, "Double", task, None))
+    elif name == "INPUT_BUF_SIZE" and isinstance(task, AcquiringTask):
+        task.buffer = 0
     task.attributes.pop((which if family in ("Watchdog", "Timing") else "", name), None)
     if isinstance(task, WatchdogTask) and name == "TIMEOUT":
         task.timeout_s = 10.0

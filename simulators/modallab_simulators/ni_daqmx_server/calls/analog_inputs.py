@@ -96,9 +96,9 @@ def _channel(  # each is one fact of a channel
     per_volt = _per_volt(request, kind)
     scale = str(given.get("AI_CUSTOM_SCALE_NAME", "")) if given.get(MEASURES[kind][1]) == CUSTOM else ""
     scaled = scaling(system.saved.scales, scale) if scale else None
-    if kind in (*_SENSORS, "Voltage", "Accel4WireDCVoltage") and scaled is None:
-        if not module.simulated and max(abs(low), abs(high)) / abs(per_volt) > module.input_range_v * (1 + 1e-6):
-            raise StatusError(status.INVALID_VALUE, f"Property: AI.Max\nRequested Value: {high}\nChannel: {physical}")
+    bounded = kind in (*_SENSORS, "Voltage", "Accel4WireDCVoltage") and scaled is None and not module.simulated
+    if bounded and max(abs(low), abs(high)) / abs(per_volt) > module.input_range_v * (1 + 1e-6):
+        raise StatusError(status.INVALID_VALUE, f"Property: AI.Max\nRequested Value: {high}\nChannel: {physical}")
     return InputChannel(
         name, physical, module, per_volt=per_volt, scaled=scaled, low=low, high=high, kind=kind
     )  # fmt: skip

@@ -134,6 +134,12 @@ def configure_logging(system: SimulatedSystem, request: Any) -> Answer:
     return {}
 
 
+def start_new_file(system: SimulatedSystem, request: Any) -> Answer:
+    """Log into another file from now on."""
+    system.task(request.task.name, InputTask).attributes["", "LOGGING_FILE_PATH"] = request.file_path
+    return {}
+
+
 def save_channel(system: SimulatedSystem, request: Any) -> Answer:
     """Keep an analog input channel of a task."""
     task = system.task(request.task.name, InputTask)

@@ -8,7 +8,7 @@ from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import split
 from modallab_simulators.ni_daqmx_server.calls.saved_channels import add_saved
-from modallab_simulators.ni_daqmx_server.calls.timing import verify
+from modallab_simulators.ni_daqmx_server.calls.timing import pace_as_saved, verify
 from modallab_simulators.ni_daqmx_server.counter_task import CounterOutputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
@@ -55,6 +55,7 @@ def load_task(system: SimulatedSystem, request: Any) -> Answer:
     if new:
         system.add(Task(found))
         add_saved(system, found, split(system.saved.tasks[name]["Channels"]))
+        pace_as_saved(system.task(found, Task), system.saved.tasks[name])
     return {"task": found, "new_session_initialized": new}
 
 
@@ -90,7 +91,7 @@ def with_channels(task: Task) -> Task:
 
 
 def stop_task(system: SimulatedSystem, request: Any) -> Answer:
-    """Stop; a finite generation that had not ended is told by a warning."""
+    """Stop; a finite generation that had not ended gives a warning."""
     task = system.task(request.task.name, Task)
     early = _stops_early(system, task)
     system.stop(task)

@@ -90,7 +90,7 @@ HANDLERS: dict[str, Handler] = {
     "CalculateReversePolyCoeff": devices.reverse_coefficients,
     "TristateOutputTerm": devices.nothing,
     "ConfigureLogging": devices.configure_logging,
-    "StartNewFile": devices.nothing,
+    "StartNewFile": devices.start_new_file,
     "UnregisterDoneEvent": partial(events.unregister, key="done"),
     "UnregisterEveryNSamplesEvent": partial(events.unregister, key="every"),
     "UnregisterSignalEvent": partial(events.unregister, key="signal"),
@@ -100,27 +100,31 @@ HANDLERS: dict[str, Handler] = {
     "ConfigureTEDS": teds.configure,
     "ClearTEDS": teds.clear,
 } | MOMENTS
-HANDLERS |= {f"CreateAI{kind}Chan": partial(analog_inputs.add_inputs, call=kind) for kind in _INPUTS}
-HANDLERS |= {call: partial(analog_inputs.add_inputs, call=kind) for call, kind in _LAST.items()}
-HANDLERS |= {f"CreateTEDSAI{kind}Chan": partial(analog_inputs.add_teds, call=kind) for kind in MEASURES}
-HANDLERS |= {c.replace("AI", "TEDSAI"): partial(analog_inputs.add_teds, call=kind) for c, kind in _LAST.items()}
-HANDLERS |= {f"CreateAO{kind}Chan": partial(outputs.add_analog, kind=kind) for kind in outputs.TYPES}
-HANDLERS |= {f"CreateCI{kind}Chan": partial(counters.add_measuring, kind=kind) for kind in _MEASURING}
-HANDLERS |= {
-    f"CreateCIPulseChan{k}": partial(counters.add_measuring, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")
-}
-HANDLERS |= {
-    f"CreateCOPulseChan{k}": partial(counters.add_generating, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")
-}
-HANDLERS |= {call: partial(triggers.configure, kind=k, place=p) for call, (k, p) in _TRIGGERS.items()}
-HANDLERS |= {call: partial(writes.codes, call=call) for call in writes.CODES}
-HANDLERS |= {f"WriteDigitalU{n}": partial(writes.digital, call=f"WriteDigitalU{n}") for n in (8, 16, 32)}
-HANDLERS |= {
-    f"WriteCtr{k}{s}": partial(writes.pulses, call=f"WriteCtr{k}{s}")
-    for k in ("Freq", "Time", "Ticks")
-    for s in ("", "Scalar")
-}  # noqa: E501
-HANDLERS |= {f"CfgWatchdog{k}ExpirStates": partial(devices.set_watchdog_states, kind=k) for k in ("AO", "CO", "DO")}
-HANDLERS |= {f"Create{k}Scale": partial(devices.make_scale, kind=k) for k in ("Lin", "Map", "Polynomial", "Table")}
-HANDLERS |= {call: partial(devices.delete, kind=k) for call, k in
-             {"DeleteSavedScale": "Scale", "DeleteSavedTask": "Task", "DeleteSavedGlobalChan": "Channel"}.items()}  # fmt: skip
+HANDLERS.update({f"CreateAI{kind}Chan": partial(analog_inputs.add_inputs, call=kind) for kind in _INPUTS})
+HANDLERS.update({call: partial(analog_inputs.add_inputs, call=kind) for call, kind in _LAST.items()})
+HANDLERS.update({f"CreateTEDSAI{kind}Chan": partial(analog_inputs.add_teds, call=kind) for kind in MEASURES})
+HANDLERS.update({c.replace("AI", "TEDSAI"): partial(analog_inputs.add_teds, call=kind) for c, kind in _LAST.items()})
+HANDLERS.update({f"CreateAO{kind}Chan": partial(outputs.add_analog, kind=kind) for kind in outputs.TYPES})
+HANDLERS.update({f"CreateCI{kind}Chan": partial(counters.add_measuring, kind=kind) for kind in _MEASURING})
+HANDLERS.update(
+    {f"CreateCIPulseChan{k}": partial(counters.add_measuring, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
+)
+HANDLERS.update(
+    {f"CreateCOPulseChan{k}": partial(counters.add_generating, kind=f"Pulse{k}") for k in ("Freq", "Time", "Ticks")}
+)
+HANDLERS.update({call: partial(triggers.configure, kind=k, place=p) for call, (k, p) in _TRIGGERS.items()})
+HANDLERS.update({call: partial(writes.codes, call=call) for call in writes.CODES})
+HANDLERS.update({f"WriteDigitalU{n}": partial(writes.digital, call=f"WriteDigitalU{n}") for n in (8, 16, 32)})
+HANDLERS.update(
+    {
+        f"WriteCtr{k}{s}": partial(writes.pulses, call=f"WriteCtr{k}{s}")
+        for k in ("Freq", "Time", "Ticks")
+        for s in ("", "Scalar")
+    }
+)
+HANDLERS.update(
+    {f"CfgWatchdog{k}ExpirStates": partial(devices.set_watchdog_states, kind=k) for k in ("AO", "CO", "DO")}
+)
+HANDLERS.update({f"Create{k}Scale": partial(devices.make_scale, kind=k) for k in ("Lin", "Map", "Polynomial", "Table")})
+_SAVED = {"DeleteSavedScale": "Scale", "DeleteSavedTask": "Task", "DeleteSavedGlobalChan": "Channel"}
+HANDLERS.update({call: partial(devices.delete, kind=k) for call, k in _SAVED.items()})

@@ -11,6 +11,7 @@ from modallab_simulators.ni_daqmx_server.calls.channel_names import joined, spli
 from modallab_simulators.ni_daqmx_server.catalogue import DIGITAL
 from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
+from modallab_simulators.ni_daqmx_server.max_config import Section
 from modallab_simulators.ni_daqmx_server.modules import coerced
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
@@ -19,11 +20,12 @@ from modallab_simulators.ni_daqmx_server.tasks import Task
 Answer = dict[str, Any]
 
 FINITE, CONTINUOUS, SINGLE_POINT = 10178, 10123, 12522
+LEAST_FINITE = 2
 NO_TRIGGER = 10230
 SAMPLE_CLOCK, ON_DEMAND, IMPLICIT = 10388, 10390, 10451
 HANDSHAKE, BURST, CHANGE_DETECTION, PIPELINED = 10389, 12548, 12504, 14668
-_TERMINALS = ("PFI", "RTSI", "PXI", "CLOCK", "CLK", "TIMEBASE", "TRIGGER", "INTERNAL", "CTR", "SIGNAL", "APFI", "EVENT",
-              "SYNCPULSE", "COMPARATOR", "FREQOUT", "GATE", "SOURCE", "PORT")  # fmt: skip
+_TERMINALS = ("PFI", "RTSI", "PXI", "CLOCK", "CLK", "TIMEBASE", "TRIGGER", "INTERNAL", "CTR", "APFI", "EVENT",
+              "SYNCPULSE", "COMPARATOR", "FREQOUT", "GATE")  # fmt: skip
 
 
 def require_terminal(system: SimulatedSystem, source: str) -> None:
@@ -54,6 +56,9 @@ def require_routes(system: SimulatedSystem, task: Task) -> None:
     """
     for attribute in ("SAMP_CLK_SRC", "DIG_EDGE_START_TRIG_SRC"):
         require_terminal(system, task.get(attribute, ""))
+    count = task.get("SAMP_QUANT_SAMP_PER_CHAN", LEAST_FINITE)
+    if task.timing == "clocked" and task.get("SAMP_QUANT_SAMP_MODE") == FINITE and count < LEAST_FINITE:
+        raise StatusError(status.INVALID_VALUE, f"Property: SampQuant.SampPerChan\nRequested Value: {count}")
 
 
 def verify(system: SimulatedSystem, task: Task) -> None:
@@ -115,6 +120,15 @@ def rate_of(task: Task) -> float | None:
     if isinstance(task, AcquiringTask | OutputTask | LineTask):
         return task.rate_hz
     return None
+
+
+def pace_as_saved(task: Task, section: Section) -> None:
+    """The clock of a task that was saved."""
+    count = int(section.get("SampQuant.SampPerChan", "1000"))
+    mode = FINITE if section.get("SampQuant.SampMode") == "Finite Samples" else CONTINUOUS
+    if section.get("SampTimingType") == "Sample Clock":
+        _set_rate(task, float(section["SampClk.Rate"]), count if mode == FINITE else 0)
+        _pace(task, SAMPLE_CLOCK, mode, count)
 
 
 def set_implicit(system: SimulatedSystem, request: Any) -> Answer:

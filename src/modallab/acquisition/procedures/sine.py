@@ -10,7 +10,7 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
-from modallab.bench.protocol import LooksForSensors
+from modallab.bench.protocol import LooksForSensors, SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.events import Notice
@@ -124,6 +124,8 @@ class SineTest:
             self._keep_tripped(note, error)
             raise
         self.watch.end()
+        if isinstance(context.bench, SelfReporting):
+            note = replace(note, facts=note.facts | context.bench.output_facts())
         context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
         if following is None:
             self.drive.good(step.level, seen.measured)

@@ -10,7 +10,7 @@ from pathlib import Path
 from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import Ended, Ready
+from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
 from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.run import Order, make_safe, run_plan
@@ -18,7 +18,6 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError
-from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.storage import Store
 from modallab.storage.records import ENDED
@@ -75,7 +74,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
             clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
-                _run(link, bench, rig, store, command.plan, guard)
+                _run(link, bench, rig, store, command, guard)
                 guard.life.idle()
     finally:
         make_safe(bench)
@@ -83,7 +82,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
             bench.close()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Guard) -> None:
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: Guard) -> None:
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
@@ -93,12 +92,12 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
         return link.order()
 
     try:
-        with store.begin(plan, rig, bench.info) as recorder, LiveRing(store.folder) as live:
+        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live:
             try:
                 run_plan(
-                    bench, rig, plan, recorder, link.send, control,
+                    bench, rig, order.plan, recorder, link.send, control,
                     requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
-                    live=live,
+                    live=live, expected=order.expected,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

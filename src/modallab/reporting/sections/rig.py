@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime
 from modallab.core.block import Block, Campaign
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Rig
-from modallab.core.units import Test
+from modallab.core.units import BROADBAND, Test
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import counted, day, glued, listed, plain, short
 from modallab.reporting.markup import Markup, join, table
@@ -115,6 +115,8 @@ def _excitation(test: Test, blocks: tuple[Block, ...]) -> str:
         return "hammer"
     drives = sorted({b.frequency_hz for b in blocks if b.frequency_hz is not None})
     levels = sorted({b.level for b in blocks if b.level})
+    if test in BROADBAND:
+        return f"shaker, {test}, {counted(len(levels), 'level')} ({listed(levels)})"
     text = f"shaker at {counted(len(drives), 'frequency', 'frequencies')}" if drives else "shaker"
     if drives:
         text += f" from {plain(drives[0], 4)} to {plain(drives[-1], 4)} Hz"
