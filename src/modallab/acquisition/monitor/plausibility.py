@@ -251,7 +251,7 @@ class _BurstLook:
         self._gap = round(GAP_S / self._dt)
         self.later_s = min(max(LATER_S, LATER_PERIODS / burst.frequency_hz), WEAK_LATER_S)
         averaged = _averaged(rest * self._volts, self._step)
-        rounding = volts / np.sqrt(12 * self._step)
+        rounding = np.maximum(noise.step * volts, np.finfo(float).tiny) / np.sqrt(12 * self._step)
         self.noise_v = np.maximum(averaged.std(axis=1), rounding)
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
