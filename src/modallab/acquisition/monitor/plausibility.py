@@ -336,7 +336,8 @@ class _BurstLook:
 
 def _averaged(values: Real, step: int) -> Real:
     whole = values.shape[1] // step * step
-    return np.add.reduce(values[:, :whole].reshape(len(values), -1, step), axis=2, dtype=np.float64) / step
+    summed: Real = values[:, :whole].reshape(len(values), -1, step).sum(axis=2)
+    return summed / step
 
 
 def _error(what: str) -> SafetyError:
