@@ -336,8 +336,8 @@ class _BurstLook:
 
 def _averaged(values: Real, step: int) -> Real:
     whole = values.shape[1] // step * step
-    summed: Real = values[:, :whole].reshape(len(values), -1, step).sum(axis=2)
-    return summed / step
+    mean: Real = values[:, :whole].reshape(len(values), -1, step).mean(axis=2).astype(np.float64)
+    return mean
 
 
 def _error(what: str) -> SafetyError:
