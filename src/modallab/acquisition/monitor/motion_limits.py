@@ -9,6 +9,7 @@ at 0.4 of it, and never low above four times the corner by more than 0.4 %.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,9 @@ class MotionWatch:
         self._limit = np.array([limit.limit for limit in limits])
         self.corner_hz = min(CORNER_HZ, CORNER_PART * lowest_hz)
         w = 2 * pi * self.corner_hz
-        numerator, denominator, _ = cont2discrete(([1.0, 0.0], [1.0, sqrt(2) * w, w * w]), 1 / rate_hz, "zoh")
+        # The stubs of SciPy know no system of lists.
+        discrete: Any = cont2discrete
+        numerator, denominator, _ = discrete(([1.0, 0.0], [1.0, sqrt(2) * w, w * w]), 1 / rate_hz, "zoh")
         self._filter = (np.ravel(numerator), np.ravel(denominator))
         self.restart()
 
@@ -95,7 +98,7 @@ class MotionWatch:
         Raises:
             SafetyError: names what is, or will be, beyond its limit.
         """
-        magnitude = np.abs(self._integrated(chunk.samples[self._rows] * self._si))
+        magnitude = np.abs(self._integrated(chunk.samples[self._rows].astype(np.float64) * self._si))
         peak = magnitude.max(axis=1)
         self._highest = np.maximum(self._highest, peak)
         self._require(peak, "beyond the abort limit")
@@ -110,9 +113,9 @@ class MotionWatch:
             self._require(above.max(axis=1), "on the way beyond the abort limit: foreseen at the full drive")
 
     def _integrated(self, values: Real) -> Real:
-        if self._bias is None:
-            self._bias = values.mean(axis=1, keepdims=True)
-        values = values - self._bias
+        bias = self._bias if self._bias is not None else values.mean(axis=1, keepdims=True)
+        self._bias = bias
+        values = values - bias
         found = np.empty_like(values)
         order = np.array([limit.integrations for limit in self._limits])
         for stage in range(2):

@@ -200,7 +200,7 @@ class Plausibility:
         """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""
         follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
         for channel in np.flatnonzero(gone):
-            others = np.delete(follows, [self._force, channel])
+            others = np.delete(follows, np.array([self._force, int(channel)]))
             gone[channel] = channel == self._force or not others.size or np.median(others) >= KEPT_UP
         return gone
 
@@ -251,7 +251,7 @@ class _BurstLook:
         self._gap = round(GAP_S / self._dt)
         self.later_s = min(max(LATER_S, LATER_PERIODS / burst.frequency_hz), WEAK_LATER_S)
         averaged = _averaged(rest * self._volts, self._step)
-        rounding = volts / np.sqrt(12 * self._step)
+        rounding = np.maximum(noise.step * volts, np.finfo(float).tiny) / np.sqrt(12 * self._step)
         self.noise_v = np.maximum(averaged.std(axis=1), rounding)
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
@@ -336,7 +336,8 @@ class _BurstLook:
 
 def _averaged(values: Real, step: int) -> Real:
     whole = values.shape[1] // step * step
-    return values[:, :whole].reshape(len(values), -1, step).mean(axis=2) if step > 1 else values
+    mean: Real = values[:, :whole].reshape(len(values), -1, step).mean(axis=2).astype(np.float64)
+    return mean
 
 
 def _error(what: str) -> SafetyError:

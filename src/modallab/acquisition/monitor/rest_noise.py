@@ -40,11 +40,13 @@ class RestNoise:
         longest_run: (channels,) equal samples in a row from which on a channel is frozen; infinite where that says
             nothing.
         visible: (channels,) whether the noise moves what is delivered.
+        step: (channels,) the converter's count, as delivered; 0 where none was seen.
     """
 
     rms: Real
     longest_run: Real
     visible: NDArray[np.bool_]
+    step: Real
 
     @classmethod
     def of(cls, window: Samples, *, counts: bool) -> Self:
@@ -58,7 +60,8 @@ class RestNoise:
         often = np.maximum(same.mean(axis=1), _repeats(rms / step))
         likely = np.log(RARE) / np.log(np.minimum(often, 1 - 1e-9))
         resting = RESTING_RUN * np.array([_longest(row) for row in same])
-        return cls(rms, np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf), visible)
+        longest = np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf)
+        return cls(rms, longest, visible, np.where(np.isfinite(step), step, 0.0))
 
     def fallen(self, later: "RestNoise") -> NDArray[np.bool_]:
         """(channels,) whether the noise has fallen below the channel's own since."""
