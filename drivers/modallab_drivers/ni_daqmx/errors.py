@@ -22,6 +22,7 @@ HANDLE_DEAD = -200088
 RESERVED = -50103
 DUPLICATE = -200089
 UNSUPPORTED_HERE = -200452
+CHASSIS_EXPIRED = -201478
 
 _LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
@@ -31,7 +32,14 @@ _BUSY = (
     " is given back by: modallab devices ADDRESS --release"
 )
 _LOG = "look at the server's log"
+_EXPIRED = "allow it longer (excitation.watchdog_s), or use a less busy machine; the next start resets the chassis"
+_NO_WATCHDOG = "this device has no watchdog: leave excitation.watchdog_s out, and say why in excitation.watchdog_waived"
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
+
+
+class WatchdogExpiredError(OutputLostError):
+    """The chassis' watchdog has expired: its outputs are at 0 V, and nothing goes on it until it is reset."""
+
 
 TABLE: dict[int, tuple[type[BenchError], str]] = {
     NOT_YET: (BenchTimeoutError, "wait longer; what had come is kept"),
@@ -54,6 +62,11 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
     -200265: (ConfigurationError, _CONFIGURATION),
     -89120: (ConfigurationError, _CONFIGURATION),
     UNSUPPORTED_HERE: (ConfigurationError, _CONFIGURATION),
+    CHASSIS_EXPIRED: (WatchdogExpiredError, _EXPIRED),
+    -200678: (WatchdogExpiredError, _EXPIRED),
+    -200644: (WatchdogExpiredError, _EXPIRED),
+    -201477: (DeviceBusyError, _BUSY),
+    -200662: (ConfigurationError, _NO_WATCHDOG),
     -200290: (OutputLostError, _OUTPUT),
     -200621: (OutputLostError, _OUTPUT),
     -200018: (OutputLostError, _OUTPUT),

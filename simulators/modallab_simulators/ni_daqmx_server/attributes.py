@@ -7,7 +7,7 @@ from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.modules import CHASSIS, Module
-from modallab_simulators.ni_daqmx_server.output_task import LineTask, OutputTask, WatchdogTask
+from modallab_simulators.ni_daqmx_server.output_task import DELTA_SIGMA, LineTask, OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Task
 
@@ -80,6 +80,8 @@ def channel(server: SimulatedSystem, name: str, which: str, number: int) -> Any:
         return ANALOG_OUTPUT if isinstance(found, OutputTask) else DIGITAL_OUTPUT
     if number == 0x1108:
         return 10322
+    if number == 0x2240 and isinstance(found, OutputTask) and found.product in DELTA_SIGMA:
+        return found.idle
     if isinstance(found, InputTask) and number in (0x2FED, 0x1815):
         chosen = next(c for c in found.channels if which in (c.physical, ""))
         return chosen.module.delay_samples / found.rate_hz if number == 0x2FED else chosen.module.input_range_v
@@ -142,6 +144,8 @@ def put(server: SimulatedSystem, name: str, which: str, number: int, value: Any)
         found.buffer = int(value)
     elif isinstance(found, OutputTask) and number == 0x1453:
         found.again = value == 10097
+    elif isinstance(found, OutputTask) and number == 0x2240:
+        found.set_idle(int(value))
     elif isinstance(found, WatchdogTask) and number == 0x21A9:
         found.timeout_s = float(value)
     found.attributes[which, number] = value

@@ -37,6 +37,7 @@ class SimulatedSystem:
         lines: analog outputs by physical channel.
         tasks: by name.
         faults: armed.
+        expired: whether the chassis' watchdog has expired: nothing goes on it until the chassis is reset.
     """
 
     def __init__(self, clock: BenchClock, chassis: str, modules: tuple[Module, ...], plant: Plant, rig: Rig) -> None:
@@ -52,6 +53,7 @@ class SimulatedSystem:
         self.reserved = Reservations()
         self.faults = faults.FaultPlan()
         self.reset_keeps_outputs = False
+        self.expired = False
         self._numbers = 0
 
     @property
@@ -114,6 +116,9 @@ class SimulatedSystem:
 
     def start(self, task: Task) -> None:
         """Start a task: reserve, then run."""
+        self.require_unexpired(task)
+        if isinstance(task, WatchdogTask):
+            self._require_alone(task)
         self.reserved.take(task)
         if isinstance(task, InputTask):
             task.start(self.plant, self.shaker_line, self.clock)
@@ -123,33 +128,52 @@ class SimulatedSystem:
         else:
             task.running = True
             if isinstance(task, WatchdogTask):
-                self.let_go(task)
                 task.kick(time.monotonic())
+
+    def require_unexpired(self, task: Task) -> None:
+        """Raise if the chassis' watchdog has expired.
+
+        Raises:
+            StatusError: it has.
+        """
+        if self.expired:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Task Name: {task.name}")
+
+    def _require_alone(self, watchdog: WatchdogTask) -> None:
+        # The vendor's order: a watchdog before any other task on its chassis.
+        others = [t.name for t in self.tasks.values() if t is not watchdog and (t.running or t.committed)]
+        if others:
+            raise StatusError(status.OTHERS_RESERVED, f"Task Name: {watchdog.name}\nOther tasks: {', '.join(others)}")
 
     def stop(self, task: Task) -> None:
         """Stop a task and give back what it held."""
         if isinstance(task, OutputTask):
             task.stop(self.clock)
             self.changed()
-        if isinstance(task, WatchdogTask):
-            self.let_go(task)
         task.running = False
-        self.reserved.release(task)
+        if not task.committed:
+            self.reserved.release(task)
 
     def clear(self, name: str) -> None:
         """Stop a task and forget it."""
         task = self.tasks.pop(name, None)
         if task is None:
             raise StatusError(status.INVALID_TASK, f"Task Name: {name}")
+        task.committed = False
         self.stop(task)
 
     def reset(self, device: str) -> None:
         """Abort all tasks of a device; most series then have their outputs at 0 V, some leave them."""
         if device not in self.modules and device != CHASSIS:
             raise StatusError(status.NO_SUCH_DEVICE, f"Device Specified: {device}")
+        if self.expired and device != CHASSIS:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Device: {device}")
+        self.expired = False
         hit = {m for m in self.modules if m == device or device == CHASSIS}
         for task in [t for t in self.tasks.values() if t.devices & hit]:
             self.clear(task.name)
+        for watchdog in [t for t in self.tasks.values() if isinstance(t, WatchdogTask) and t.device == device]:
+            self.clear(watchdog.name)
         for name, line in self.lines.items():
             if name.partition("/")[0] in hit and not self.reset_keeps_outputs:
                 line.held = False
@@ -174,16 +198,10 @@ class SimulatedSystem:
     def _look_at(self, task: WatchdogTask) -> None:
         if time.monotonic() < task.due_s:
             return
-        task.expired = True
+        task.expired = self.expired = True
         for name, volts in task.states.items():
             self.lines[name].expire(self.clock.now() + LATENCY_S, volts)
         self.changed()
-
-    def let_go(self, watchdog: WatchdogTask) -> None:
-        """The outputs of a watchdog that is cleared, stopped or started anew follow their tasks again."""
-        watchdog.expired = False
-        for name in watchdog.states:
-            self.lines[name].held = False
 
     def fault(self, line: str) -> None:
         """Arm a fault, as an operator types it: `unplugged -201003`, `status ReadAnalogF64 -200279 2`.
@@ -213,6 +231,10 @@ class SimulatedSystem:
         if kind == faults.UNPLUGGED:
             code = int(words[0]) if words else status.DEVICE_GONE
             self.reserved.gone = dict.fromkeys([*self.modules, CHASSIS], code)
+            for task in self.tasks.values():
+                if isinstance(task, OutputTask):
+                    # The samples came through the cable, which no server changes.
+                    task.starve(self.clock)
         elif kind == faults.PLUGGED:
             # A device that comes back has forgotten its tasks.
             self.reserved.gone = {}
@@ -230,6 +252,11 @@ class SimulatedSystem:
     def _forget(self, tasks: Sequence[Task]) -> None:
         for task in tasks:
             self.clear(task.name)
+
+    def trace(self, over_s: float, rate_hz: float) -> list[float]:
+        """What stood on the shaker's line over the last `over_s`, oldest first."""
+        now = self.clock.now()
+        return self.shaker_line.volts(now - np.arange(round(over_s * rate_hz))[::-1] / rate_hz).tolist()
 
     def levels(self, over_s: float = 0.05) -> dict[str, float]:
         """Largest magnitude on every output over the last `over_s`, and the lines' last changes."""

@@ -61,9 +61,11 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     task = system.task(request.task.name, Task)
     if request.action_raw in (3, 4):
         system.reserved.take(task)
+        task.committed = True
     elif request.action_raw == 0:
         system.start(task)
     elif request.action_raw in (1, 5, 6):
+        task.committed = task.committed and request.action_raw == 1
         system.stop(task)
     return {}
 
@@ -141,7 +143,7 @@ def add_output(system: SimulatedSystem, request: Any) -> Answer:
         raise StatusError(status.NO_SUCH_CHANNEL, f"Physical Channel Specified: {physical}")
     if max(abs(request.min_val), abs(request.max_val)) > module.output_range_v * (1 + 1e-9):
         raise StatusError(status.INVALID_VALUE, f"Property: AO.Max\nRequested Value: {request.max_val}")
-    task.physical, task.line = physical, system.lines[physical]
+    task.physical, task.line, task.product = physical, system.lines[physical], module.product
     task.resources.add(physical)
     return {}
 
@@ -192,6 +194,7 @@ def set_reference_trigger(system: SimulatedSystem, request: Any) -> Answer:
 def write_analog(system: SimulatedSystem, request: Any) -> Answer:
     """Values for an output."""
     task = system.task(request.task.name, OutputTask)
+    system.require_unexpired(task)
     values = np.array(request.write_array, dtype=np.float64)
     limit = system.module_of(task.physical).output_range_v
     if np.abs(values).max(initial=0.0) > limit * (1 + 1e-9):
@@ -216,7 +219,7 @@ def write_lines(system: SimulatedSystem, request: Any) -> Answer:
 def create_watchdog(system: SimulatedSystem, request: Any) -> Answer:
     """A watchdog on a device that has one."""
     if not system.chassis:
-        raise StatusError(status.NOT_SUPPORTED_HERE, f"Device: {request.device_name}")
+        raise StatusError(status.NO_WATCHDOG, f"Device: {request.device_name}")
     if request.device_name not in (*system.modules, "cDAQ1"):
         raise StatusError(status.NO_SUCH_DEVICE, f"Device Specified: {request.device_name}")
     name = request.session_name or system.free_name()
@@ -236,11 +239,12 @@ def set_watchdog_states(system: SimulatedSystem, request: Any) -> Answer:
 
 
 def control_watchdog(system: SimulatedSystem, request: Any) -> Answer:
-    """Reset the timer, or clear what has expired."""
+    """Reset the timer. A chassis whose watchdog has expired wants to be reset itself: to clear it is not enough."""
     task = system.task(request.task.name, WatchdogTask)
-    if request.action_raw == 1 or request.action == 1:
-        system.let_go(task)
-    task.kick(time.monotonic())
+    if task.expired and request.action_raw != 1 and request.action != 1:
+        raise StatusError(status.EXPIRED_NOT_RESET, f"Task Name: {task.name}")
+    if not task.expired:
+        task.kick(time.monotonic())
     return {}
 
 

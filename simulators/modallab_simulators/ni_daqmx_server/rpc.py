@@ -18,7 +18,10 @@ from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.handlers import HANDLERS
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.lines import Floats
+from modallab_simulators.ni_daqmx_server.local_mode import LocalClients
+from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.tasks import Task
 
 SERVICE = "/nidaqmx_grpc.NiDAQmx/"
 MESSAGE_BYTES = 256 << 20
@@ -34,25 +37,29 @@ _ATTRIBUTE = re.compile(
 _MESSAGES: Any = messages
 
 
-def serve(system: SimulatedSystem, port: int, credentials: grpc.ServerCredentials | None = None) -> tuple[Any, int]:
-    """Begin to listen on the loopback; returns the server and its port."""
+def serve(
+    system: SimulatedSystem, port: int, credentials: grpc.ServerCredentials | None = None, *, local: bool = False
+) -> tuple[Any, int]:
+    """Begin to listen on the loopback; returns the server and its port. `local`: see `local_mode`."""
+    clients = LocalClients(system) if local else None
     server = grpc.server(
         ThreadPoolExecutor(WORKERS),
-        handlers=[_Calls(system)],
+        handlers=[_Calls(system, clients)],
         options=[("grpc.max_send_message_length", MESSAGE_BYTES), ("grpc.max_receive_message_length", MESSAGE_BYTES)],
     )
-    address = f"127.0.0.1:{port}"
+    address = f"127.0.0.1:{0 if clients else port}"
     bound = server.add_insecure_port(address) if credentials is None else server.add_secure_port(address, credentials)
     server.start()
     threading.Thread(target=system.watch, name="watchdogs", daemon=True).start()
-    return server, bound
+    return server, clients.listen(port, bound) if clients else bound
 
 
 class _Calls(grpc.GenericRpcHandler):
     """Finds what answers a call by its name."""
 
-    def __init__(self, system: SimulatedSystem) -> None:
+    def __init__(self, system: SimulatedSystem, clients: LocalClients | None) -> None:
         self._system = system
+        self._clients = clients
 
     def service(self, handler_call_details: grpc.HandlerCallDetails) -> Any:
         method = str(handler_call_details.method)
@@ -69,7 +76,7 @@ class _Calls(grpc.GenericRpcHandler):
 
         def call(asked: Any, context: grpc.ServicerContext) -> Any:
             try:
-                return answer(asked)
+                return answer(asked if self._clients is None else self._clients.scoped(asked, context.peer()))
             except StatusError as error:
                 _reject(context, error)
 
@@ -79,10 +86,28 @@ class _Calls(grpc.GenericRpcHandler):
 def _answerer(system: SimulatedSystem, name: str) -> Callable[[Any], Any] | None:
     if name == "ReadAnalogF64":
         return lambda asked: _read(system, asked)
+    if name == "WaitUntilTaskDone":
+        return lambda asked: _wait_until_done(system, asked)
     if name in HANDLERS:
         return lambda asked: _handle(system, name, asked)
     match = _ATTRIBUTE.fullmatch(name)
     return None if match is None else (lambda asked: _attribute(system, name, match, asked))
+
+
+def _wait_until_done(system: SimulatedSystem, asked: Any) -> Any:
+    deadline = time.monotonic() + (asked.time_to_wait if asked.time_to_wait >= 0 else 1e9)
+    while True:
+        with system.lock:
+            task = system.task(asked.task.name, Task)
+            if isinstance(task, OutputTask) and task.wave is not None and task.finite and not system.clock.pace:
+                # Whoever waits lets time pass.
+                system.clock.read_up_to(task.wave.end_s)
+            done = task.done(system.clock) if isinstance(task, OutputTask) else not task.running
+        if done:
+            return _MESSAGES.WaitUntilTaskDoneResponse()
+        if time.monotonic() >= deadline:
+            raise StatusError(status.NOT_FINISHED, f"Task Name: {asked.task.name}")
+        time.sleep(WAIT_S / 10)
 
 
 def _handle(system: SimulatedSystem, name: str, asked: Any) -> Any:
@@ -152,6 +177,7 @@ def _read(system: SimulatedSystem, asked: Any) -> bytes:
     with system.lock:
         fault = system.faults.due("ReadAnalogF64")
         task = system.task(asked.task.name, InputTask)
+        system.require_unexpired(task)
         count = asked.num_samps_per_chan if asked.num_samps_per_chan >= 0 else _there(system, task)
     if fault is not None and fault.code:
         raise StatusError(fault.code, samples=0)

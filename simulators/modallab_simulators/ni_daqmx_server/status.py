@@ -17,6 +17,10 @@ OUTPUT_UNDERFLOW = -200290
 NO_TEDS = -200709
 DUPLICATE_TASK = -200089
 NOT_FINISHED = -200560
+CHASSIS_EXPIRED = -201478
+OTHERS_RESERVED = -201477
+EXPIRED_NOT_RESET = -200644
+NO_WATCHDOG = -200662
 
 _SAID = {
     NOT_YET_AVAILABLE: "Some or all of the samples requested have not yet been acquired.",
@@ -43,6 +47,10 @@ _SAID = {
     -200018: "DAC conversion attempted before data to be converted was available.",
     NO_TEDS: "TEDS sensor not detected on physical channel.",
     DUPLICATE_TASK: "Task name specified conflicts with an existing task name.",
+    CHASSIS_EXPIRED: "The chassis' watchdog timer has expired. Reset the chassis.",
+    OTHERS_RESERVED: "The watchdog task cannot be reserved while other tasks on the chassis are reserved.",
+    EXPIRED_NOT_RESET: "The watchdog timer has expired and cannot be reset.",
+    NO_WATCHDOG: "The device does not support a watchdog timer.",
     NOT_FINISHED: "Wait Until Done did not indicate that the task was done within the specified timeout.",
 }
 

@@ -14,12 +14,14 @@ class Task:
         resources: what it needs for itself alone while it runs.
         running: whether it was started and not stopped.
         attributes: what clients have set, by channel and attribute.
+        committed: whether it keeps what it needs when it is stopped.
     """
 
     name: str
     resources: set[str] = field(default_factory=set[str])
     running: bool = False
     attributes: dict[tuple[str, int], object] = field(default_factory=dict[tuple[str, int], object])
+    committed: bool = False
 
     @property
     def devices(self) -> set[str]:
