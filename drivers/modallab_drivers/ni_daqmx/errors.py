@@ -37,6 +37,9 @@ _NO_WATCHDOG = "this device has no watchdog: leave excitation.watchdog_s out, an
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
 
 
+EXPIRED = "the watchdog has expired, since nothing was read for longer than it allows; the output is held at 0 V"
+
+
 class WatchdogExpiredError(OutputLostError):
     """The chassis' watchdog has expired: its outputs are at 0 V, and nothing goes on it until it is reset."""
 
@@ -101,6 +104,8 @@ def of_code(code: int, text: str, where: str) -> BenchError:
     """The typed error for a status."""
     kind, remedy = TABLE.get(code, (BenchError, "look the status up in NI's documentation; report it if it recurs"))
     said = " ".join(line.strip() for line in text.splitlines() if line.strip())
+    if kind is WatchdogExpiredError:
+        said = f"{EXPIRED}: {said}"
     return kind(f"{said}" if str(code) in said else f"{said} ({code})", where=where, remedy=remedy)
 
 

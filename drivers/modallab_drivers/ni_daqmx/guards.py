@@ -11,7 +11,7 @@ from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
 from modallab.core.hardware import Excitation
-from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
+from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, translated
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 
 T = TypeVar("T")
@@ -76,11 +76,7 @@ class Watchdog:
         """
         with translated(self._where):
             if self._task.expired:
-                raise WatchdogExpiredError(
-                    "the watchdog has expired: nothing was read for longer than it allows; the output is held at 0 V",
-                    where=self._where,
-                    remedy="allow it longer, or use a less busy machine; the next start resets the chassis",
-                )
+                raise of_code(CHASSIS_EXPIRED, "", self._where)
             self._task.reset_timer()
 
     def close(self) -> None:

@@ -34,6 +34,7 @@ class Shaker:
         self._rig, self._where = rig, where
         self._burst_end = 0
         self._output: Output | None = None
+        self._guards = Guards(route, None, None)
         chosen = output_of(rig, devices, where)
         self.physical = chosen[0] if chosen is not None else None
         self._streams = chosen is not None and route.address.streams
@@ -67,6 +68,7 @@ class Shaker:
 
     def watch(self, route: Route) -> None:
         """Streaming is about to begin: no burst is on, and the guards watch, before any other task is started."""
+        self._guards.close()
         self._guards = after_expiry(route, lambda: Guards(route, self._rig.excitation, self.physical))
         self._burst_end = 0
 
