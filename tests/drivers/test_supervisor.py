@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.process.output_supervisor import BEAT_S, TIMEOUT_S
+from modallab.acquisition.process.output_watch import BEAT_S, TIMEOUT_S
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import Trip, TrippedError
 from modallab.bench.loader import open_bench, open_output

@@ -7,6 +7,7 @@ from modallab.acquisition.procedures.drive import HEADROOM
 from modallab.acquisition.procedures.target import block_name
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError
+from modallab.core.hardware import require_guarded
 from modallab.core.plan import ImpactPlan, Plan, SinePlan, least_rate_hz
 from modallab.core.rig import Limits, Rig
 
@@ -20,9 +21,12 @@ def require_possible(plan: Plan, rig: Rig, bench: BenchInfo) -> None:
     Raises:
         PlanError: one message with every problem.
         RigError: a channel has no sensitivity for this test.
+        ConfigurationError: nothing would end a burst should this machine die in it.
     """
     for channel in rig.channels:
         channel.sensitivity(plan.kind)
+    if isinstance(plan, SinePlan) and bench.streams_bursts:
+        require_guarded(rig.excitation, "rig file")
     problems = (
         _impact_problems(plan, rig) if isinstance(plan, ImpactPlan) else _sine_problems(plan, rig, bench.can_drive)
     )

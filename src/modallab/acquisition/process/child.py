@@ -2,12 +2,13 @@
 
 import os
 import signal
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.process.awake import kept_awake
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready
 from modallab.acquisition.process.output_supervisor import LifeLine
@@ -16,7 +17,7 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError
-from modallab.core.plan import Plan
+from modallab.core.plan import Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.storage import Store
 
@@ -81,17 +82,19 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
+    awake = kept_awake() if isinstance(plan, SinePlan) and bench.info.real_time else nullcontext("")
 
     def control() -> Order | None:
         guard.life.working(driving=excitation.on)
         return link.order()
 
     try:
-        with store.begin(plan, rig, bench.info) as recorder:
+        with store.begin(plan, rig, bench.info) as recorder, awake as said:
             try:
                 run_plan(
                     bench, rig, plan, recorder, link.send, control,
-                    requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
+                    requests=link.requests, latch=guard.latch, excitation=excitation,
+                    supervision="; ".join(filter(None, (guard.supervision, said))),
                     live=link.send,
                 )  # fmt: skip
             finally:

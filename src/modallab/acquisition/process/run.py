@@ -166,7 +166,7 @@ def _work(setup: Setup) -> None:
     require_possible(setup.plan, setup.rig, setup.bench.info)
     require_trigger(setup.plan, setup.bench)
     if isinstance(setup.plan, SinePlan):
-        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup, longest_burst_s(setup.plan))))
     context = _prepare(setup)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan)
@@ -180,10 +180,20 @@ def _work(setup: Setup) -> None:
     setup.life.enter("done")
 
 
-def _what_ends_it(plan: SinePlan, supervision: str) -> str:
-    longest = longest_burst_s(plan)
-    notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
-    return f"{notice}; {supervision}" if supervision else notice
+def _what_ends_it(setup: Setup, longest_s: float) -> str:
+    notice = f"longest burst {longest_s:.4g} s: "
+    excitation = setup.rig.excitation
+    if not setup.bench.info.streams_bursts:
+        notice += "whatever dies, the output is at 0 V by itself after at most so long"
+    elif excitation is not None and excitation.watchdog_s is not None:
+        notice += f"whatever dies, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+    else:
+        waived = excitation.watchdog_waived if excitation is not None else ""
+        notice += (
+            "should this machine crash or sleep, or lose the device, in a burst, the output HOLDS ITS LAST VALUE: the"
+            f" device has no watchdog; the rig file says: {waived}"
+        )
+    return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
 def _drop_left(setup: Setup) -> None:
