@@ -5,7 +5,7 @@ from typing import Any
 
 import nidaqmx.errors
 
-from modallab.core.errors import BenchError
+from modallab.core.errors import BenchError, DeviceBusyError
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
@@ -51,6 +51,9 @@ class SecondHandle:
             return
         failed: BenchError | None = None
         for way in (self._end, self._end_anew, self._end_by_reset):
+            if way == self._end_anew and isinstance(failed, DeviceBusyError) and self._route.address.streams:
+                # A process that holds the output for so long is frozen or drives on: to ask again is time lost.
+                continue
             try:
                 way()
             except WatchdogExpiredError:

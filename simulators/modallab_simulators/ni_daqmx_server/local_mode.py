@@ -103,16 +103,16 @@ def _copy(source: socket.socket, sink: socket.socket) -> None:
 
 
 def _process_at(port: int) -> int:
-    """The process of this machine whose end of a connection is at a port."""
-    for connection in psutil.net_connections("tcp4"):
+    """The process of this machine whose end of a connection is at a port; where it can't be known, one for itself."""
+    for connection in psutil.net_connections("tcp"):
         local = connection.laddr
         if local and local.port == port and connection.pid not in (None, os.getpid()):
             return int(connection.pid or 0)
-    return 0
+    return -port
 
 
 def _frozen(process: int) -> bool:
     try:
-        return psutil.Process(process).status() == psutil.STATUS_STOPPED
+        return process > 0 and psutil.Process(process).status() == psutil.STATUS_STOPPED
     except psutil.Error:
         return False

@@ -1,8 +1,8 @@
 """What runs in the supervisor's process: it ends an excitation that nobody answers for any more.
 
-Some outputs go on when the process that drives them dies, others hold their last value. The supervisor opens a handle of
-its own before anything moves, and then only waits: for the rig's process to die (the pipe between them breaks at once),
-to be frozen, or to give no sign of life while a test is on, for the owner to die, or for an emergency stop.
+Some outputs go on when the process that drives them dies, others hold their last value. The supervisor opens a handle
+of its own before anything moves, and then only waits: for the rig's process to die (the pipe between them breaks at
+once), to be frozen, or to give no sign of life while a test is on, for the owner to die, or for an emergency stop.
 
 It is in a session of its own, so that what kills or freezes the whole process group of the service does not reach it.
 It leaves when the rig's process has left, so that it outlives nobody for long.
