@@ -83,7 +83,7 @@ def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
     with NiServer(iepe, "9234") as server:
         believed = changed(iepe, 3, sensitivity_v_per_unit=0.02)
         bench = open_bench(server.url, believed)
-        found = verdicts(check_idle(bench, believed, 0.5), "sensitivity")
+        found = verdicts(check_idle(bench, believed, 0.5), "sensor")
         bench.close()
     assert found.pop("a03") == "bad"
     assert set(found.values()) == {"good"}
@@ -158,3 +158,34 @@ def test_devices_of_a_server_are_listed_with_their_addresses(ni_server: NiServer
     assert "NI 9215" in out
     with pytest.raises(ConfigurationError):
         find_devices("nowhere://")
+
+
+def fed(rig: Rig) -> Rig:
+    """The rig with every sensor on an IEPE input of +-5 V, the force too."""
+    assert rig.converter is not None
+    channels = tuple(c.model_copy(update={"coupling": "IEPE", "range_v": 5.0}) for c in rig.channels)
+    return rig.model_copy(update={"converter": rig.converter.model_copy(update={"range_v": 5.0}), "channels": channels})
+
+
+@pytest.mark.parametrize("system", ["9234", "4431"])
+def test_cold_sensors_are_waited_for_and_then_good(rig: Rig, system: str):
+    # 4.9 V of bias fade to the noise; the USB device has DC as its default and would read 10 V for ever.
+    iepe = fed(rig)
+    if system == "4431":
+        iepe = iepe.model_copy(update={"channels": iepe.channels[:4]})
+    with NiServer(iepe, system) as server:
+        bench = open_bench(server.url, iepe)
+        findings = check_idle(bench, iepe, 1.0)
+        bench.close()
+    waited = verdicts(findings, "supply")
+    assert len(waited) == len(iepe.channels)
+    assert {f.verdict for f in findings if f.what in ("supply", "noise", "offset", "overload")} == {"good"}
+
+
+def test_a_supply_the_device_does_not_have_is_rejected_with_those_it_has(rig: Rig):
+    iepe = fed(rig)
+    with (
+        NiServer(iepe, "9234") as server,
+        pytest.raises(ConfigurationError, match=r"excitation_a: found 0\.004"),
+    ):
+        open_bench(server.url, changed(iepe, 2, excitation_a=0.004))

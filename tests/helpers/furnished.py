@@ -13,12 +13,18 @@ from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.campaigns.begin import begin
 from modallab.service.jobs.campaign_jobs import order
+from modallab.storage.address import name_database
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 
 
-def furnish(folder: Path, rig: Rig) -> Lab:
-    """Open a service on `folder` and fill it: a run of three points with its model, a job that waits."""
+def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
+    """Open a service on `folder` and fill it: a run of three points with its model, a job that waits.
+
+    With a database the catalogue is there.
+    """
+    if database is not None:
+        name_database(folder, database)
     lab = Lab(folder, rig, URL)
     try:
         lab.wait_until_idle()

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
@@ -17,7 +17,7 @@ from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
 from modallab_drivers.ni_daqmx.shaker import Shaker
-from modallab_drivers.ni_daqmx.teds import teds_sensitivities
+from modallab_drivers.ni_daqmx.teds import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
 from modallab_drivers.order import require, require_count
 
@@ -30,7 +30,7 @@ FULL_SCALE = 1 - 1e-6
 
 
 class NiBench:
-    """Inputs of one device or chassis, and what drives the shaker: an output of it, or a generator."""
+    """Inputs of one device or chassis or of several, and what drives the shaker: an output of it, or a generator."""
 
     def __init__(self, url: str, rig: Rig) -> None:
         """Find the devices, check the rig against them, and bring the output to 0 V."""
@@ -82,7 +82,7 @@ class NiBench:
             request.rate_hz,
             inputs.rate_hz,
             inputs.rate_hz,
-            np.dtype(np.float64),
+            np.dtype(np.float32),
             inputs.volts_per_unit.copy(),
             ("V",) * len(self._plugs),
         )
@@ -95,7 +95,9 @@ class NiBench:
         if self._state in ("lost", "gone"):
             self._reconnect()
             self._drop_inputs()
-        # A watchdog comes before any other task on its chassis.
+        if self._shaker.has_watchdog:
+            # It comes before anything that is reserved on its chassis, and inputs that feed sensors are.
+            self._drop_inputs()
         self._shaker.watch(self._route)
         inputs = self._inputs or self._make_inputs()
         try:
@@ -114,7 +116,7 @@ class NiBench:
         require_count(count, self._url)
         assert self._inputs is not None
         first = self._position
-        pieces: list[NDArray[np.float64]] = []
+        pieces: list[NDArray[np.float32]] = []
         with self._losses():
             while (left := first + count - self._position) > 0:
                 piece = self._shaker.up_to_event(self._position, left)
@@ -167,10 +169,24 @@ class NiBench:
         """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
+    def fed_channels(self) -> tuple[str, ...]:
+        """Channels of the rig whose sensors the inputs feed with a current."""
+        return tuple(plug.channel.name for plug in self._plugs if plug.supply_a)
+
+    def synchronisation(self) -> SyncState:
+        """How several devices sample as one, and how far each has counted."""
+        self._require("configured", "running", "stopped", to="ask for the synchronisation")
+        return (self._inputs or self._make_inputs()).synchronisation(running=self._state == "running")
+
     def sensed_sensitivities(self) -> dict[str, float]:
-        """V per SI unit of the accelerometers that carry a TEDS, by channel."""
-        self._require("open", "configured", "stopped", to="ask sensors")
+        """V per SI unit of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
+        return teds_serials(self._route, self._plugs)
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""
@@ -226,13 +242,16 @@ class NiBench:
         request = self._request
         assert request is not None
         try:
-            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz, reference))
+            self._inputs = patiently(lambda: self._inputs_for(request, reference))
         except DeviceGoneError:
             self._gone()
             raise
         return self._inputs
 
-    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _inputs_for(self, request: Request, reference: ReferenceTrigger | None) -> Inputs:
+        return Inputs(self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation)
+
+    def _at_full_scale(self, samples: NDArray[np.float32]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
         peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit

@@ -27,6 +27,7 @@ CHASSIS_EXPIRED = -201478
 _LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
 _CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
+_TOGETHER = "see how the devices are connected: rig file field synchronisation"
 _BUSY = (
     "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
     " is given back by: modallab devices ADDRESS --release"
@@ -70,6 +71,16 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
     -200644: (WatchdogExpiredError, _EXPIRED),
     -201477: (DeviceBusyError, _BUSY),
     -200662: (ConfigurationError, _NO_WATCHDOG),
+    -200558: (ConfigurationError, _TOGETHER),
+    -200852: (ConfigurationError, _TOGETHER),
+    -200853: (ConfigurationError, _TOGETHER),
+    -200854: (ConfigurationError, _TOGETHER),
+    -201090: (ConfigurationError, _TOGETHER),
+    -201207: (ConfigurationError, _TOGETHER),
+    -201346: (ConfigurationError, _TOGETHER),
+    -201347: (ConfigurationError, _TOGETHER),
+    -201361: (ConfigurationError, _TOGETHER),
+    -209882: (ConfigurationError, _TOGETHER),
     -200290: (OutputLostError, _OUTPUT),
     -200621: (OutputLostError, _OUTPUT),
     -200018: (OutputLostError, _OUTPUT),

@@ -12,10 +12,10 @@ from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
 from modallab_drivers.ni_daqmx.guards import watchdog_name
-from modallab_drivers.ni_daqmx.inputs import session_name
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.synchronise import session_name
 from modallab_drivers.ni_daqmx.zero_volts import write_zero
 
 

@@ -62,6 +62,12 @@ class Shaker:
         """Whether a burst ends midway, and the output holds its last value, when this process dies."""
         return self._streams
 
+    @property
+    def has_watchdog(self) -> bool:
+        """Whether the device's watchdog is used."""
+        excitation = self._rig.excitation
+        return self.physical is not None and excitation is not None and excitation.watchdog_s is not None
+
     def driving(self, now: int) -> bool:
         """Whether a burst may be on at sample `now`."""
         return now < self._burst_end

@@ -34,6 +34,7 @@ _DEVICE: dict[int, Callable[[Module], Any]] = {
     0x2997: lambda m: m.max_rate_hz,
     0x22CA: lambda m: False,
     0x29B6: lambda m: "",
+    0x29CB: lambda m: list(m.supplies_a),
 }
 
 _CHASSIS: dict[int, Callable[[SimulatedSystem], Any]] = {
@@ -57,6 +58,15 @@ def device(server: SimulatedSystem, name: str, number: int) -> Any:
         # A chassis has no channels of its own.
         return _answer(_CHASSIS, number, server) if number in _CHASSIS else ""
     return _answer(_DEVICE, number, server.module_of(name))
+
+
+def physical_channel(server: SimulatedSystem, name: str, number: int) -> Any:
+    """An attribute of an input or output: the serial number in the data sheet of its sensor."""
+    server.module_of(name)
+    serial = server.rig.channels[server.row_of(name)].serial
+    if number != 0x21DC or not serial.isdecimal():
+        raise StatusError(status.NO_TEDS, f"Physical Channel: {name}")
+    return int(serial)
 
 
 def task(server: SimulatedSystem, name: str, number: int) -> Any:

@@ -17,6 +17,7 @@ from modallab_simulators.ni_daqmx_server.modules import CHASSIS, Module
 from modallab_simulators.ni_daqmx_server.output_task import LineTask, OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.supply import Supplies
 from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 
 T = TypeVar("T", bound=Task)
@@ -51,6 +52,7 @@ class SimulatedSystem:
         self.generator_line: OutputLine | None = None
         self.tasks: dict[str, Task] = {}
         self.reserved = Reservations()
+        self.supplies = Supplies()
         self.faults = faults.FaultPlan()
         self.reset_keeps_outputs = False
         self.expired = False
@@ -121,6 +123,8 @@ class SimulatedSystem:
             self._require_alone(task)
         self.reserved.take(task)
         if isinstance(task, InputTask):
+            task.supplies = self.supplies
+            self.supplies.switch_on(task.fed, self.clock.now())
             task.start(self.plant, self.shaker_line, self.clock)
         elif isinstance(task, OutputTask):
             task.start(self.clock)
@@ -151,6 +155,8 @@ class SimulatedSystem:
             task.stop(self.clock)
             self.changed()
         task.running = False
+        if isinstance(task, InputTask) and not task.committed:
+            self.supplies.switch_off(task.fed)
         if not task.committed:
             self.reserved.release(task)
 

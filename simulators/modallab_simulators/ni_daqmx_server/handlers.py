@@ -62,6 +62,9 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     if request.action_raw in (3, 4):
         system.reserved.take(task)
         task.committed = True
+        if isinstance(task, InputTask) and request.action_raw == 3:
+            task.supplies = system.supplies
+            system.supplies.switch_on(task.fed, system.clock.now())
     elif request.action_raw == 0:
         system.start(task)
     elif request.action_raw in (1, 5, 6):
@@ -110,6 +113,18 @@ def add_teds(system: SimulatedSystem, request: Any) -> Answer:
     return answer
 
 
+def add_teds_force(system: SimulatedSystem, request: Any) -> Answer:
+    """IEPE force transducers that say themselves how sensitive they are."""
+    answer = _add_inputs(system, request, lambda module: module.iepe, 1.0)
+    task = system.task(request.task.name, InputTask)
+    channel = system.rig.channels[task.channels[-1].row]
+    if channel.quantity != "force" or channel.coupling != "IEPE" or not channel.serial:
+        raise StatusError(status.NO_TEDS, f"Physical Channel: {request.physical_channel}")
+    task.attributes[request.physical_channel, 0x2F81] = 1e3 * channel.sensitivity("impact")
+    task.attributes[request.physical_channel, 0x2F82] = MILLIVOLTS[1]
+    return answer
+
+
 def _per_volt(request: Any) -> float:
     volts_per_g = request.sensitivity * (1e-3 if request.sensitivity_units_raw in MILLIVOLTS else 1.0)
     return (STANDARD_GRAVITY if request.units_raw == METRES else 1.0) / volts_per_g
@@ -129,7 +144,8 @@ def _add_inputs(system: SimulatedSystem, request: Any, fits: Callable[[Module], 
             )
         if any(physical == c.physical for c in task.channels):
             raise StatusError(-200489, f"Physical Channel: {physical}")
-        task.channels.append(InputChannel(physical, system.row_of(physical), module, per_volt))
+        fed = bool(getattr(request, "current_excit_val", 0.0))
+        task.channels.append(InputChannel(physical, system.row_of(physical), module, per_volt, fed))
         task.resources.add(f"{module.name}/ai")
     return {}
 
@@ -296,6 +312,7 @@ HANDLERS: dict[str, Handler] = {
     "CreateAIForceIEPEChan": add_force,
     "CreateAIAccel4WireDCVoltageChan": add_piezoresistive,
     "CreateTEDSAIAccelChan": add_teds,
+    "CreateTEDSAIForceIEPEChan": add_teds_force,
     "CreateAOVoltageChan": add_output,
     "CreateDOChan": add_lines,
     "CfgSampClkTiming": set_clock,

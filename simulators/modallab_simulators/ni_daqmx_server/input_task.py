@@ -14,6 +14,7 @@ from modallab_simulators.ni_daqmx_server.lines import Floats, OutputLine
 from modallab_simulators.ni_daqmx_server.modules import Module, coerced
 from modallab_simulators.ni_daqmx_server.plant import Plant
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.supply import AC, Supplies
 from modallab_simulators.ni_daqmx_server.tasks import Task
 
 DEFAULT_BUFFER_S = 10.0
@@ -29,12 +30,14 @@ class InputChannel:
         row: of the plant.
         module: it belongs to.
         per_volt: engineering units per volt.
+        fed: whether the input feeds an IEPE sensor.
     """
 
     physical: str
     row: int
     module: Module
     per_volt: float
+    fed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,13 @@ class InputTask(Task):
     source: DelayedSource | None = None
     record: list[Floats] = field(default_factory=list[Floats])
     ready: bool = False
+    supplies: Supplies = field(default_factory=Supplies)
+
+    @property
+    def fed(self) -> set[str]:
+        """Inputs that feed a sensor."""
+        set_to = {name for (name, number), value in self.attributes.items() if number == 0x17F5 and value}
+        return {channel.physical for channel in self.channels if channel.fed or channel.physical in set_to}
 
     def set_clock(self, rate_hz: float, finite: int, buffer: int) -> None:
         """Set rate and length; `finite` 0 is without end."""
@@ -130,12 +140,28 @@ class InputTask(Task):
         if count == 0:
             return np.zeros((len(self.channels), 0))
         volts, overload = self.source.take(count)
+        volts, overload = self._with_bias(volts, overload)
         self.overload |= overload
         self.position += count
         clock.read_up_to(self.start_s + self.position / self.rate_hz)
         values = volts * np.array([c.per_volt for c in self.channels])[:, None]
         values[list(self.dead)] = 0.0
         return values
+
+    def _with_bias(self, volts: Floats, overload: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
+        fed = self.fed
+        if not fed:
+            return volts, overload
+        times_s = self.start_s + (self.position + np.arange(volts.shape[1])) / self.rate_hz
+        volts, overload = volts.copy(), overload.copy()
+        for row, channel in enumerate(self.channels):
+            if channel.physical in fed:
+                ac = self.attributes.get((channel.physical, 0x64), channel.module.coupling) == AC
+                range_v = channel.module.input_range_v
+                volts[row] += self.supplies.bias_v(channel.physical, times_s, ac=ac)
+                overload[row] |= bool(np.abs(volts[row]).max(initial=0.0) >= range_v)
+                volts[row] = np.clip(volts[row], -range_v, range_v)
+        return volts, overload
 
     def _take_triggered(self, count: int, clock: BenchClock) -> Floats:
         if not self.ready:

@@ -32,6 +32,8 @@ class Module:
         multiplexed: whether channels share one converter.
         iepe: whether inputs feed IEPE sensors.
         bridge: whether inputs feed bridges.
+        supplies_a: currents an IEPE input can feed a sensor with.
+        coupling: of an input that nobody has set: AC 10045, DC 10050.
         lines: digital lines.
     """
 
@@ -51,6 +53,8 @@ class Module:
     iepe: bool = False
     bridge: bool = False
     lines: int = 0
+    supplies_a: tuple[float, ...] = ()
+    coupling: int = 10050
 
     def input_names(self) -> tuple[str, ...]:
         """Physical channels of the inputs."""
@@ -93,7 +97,7 @@ def coerced(modules: tuple[Module, ...], channels: int, rate_hz: float) -> float
 
 
 _M9234 = Module("", "NI 9234", 0, inputs=4, input_range_v=5.0, bits=24, clock="divided", max_rate_hz=51_200.0,
-                delay_samples=38, iepe=True)  # fmt: skip
+                delay_samples=38, iepe=True, supplies_a=(0.002,), coupling=10045)  # fmt: skip
 _M9215 = Module("", "NI 9215", 0, inputs=4)
 _M9237 = Module("", "NI 9237", 0, inputs=4, bits=24, clock="divided", max_rate_hz=50_000.0, delay_samples=38,
                 bridge=True)  # fmt: skip
@@ -101,7 +105,7 @@ _M9263 = Module("", "NI 9263", 0, outputs=4)
 _M9401 = Module("", "NI 9401", 0, lines=8)
 _M6211 = Module("", "USB-6211", 0, inputs=16, outputs=2, max_rate_hz=250_000.0, multiplexed=True, lines=4)
 _M4431 = Module("", "USB-4431", 0, inputs=4, outputs=1, bits=24, clock="fine", max_rate_hz=102_400.0,
-                min_rate_hz=1000.0, delay_samples=34, iepe=True)  # fmt: skip
+                min_rate_hz=1000.0, delay_samples=34, iepe=True, supplies_a=(0.0021,))  # fmt: skip
 
 
 def _chassis(name: str, *kinds: Module) -> tuple[Module, ...]:

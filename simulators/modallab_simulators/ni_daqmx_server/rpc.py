@@ -152,6 +152,8 @@ def _get(system: SimulatedSystem, group: str, asked: Any, number: int) -> Any:
         return attributes.system(system, number)
     if group == "Device":
         return attributes.device(system, asked.device_name, number)
+    if group == "PhysicalChan":
+        return attributes.physical_channel(system, asked.physical_channel, number)
     if group == "Chan":
         return attributes.channel(system, asked.task.name, asked.channel, number)
     by_task = {

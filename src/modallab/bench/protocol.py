@@ -81,6 +81,13 @@ class Burst:
         """From 0 V to 0 V."""
         return 2 * self.ramp_s + self.hold_s
 
+    def envelope(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Level at times since its start, 0 to 1: cosine tapers at both ends."""
+        if self.ramp_s == 0:
+            return ((times_s >= 0) & (times_s <= self.duration_s)).astype(float)
+        edge = np.clip(np.minimum(times_s, self.duration_s - times_s) / self.ramp_s, 0, 1)
+        return (1 - np.cos(np.pi * edge)) / 2
+
 
 @runtime_checkable
 class Bench(Protocol):
@@ -202,6 +209,48 @@ class SelfDescribing(Protocol):
 
     def sensed_sensitivities(self) -> dict[str, float]:
         """V per SI unit by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@runtime_checkable
+class SelfNaming(Protocol):
+    """A bench whose sensors may say themselves which they are (TEDS)."""
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SyncState:
+    """How several devices sample as one.
+
+    Attributes:
+        method: in words; empty where one device samples all.
+        acquired: samples each device has counted since the start.
+        unlocked: inputs whose clock has lost its reference.
+    """
+
+    method: str
+    acquired: dict[str, int]
+    unlocked: tuple[str, ...]
+
+
+@runtime_checkable
+class Synchronised(Protocol):
+    """A bench of several devices that sample as one."""
+
+    def synchronisation(self) -> SyncState:
+        """What the devices say of it, once configured."""
+        ...
+
+
+@runtime_checkable
+class FeedsSensors(Protocol):
+    """A bench whose inputs feed sensors: their bias must settle after the supply comes on."""
+
+    def fed_channels(self) -> tuple[str, ...]:
+        """Names of the channels that it feeds with a current."""
         ...
 
 

@@ -111,6 +111,9 @@ def _add_rig(commands: _Commands) -> None:
     check = actions.add_parser("check", help="walk through every channel and say what is wrong")
     check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
     check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    check.add_argument(
+        "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
+    )
     calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
     calibrate.add_argument("--channel", required=True, metavar="NAME")
     calibrate.add_argument("--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"))
@@ -122,7 +125,15 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.add_argument("--remark", default="")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
-    for command in (check, calibrate):
+    mass = actions.add_parser(
+        "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
+    )
+    mass.add_argument("--mass", type=float, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--when", required=True, choices=("before", "after"))
+    mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
+    mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
+    mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
         command.add_argument("--seconds", type=float, default=3.0, help="how long to look")

@@ -34,7 +34,9 @@ class Client:
 
     def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
         """`operator` is who is asking, for the record."""
-        headers = {"Authorization": f"Bearer {token}"} | ({"Modallab-Operator": operator} if operator else {})
+        headers = [(b"Authorization", f"Bearer {token}".encode())]
+        # As bytes: a name need not be ASCII.
+        headers += [(b"Modallab-Operator", operator.encode())] if operator else []
         self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
 
     def rigs(self) -> tuple[RigView, ...]:

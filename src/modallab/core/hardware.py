@@ -53,6 +53,20 @@ def require_guarded(excitation: Excitation | None, where: str) -> None:
     )
 
 
+class Synchronisation(Frozen):
+    """How several devices sample as one.
+
+    Attributes:
+        method: `auto`: the first that the devices take, in the order of what follows; `one-task`: the driver routes
+            clock and triggers by itself; `reference-clock`: all follow a reference; `timebase`: all follow the first
+            one's timebase. The last two also share the first one's sync pulse and start trigger.
+        reference_clock: terminal of the reference, as `PXIe_Clk100`; empty: the backplane's.
+    """
+
+    method: Literal["auto", "one-task", "reference-clock", "timebase"] = "auto"
+    reference_clock: str = ""
+
+
 class Calibration(Frozen):
     """One calibration of one channel, as it was found; nothing here is ever changed, only added to."""
 

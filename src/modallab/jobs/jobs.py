@@ -7,12 +7,12 @@ from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import Connection, Engine, insert, select, update
-from sqlalchemy.exc import DBAPIError, IntegrityError, InterfaceError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import IntegrityError
 
 from modallab import __version__
-from modallab.core.errors import DatabaseLostError, JobError, StorageError, UnknownJobError
+from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs.job import OPEN, Job, JobPage, JobState, job_key
-from modallab.jobs.table import JOBS, job_of, make_table
+from modallab.jobs.table import JOBS, database_errors, job_of, make_table
 
 PAGE = 50
 _ALIVE = ("queued", "running", "done")
@@ -31,7 +31,7 @@ class Jobs:
             StorageError: the database cannot be written.
         """
         self.engine = engine
-        with _database_errors(engine):
+        with database_errors(engine):
             make_table(engine)
 
     def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str], revision: str = "") -> Job:
@@ -58,7 +58,7 @@ class Jobs:
             "state": "queued",
             "created_utc": utc_now(),
         }
-        with _database_errors(self.engine):
+        with database_errors(self.engine):
             return self._same(key) or self._add(row) or self._same(key) or self._lost(key)
 
     def get(self, job: str) -> Job:
@@ -116,7 +116,7 @@ class Jobs:
         """
         ended = {"state": "cancelled", "ended_utc": utc_now(), "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.id == job, JOBS.c.state.in_(sorted(OPEN))).values(ended)
-        with _database_errors(self.engine), self.engine.begin() as connection:
+        with database_errors(self.engine), self.engine.begin() as connection:
             connection.execute(query)
         return self.get(job)
 
@@ -131,7 +131,7 @@ class Jobs:
         """
         freed = {"state": "queued", "owner": "", "progress": 0.0, "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.owner == owner, JOBS.c.state == "running").values(freed)
-        with _database_errors(self.engine), self.engine.begin() as connection:
+        with database_errors(self.engine), self.engine.begin() as connection:
             return connection.execute(query).rowcount
 
     def _same(self, key: str) -> Job | None:
@@ -155,7 +155,7 @@ class Jobs:
     @contextmanager
     def _reading(self) -> Generator[Connection]:
         with (
-            _database_errors(self.engine),
+            database_errors(self.engine),
             self.engine.connect().execution_options(reading=True) as connection,
         ):
             yield connection
@@ -180,22 +180,3 @@ def _place(cursor: str) -> int:
     if not (cursor.isascii() and cursor.isdigit() and len(cursor) < 19):
         raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the one of the page before")
     return int(cursor)
-
-
-@contextmanager
-def _database_errors(engine: Engine) -> Generator[None]:
-    try:
-        yield
-    except SQLAlchemyError as error:
-        where = engine.url.render_as_string(hide_password=True)
-        if isinstance(error, OperationalError | InterfaceError) and engine.dialect.name != "sqlite":
-            raise DatabaseLostError(
-                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
-            ) from error
-        # Without the statement and its parameters, which SQLAlchemy adds.
-        said = error.orig if isinstance(error, DBAPIError) else error
-        raise StorageError(
-            f"the table of jobs cannot be used: {said}",
-            where=where,
-            remedy="look at the database and its disk",
-        ) from error

@@ -1,7 +1,7 @@
 """Identifies every test of a campaign and verifies each model."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
 
@@ -9,12 +9,14 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
+from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_frf, assess_impact, assess_sine
@@ -76,7 +78,7 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
     failed: list[Unidentified] = []
     for source, run in _runs(campaign, options, test):
         try:
-            found.append(run())
+            found.append(_with_scale(run(), campaign.rig))
         except ModallabError as error:
             failed.append(Unidentified(source, error))
     if not found and failed:
@@ -120,6 +122,10 @@ def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals]
         )
     note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
     return to_signals_of(clean, campaign.rig), note
+
+
+def _with_scale(found: Identified, rig: Rig) -> Identified:
+    return replace(found, model=with_scale(found.model, rig))
 
 
 def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import secrets
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Self, TypedDict
@@ -107,10 +107,11 @@ class Store:
         """
         return tuple(self.iterate(run, rejected=rejected))
 
-    def iterate(self, run: str, *, rejected: bool = False) -> Iterator[Block]:
-        """As `blocks`, one after the other."""
+    def iterate(self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None) -> Iterator[Block]:
+        """As `blocks`, one after the other; with `numbers` only those."""
         record = self.catalogue.run(run)
-        chosen = [row for row in self.catalogue.blocks(run) if rejected or row.note.accepted]
+        rows = self.catalogue.blocks(run)
+        chosen = [row for row in rows if (rejected or row.note.accepted) and (numbers is None or row.n in numbers)]
         if not chosen:
             return
         with open_samples(self.samples_file(run)) as reader:

@@ -136,28 +136,6 @@ def alike(structure: Structure, other: Structure) -> bool:
     return _undamped_key(structure) == _undamped_key(other)
 
 
-def solve_near(structure: Structure, other: Structure) -> Modes:
-    """The modes of a structure next to another one, to first order in what differs.
-
-    Fox and Kapoor, AIAA J. 6 (1968), 2426, eqs. 4 and 16, the modes beyond those kept by their static compliance.
-    """
-    if _undamped_key(structure) == _undamped_key(other):
-        return solve(structure)
-    free = _free(structure)
-    if not np.array_equal(free, _free(other)):
-        return solve(structure)
-    omega, phi, out_of_band = _undamped(other)
-    stiffer, heavier = (a - b for a, b in zip(matrices(structure), matrices(other), strict=True))
-    squared = omega**2
-    # Columns: what the change does on each mode.
-    pushed = stiffer @ phi - (heavier @ phi) * squared
-    coupling = phi.T @ pushed
-    apart = squared - squared[:, None]
-    mixing = coupling / np.where(apart == 0, np.inf, apart) - 0.5 * np.diag(np.einsum("ip,ip->p", phi, heavier @ phi))
-    moved = phi + phi @ mixing - out_of_band @ pushed
-    return _damped(structure, np.sqrt(np.maximum(squared + np.diag(coupling), 1e-12)), moved, out_of_band)
-
-
 def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
@@ -219,12 +197,15 @@ def matrices(structure: Structure) -> tuple[Array, Array]:
         stiffness[1, 1] += ei / length / structure.root_rotation
     for x, share, width in structure.losses:
         stiffness += ei * weakened(x, width, length, share)
-    for x, value in structure.springs:
-        stiffness += value * _square(shape_rows(x, length)[0])
-    for x, value in structure.rotation_springs:
-        stiffness += value * _square(slope_rows(x, length)[0])
-    for x, value in structure.masses:
-        mass += value * _square(shape_rows(x, length)[0])
+    for attached, rows, total in (
+        (structure.springs, shape_rows, stiffness),
+        (structure.rotation_springs, slope_rows, stiffness),
+        (structure.masses, shape_rows, mass),
+    ):
+        if attached:
+            places, values = np.array(attached).T
+            own = rows(np.ascontiguousarray(places), length)
+            total += own.T @ (values[:, None] * own)
     return stiffness, mass
 
 
@@ -239,22 +220,88 @@ def _free(structure: Structure) -> NDArray[np.int64]:
     return np.array([i for i in range(2 * ELEMENTS + 2) if i not in held])
 
 
-def _square(row: Array) -> Array:
-    return np.outer(row, row)
+def _damping(structure: Structure, omega: Array, phi: Array) -> Array:
+    """(n, n) damping matrix over modes."""
+    damping = np.diag(2 * structure.zeta * omega)
+    if structure.dampers:
+        places, values = np.array(structure.dampers).T
+        own = shape_rows(np.ascontiguousarray(places), structure.length_m) @ phi
+        damping += own.T @ (values[:, None] * own)
+    return damping
 
 
 def _coupled(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
     n = len(omega)
-    damping = np.diag(2 * structure.zeta * omega)
-    for x, value in structure.dampers:
-        damping += value * _square((shape_rows(x, structure.length_m) @ phi)[0])
-    state = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(omega**2), -damping]])
+    damping = _damping(structure, omega, phi)
+    state = np.zeros((2 * n, 2 * n))
+    state[:n, n:], state[n:, :n], state[n:, n:] = np.eye(n), -np.diag(omega**2), -damping
     poles, vectors = (v.astype(np.complex128) for v in np.linalg.eig(state))
     # Of a conjugate pair one half is kept; a real pole counts half, as the conjugate doubles it.
     keep = poles.imag >= 0
     poles, shapes = poles[keep], vectors[:n, keep]
-    norm = np.einsum("ip,ij,jp->p", shapes, damping, shapes) + 2 * poles * np.einsum("ip,ip->p", shapes, shapes)
+    norm = np.sum(shapes * (damping @ shapes), axis=0) + 2 * poles * np.sum(shapes**2, axis=0)
     weight = np.where(poles.imag == 0, 0.5, 1.0)
     order = np.argsort(np.abs(poles))
     scaled = shapes * np.sqrt(weight / norm)
     return poles[order].astype(np.complex128), scaled[:, order].astype(np.complex128)
+
+
+class Neighbours:
+    """The modes of structures next to one, to first order in what differs.
+
+    Without dampers Fox and Kapoor, AIAA J. 6 (1968), 2426, eqs. 4 and 16, the modes beyond those kept by their static
+    compliance; what damping then couples by the same expansion over the complex modes (Adhikari, AIAA J. 37, 1999,
+    1452).
+    """
+
+    def __init__(self, structure: Structure) -> None:
+        """Solve the structure in the middle."""
+        self._middle, self._key = structure, _undamped_key(structure)
+        self._free = _free(structure)
+        self._stiffness, self._mass = matrices(structure)
+        self._omega, self._phi, self._out_of_band = _undamped(structure)
+        if structure.dampers:
+            self._poles, self._mixing = _coupled(structure, self._omega, self._phi)
+        else:
+            damped = self._omega * np.sqrt(np.maximum(1 - structure.zeta**2, 1e-6))
+            self._poles = -structure.zeta * self._omega + 1j * damped
+            self._mixing = np.diag(1 / np.sqrt(2j * damped)).astype(np.complex128)
+        self._damping = _damping(structure, self._omega, self._phi)
+        whole = np.concatenate([self._poles, self._poles.conj()])
+        apart = self._poles - whole[:, None]
+        self._near = np.where(apart == 0, 0.0, 1 / np.where(apart == 0, 1.0, apart))
+        self._whole = np.concatenate([self._mixing, self._mixing.conj()], axis=1)
+
+    def solve(self, structure: Structure) -> Modes:
+        """The modes of a structure next to the one in the middle."""
+        if len(self._poles) != MODES or np.any(self._poles.imag == 0):
+            return solve(structure)
+        if _undamped_key(structure) == self._key:
+            omega, phi = self._omega, self._phi
+        elif np.array_equal(_free(structure), self._free):
+            omega, phi = self._undamped(structure)
+        else:
+            return solve(structure)
+        poles, mixing = self._coupled(structure, omega, phi)
+        return Modes(poles, phi @ mixing, structure.length_m, self._out_of_band)
+
+    def _undamped(self, structure: Structure) -> tuple[Array, Array]:
+        phi, squared = self._phi, self._omega**2
+        stiffness, mass = matrices(structure)
+        heavier = (mass - self._mass) @ phi
+        # Columns: what the change does on each mode.
+        pushed = (stiffness - self._stiffness) @ phi - heavier * squared
+        coupling = phi.T @ pushed
+        apart = squared - squared[:, None]
+        mixing = coupling / np.where(apart == 0, np.inf, apart) - 0.5 * np.diag(np.sum(phi * heavier, axis=0))
+        moved = phi + phi @ mixing - self._out_of_band @ pushed
+        return np.sqrt(np.maximum(squared + np.diag(coupling), 1e-12)), moved
+
+    def _coupled(self, structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
+        more = _damping(structure, omega, phi) - self._damping
+        pushed = (omega**2 - self._omega**2)[:, None] * self._mixing + (more @ self._mixing) * self._poles
+        coupling = -self._whole.T @ pushed
+        own = np.diag(coupling)
+        weights = coupling * self._near
+        kept = self._mixing * (1 - 0.5 * np.sum(self._mixing * (more @ self._mixing), axis=0))
+        return self._poles + own, kept + self._whole @ weights

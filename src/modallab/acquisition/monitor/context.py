@@ -29,6 +29,9 @@ PAUSE_LOOK_S = 0.02
 MAX_RESTARTS = 3
 """Gaps a run survives; a machine that loses samples more often is not fit for the rate."""
 
+DRIVING_CHUNK_S = 0.02
+"""What is beyond a limit is seen so much later, at most, than it happens."""
+
 WINDOW_BLOCKS = 2
 """Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
 
@@ -67,6 +70,12 @@ class Context:
     def window(self) -> int:
         """Samples of a window for the look at rest."""
         return WINDOW_BLOCKS * self.block
+
+    @property
+    def driving_chunk(self) -> int:
+        """Samples to read at once while a burst is on: few, where the time until they come is the clock's on the wall."""
+        chunk = self.stream.chunk
+        return min(chunk, max(1, self.stream.samples_of(DRIVING_CHUNK_S))) if self.bench.info.real_time else chunk
 
     @property
     def line_hz(self) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.awake import kept_awake
 from modallab.acquisition.process.link import Link
@@ -20,6 +21,7 @@ from modallab.core.errors import BenchError, ModallabError
 from modallab.core.plan import Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.storage import Store
+from modallab.storage.records import ENDED
 
 BROKEN_FILE_EXIT = 3
 
@@ -68,6 +70,7 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
         bench.zero()
         with Store(folder) as store:
             store.recover()
+            clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
                 _run(link, bench, rig, store, command.plan, guard)
@@ -89,13 +92,13 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Gu
         return link.order()
 
     try:
-        with store.begin(plan, rig, bench.info) as recorder, awake as said:
+        with store.begin(plan, rig, bench.info) as recorder, LiveRing(store.folder) as live, awake as said:
             try:
                 run_plan(
                     bench, rig, plan, recorder, link.send, control,
                     requests=link.requests, latch=guard.latch, excitation=excitation,
                     supervision="; ".join(filter(None, (guard.supervision, said))),
-                    live=link.send,
+                    live=live,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

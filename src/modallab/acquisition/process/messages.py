@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from modallab.acquisition.monitor.live import LiveSamples
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
@@ -51,4 +50,4 @@ class Ended:
     error: ModallabError | None
 
 
-Report = Event | Ready | Ended | LiveSamples
+Report = Event | Ready | Ended

@@ -3,14 +3,13 @@
 import atexit
 import multiprocessing
 import weakref
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import suppress
 from pathlib import Path
 from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Self
 
-from modallab.acquisition.monitor.live import LiveSamples
 from modallab.acquisition.process.child import serve
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
@@ -60,7 +59,6 @@ class RigProcess(RunControls):
             self.supervisor.handed_over()
         self._sending = Lock()
         self._closed = Flag()
-        self.on_live: Callable[[LiveSamples], None] = _ignore
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
         _OPEN.add(self)
 
@@ -173,9 +171,7 @@ class RigProcess(RunControls):
                     if report.error is not None:
                         raise report.error
                     return
-                if isinstance(report, LiveSamples):
-                    self.on_live(report)
-                elif not isinstance(report, Ready):
+                if not isinstance(report, Ready):
                     self._saw(report)
                     yield report
         except BenchError:
@@ -231,10 +227,6 @@ class RigProcess(RunControls):
                     self._connection.send(Beat())
             except OSError:
                 return
-
-
-def _ignore(_live: LiveSamples) -> None:
-    """Nobody looks."""
 
 
 @atexit.register

@@ -2,22 +2,29 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from math import ceil
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.live import LiveSamples, LiveTap
+from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
-from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
+from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
 from modallab.acquisition.procedures.sine import run_sine
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
-from modallab.core.errors import BenchError, ModallabError, PlanError
+from modallab.core.errors import BenchError, ModallabError, PlanError, RigError
 from modallab.core.events import BlockDropped, Failed, Notice
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
@@ -29,7 +36,6 @@ Order = Literal["stop", "abort", "emergency", "ended", "lost"]
 """How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
 
 Control = Callable[[], Order | None]
-Live = Callable[[LiveSamples], None]
 
 REAL_TIME_CHUNK_S = 0.05
 FREE_CHUNK_S = 0.5
@@ -60,7 +66,7 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
-    live: Live | None = None,
+    live: LiveRing | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -76,7 +82,7 @@ def run_plan(
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
-        live: takes a look at the samples as they come.
+        live: where samples are shown as they come.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -134,13 +140,11 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
-    live: Live | None = None
+    live: LiveRing | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
-        """Shows what comes, if somebody wants to see it."""
-        if self.live is None:
-            return None
-        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
+        """Shows what comes, where it is to be shown."""
+        return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.
@@ -167,7 +171,9 @@ def _work(setup: Setup) -> None:
     require_trigger(setup.plan, setup.bench)
     if isinstance(setup.plan, SinePlan):
         setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup, longest_burst_s(setup.plan))))
+    _require_sensors_known(setup)
     context = _prepare(setup)
+    _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
         run_impact(context, setup.plan)
     else:
@@ -216,13 +222,43 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-    keep = MEMORY_BLOCKS * block
+    # A block is looked at, and written, when its burst has ended.
+    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    keep = MEMORY_BLOCKS * block + tail
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
+
+
+def _require_sensors_known(setup: Setup) -> None:
+    remarks = remarks_on(setup.rig, setup.plan.kind, datetime.now(UTC).date(), setup.bench)
+    for remark in remarks:
+        setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
+    wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
+    if wrong:
+        raise RigError("; ".join(wrong), where="sensors", remedy="look which sensor is mounted, and mend the rig file")
+
+
+def _wait_for_supplies(setup: Setup, context: Context) -> None:
+    fed, stream = fed_channels(setup.bench, setup.rig), context.stream
+    if not fed:
+        return
+    run = setup.recorder.run
+    what = f"{len(fed)} sensors are fed; waiting until their bias has settled, at most {PATIENCE_S:g} s"
+    setup.emit(Notice(run=run, what=what))
+
+    def pull(count: int) -> NDArray[np.generic]:
+        pieces: list[NDArray[np.generic]] = []
+        stream.advance_to(stream.next + count, lambda chunk: pieces.append(chunk.samples))
+        return np.concatenate(pieces, axis=1)
+
+    wait = wait_until_settled(pull, fed, stream.rate_hz)
+    if wait.unsettled:
+        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; look at sensor and cable"
+        setup.emit(Notice(run=run, what=what))
 
 
 def _recut(plan: Plan, delivery: Delivery) -> Recut | None:

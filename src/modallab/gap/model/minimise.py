@@ -65,10 +65,10 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     used = [k for k in range(len(u)) if k not in deviations or problem.floor < FELT]
     twins = {k: problem.twin(moved[k]) for k in used}
     smooth = [k for k, twin in twins.items() if smooth_in(here, twin)]
-    # The deviations are many and each is small: for them the first order of the eigenvalue problem will do.
-    smooth.sort(key=lambda k: k in deviations)
+    # The nuisances are many and each is small: for them the first order of the eigenvalue problem will do.
+    smooth.sort(key=lambda k: k < problem.free.size)
     if smooth:
-        near = sum(k in deviations for k in smooth)
+        near = sum(k < problem.free.size for k in smooth)
         J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], near, len(r)) / STEP
     for k in set(used) - set(smooth):
         J[:, k] = (problem.residual(moved[k]) - r) / STEP

@@ -27,7 +27,7 @@ from modallab.gap.model.forward import (
 )
 from modallab.twin.bench import Chain, Twin, transfer
 from modallab.twin.response import Hits, Sines
-from modallab.twin.structure import Modes, alike, solve, solve_near
+from modallab.twin.structure import Modes, Neighbours, Structure, alike, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -65,25 +65,28 @@ class Tangent:
             near: so many of them, the last, are solved to first order only.
         """
         first = len(twins) - near
-        modes = [self._solved(t, self.twin, i >= first) for i, t in enumerate(twins)]
+        beside = Neighbours(self.twin.structure) if near else None
+        modes = [self._solved(t.structure, beside if i >= first else None) for i, t in enumerate(twins)]
         found: list[Complex] = []
         for part in self._parts:
             own = modes if isinstance(part, _Hit) else self._all_hung(twins, modes, first)
             found.append(part.changes(twins, own))
         return found
 
-    def _solved(self, twin: Twin, here: Twin, near: bool) -> Modes:
-        if not near:
-            return solve(twin.structure)
-        return self._modes if alike(twin.structure, here.structure) else solve_near(twin.structure, here.structure)
+    def _solved(self, structure: Structure, beside: Neighbours | None) -> Modes:
+        if beside is None:
+            return solve(structure)
+        return self._modes if alike(structure, self.twin.structure) else beside.solve(structure)
 
     def _all_hung(self, twins: Sequence[Twin], modes: Sequence[Modes], first: int) -> list[Modes]:
         assert self.data.sines is not None
         x = self.data.sines.pieces[0].drive_x_m
-        here = self.twin.in_sine(x)
-        same = solve(here) if len(twins) > first else modes[0]
-        hung = [t.in_sine(x) for t in twins[first:]]
-        near = [same if alike(s, here) else solve_near(s, here) for s in hung]
+        here, hung = self.twin.in_sine(x), [t.in_sine(x) for t in twins[first:]]
+        if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins[first:], strict=True)):
+            near = list(modes[first:])
+        else:
+            same, beside = solve(here), Neighbours(here)
+            near = [same if alike(s, here) else beside.solve(s) for s in hung]
         return [*(_hung(t, m, self.data) for t, m in zip(twins[:first], modes[:first], strict=True)), *near]
 
 

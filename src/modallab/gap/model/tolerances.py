@@ -113,7 +113,8 @@ def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) 
         mass_field=_added(s.mass_field, of("mass_field")),
         root_rotation=s.root_rotation + one("clamp_compliance"),
         masses=(*s.masses, *((x_of[c], kg) for c, kg in of("sensor_mass_kg").items())),
-        dampers=(*s.dampers, *of("damper_n_s_per_m").items()),
+        # A damper of nothing would couple the modes, which takes time, to no effect.
+        dampers=(*s.dampers, *((x, c) for x, c in of("damper_n_s_per_m").items() if c)),
     )
     return replace(
         twin,

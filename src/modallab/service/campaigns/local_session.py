@@ -69,7 +69,7 @@ class LocalCampaign:
                 "a service uses this data folder", where=str(folder), remedy="ask the service, or name another folder"
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
-        diary = Diary(self._store, EventLog(self._store.catalogue.engine))
+        diary = self._diary = Diary(self._store, EventLog(self._store.catalogue.engine))
         Recovery(diary).look()
         (self._rig,) = rig_ids([rig.name])
         leases = Leases(self._store.catalogue.engine, boot)
@@ -133,6 +133,7 @@ class LocalCampaign:
         """Leave the bench at rest."""
         self._controllers.close()
         self._service.leases.release(self._rig, self._lease.id)
+        self._diary.close()
         self._service.close()
         self._lock.release()
         self._store.close()

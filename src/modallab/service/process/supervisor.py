@@ -19,6 +19,7 @@ from modallab.jobs import Jobs
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
+from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing, run_api, run_jobs
@@ -56,6 +57,8 @@ class Supervisor:
             ServiceError: another service uses the data folder, or a port is taken.
             StorageError: the data folder cannot be used.
         """
+        # Inherited by every process that is started from here.
+        raise_limit()
         self._settings = settings
         self._closing = Flag()
         self.store = Store(settings.data)
@@ -67,7 +70,7 @@ class Supervisor:
             )
         self._counter: Counter | None = None
         boot = secrets.token_hex(8)
-        log = EventLog(self.store.catalogue.engine)
+        log = EventLog(self.store.catalogue.engine, self._new_events)
         diary = Diary(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._diary = diary
@@ -80,17 +83,20 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, rig, url, settings.data), diary, after, self._show)
+                Controller(Bench(i, rig, url, settings.data), diary, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,
         )
         try:
-            self._stop = StopListener(settings.host, settings.stop_port, self.controllers.emergency_stop)
+            self._stop = StopListener(
+                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+            )
         except OSError as error:
             self.controllers.close()
             raise _taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
+        settings = settings.model_copy(update={"stop_port": self._stop.port})
         self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
         self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
         self._computing: dict[str, int] = {}
@@ -122,6 +128,7 @@ class Supervisor:
             child.close()
         if self._jobs_owner:
             self._free_jobs(self._jobs_owner)
+        self._diary.close()
         self._lock.release()
         self.store.close()
 
@@ -159,10 +166,10 @@ class Supervisor:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
         return {name: pid for name, pid in known.items() if pid is not None} | self._computing
 
-    def _show(self, content: bytes) -> None:
+    def _new_events(self) -> None:
         counter = self._counter
         if counter is not None:
-            counter.show(content)
+            counter.new_events()
 
     def _keep(self) -> None:
         """Housekeeping, which may wait for a disk."""
