@@ -30,6 +30,7 @@ class LocalClients:
     def __init__(self, system: SimulatedSystem) -> None:
         self._system = system
         self._process_of: dict[int, int] = {}
+        self._known = threading.Lock()
         self._inner_port = 0
 
     def listen(self, port: int, inner_port: int) -> int:
@@ -42,7 +43,8 @@ class LocalClients:
 
     def scoped(self, asked: Any, peer: str) -> Any:
         """A request as this client means it: its tasks' names are its own."""
-        client = f"{self._process_of.get(int(peer.rpartition(':')[2]), 0)}|"
+        with self._known:
+            client = f"{self._process_of.get(int(peer.rpartition(':')[2]), 0)}|"
         fields = asked.DESCRIPTOR.fields_by_name
         if "session_name" in fields:
             asked.session_name = client + (asked.session_name or self._system.free_name())
@@ -58,14 +60,18 @@ class LocalClients:
                 end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             # Noted before the first byte goes on, so that no request comes from nobody.
             place = int(inner.getsockname()[1])
-            self._process_of[place] = _process_at(int(address[1]))
+            process = _process_at(int(address[1]))
+            with self._known:
+                self._process_of[place] = process
             threading.Thread(target=self._pump, args=(outer, inner, place), daemon=True).start()
             threading.Thread(target=_copy, args=(inner, outer), daemon=True).start()
 
     def _pump(self, outer: socket.socket, inner: socket.socket, place: int) -> None:
         _copy(outer, inner)
-        process = self._process_of.pop(place, 0)
-        if process not in self._process_of.values():
+        with self._known:
+            process = self._process_of.pop(place, 0)
+            gone = process not in self._process_of.values()
+        if gone:
             self._died(process)
 
     def _died(self, process: int) -> None:
@@ -78,7 +84,9 @@ class LocalClients:
     def _watch(self) -> None:
         while True:
             time.sleep(LOOK_S)
-            for process in set(self._process_of.values()):
+            with self._known:
+                processes = set(self._process_of.values())
+            for process in processes:
                 if _frozen(process):
                     self._starve(process)
 
