@@ -2,9 +2,9 @@
 
     python benchmarks/dead_channels.py --trials 100
 
-Each trial is a sine test of three bursts on the simulated bench at the pace of the clock on the wall. At a random moment
-of a random burst, from a tenth of the full drive on to the end of the hold, the force or an accelerometer dies, freezes,
-is unplugged, clips, or changes places with another. `--free` lets time be virtual: the same, counted in samples.
+Each trial is a sine test of two bursts on the simulated bench, in real time. At a random moment of a random burst, from
+a tenth of the full drive on to the end of the hold, the force or an accelerometer dies, freezes, is unplugged, clips,
+or changes places with another. `--free` lets time be virtual: the same, counted in samples.
 """
 
 import argparse
@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.run import run_plan
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Burst, Chunk
@@ -29,7 +30,7 @@ from modallab_simulators.channel_faults import KINDS, ChannelFault, FaultyBench
 GOAL_S = 0.3
 LOOK_SAMPLES = 300
 REST_SAMPLES = 1000
-BURSTS = 3
+BURSTS = 2
 RAMP_S = 1.0
 VISIBLE = 10.0
 """A channel that moves by less than so many times its noise, had it gone on, cannot be seen to fail."""
@@ -140,6 +141,8 @@ def main() -> None:
     parser.add_argument("--free", action="store_true")
     arguments = parser.parse_args()
     rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "link_rig.yaml")
+    # As a rig's process does.
+    print(take_priority() or "raised priority")
     outcomes: list[Outcome] = []
     hidden = 0
     seed = arguments.first

@@ -1,4 +1,4 @@
-"""A channel that fails at a moment, on any bench: dead, frozen, unplugged, clipped, or its plug swapped for another's."""
+"""A channel that fails at a moment, on any bench: dead, frozen, unplugged, clipped, or in another's place."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -23,7 +23,7 @@ class ChannelFault:
     """What fails, and when in a burst.
 
     Attributes:
-        kind: dead: zero; frozen: the last value; unplugged: the input's noise alone; clipped: cut at a part of the peak;
+        kind: dead: zero; frozen: the last value; unplugged: the input's noise alone; clipped: cut below the peak;
             swapped: the plugs of two channels change places.
         channel: that fails.
         burst: number of the burst it fails in, from 1.

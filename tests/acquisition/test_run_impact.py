@@ -27,7 +27,7 @@ def rows(
 
 
 def kinds(events: list[Event]) -> list[str]:
-    return [e.state if e.kind == "state" else e.kind for e in events if e.kind != "progress"]
+    return [e.state if e.kind == "state" else e.kind for e in events if e.kind not in ("progress", "waiting_for_rest")]
 
 
 def test_names_points_and_order_are_those_of_the_campaign_format(store: Store) -> None:

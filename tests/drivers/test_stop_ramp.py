@@ -86,4 +86,6 @@ def test_a_fall_begins_where_the_output_is_and_ends_at_exactly_0_v(from_v: float
 
 
 def rig_of_four(rig: Rig) -> Rig:
-    return rig.model_copy(update={"channels": rig.channels[:4]})
+    assert rig.limits is not None
+    limits = rig.limits.model_copy(update={"drive_v": 3.0})
+    return rig.model_copy(update={"channels": rig.channels[:4], "limits": limits})

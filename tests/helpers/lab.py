@@ -20,7 +20,7 @@ from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
-from modallab.service.process.supervisor import bound
+from modallab.service.process.ports import bound
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
@@ -51,7 +51,8 @@ class NiBench:
             can_drive=self._shaker.can_drive,
             real_time=not self._address.virtual_time,
             facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
-            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {}),
+            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {})
+            | ({"generator": self._shaker.identity} if self._shaker.identity else {}),
             streams_bursts=self._shaker.streams,
         )
 
@@ -165,6 +166,19 @@ class NiBench:
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave; the place of its beginning counts the converter's own delay."""
+        self._require("running", to="play")
+        assert self._inputs is not None
+        with self._losses():
+            self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
+        start = max(self._inputs.acquired(), self._position)
+        return start + round(self._inputs.delay_s * self._inputs.rate_hz)
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What the generator took, looked at now."""
+        return self._shaker.output_facts()
+
     def prompt_hit(self, point: int) -> None:
         """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
@@ -182,6 +196,10 @@ class NiBench:
         """V per SI unit of the sensors that carry a TEDS, by channel."""
         self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        return self._inputs.open_unseen() if self._inputs is not None else ()
 
     def sensed_serials(self) -> dict[str, str]:
         """Serial number of the sensors that carry a TEDS, by channel."""
@@ -210,8 +228,7 @@ class NiBench:
         if self._state == "closed":
             return
         try:
-            if self._state != "gone":
-                self._shaker.let_go()
+            self._shaker.let_go(reachable=self._state != "gone")
         finally:
             self._shaker.unwatch()
             self._drop_inputs()

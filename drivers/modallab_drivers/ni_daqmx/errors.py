@@ -92,6 +92,8 @@ def typed(error: Exception, where: str) -> BenchError:
     """The typed error for what the package raised."""
     if isinstance(error, nidaqmx.errors.DaqError):
         return of_code(int(error.error_code), str(error), where)
+    if isinstance(error, nidaqmx.errors.RpcError) and error.rpc_code == grpc.StatusCode.ALREADY_EXISTS:
+        return DeviceBusyError(f"the device server: {error}", where=where, remedy=_BUSY)
     if isinstance(error, nidaqmx.errors.RpcError):
         gone = error.rpc_code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)
         kind = DeviceGoneError if gone else BenchError

@@ -27,6 +27,12 @@ class InputFaults:
         self._flags = True
         self._fed = any(plug.channel.coupling in ("IEPE", "bridge") for plug in plugs)
         self._polled_s = 0.0
+        self._open_unseen = False
+
+    def open_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there; known after a first look."""
+        fed = [plug.channel.name for plug in self._plugs if plug.channel.coupling in ("IEPE", "bridge")]
+        return tuple(fed) if self._open_unseen else ()
 
     def overloaded(self) -> NDArray[np.bool_]:
         """(channels,) whether the device saw a channel beyond its range since it was last asked."""
@@ -63,6 +69,7 @@ class InputFaults:
             except nidaqmx.errors.DaqError as error:
                 if int(error.error_code) not in _UNSUPPORTED:
                     raise typed(error, self._where) from error
+                self._open_unseen |= exist == "open_chans_exist"
                 continue
             if found:
                 names = [plug.channel.name for plug in self._plugs if plug.physical in found]

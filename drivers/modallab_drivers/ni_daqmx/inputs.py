@@ -126,6 +126,10 @@ class Inputs:
         for faults in self._faults:
             faults.require_sensors()
 
+    def open_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        return tuple(name for faults in self._faults for name in faults.open_unseen())
+
     def synchronisation(self, *, running: bool) -> SyncState:
         """What keeps the tasks together, and while they run how far each has counted."""
         if not running:

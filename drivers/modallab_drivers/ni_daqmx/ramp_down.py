@@ -14,17 +14,19 @@ from typing import Any, Self
 import nidaqmx.errors
 import numpy as np
 from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior, Edge
+from numpy.typing import NDArray
 
 from modallab.bench.fall import fall_samples
 from modallab.bench.protocol import Burst
 from modallab_drivers.ni_daqmx.zero_volts import GROUP_BY_CHANNEL, WAIT_S
-from modallab_drivers.order import burst_volts
+from modallab_drivers.order import burst_samples
 
 DESCRIPTION = 0x1926
 GENERATED = 0x192B
 OUTPUT_BUFFER = 0x186D
 IDLE = 0x2240
 FALLING = "modallab: falls to 0 V"
+SHAPED = "modallab: a wave that only its owner knows"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +46,24 @@ class Played:
         b = self.burst
         return " ".join(map(repr, (b.frequency_hz, b.amplitude_v, b.ramp_s, b.hold_s, float(self.rate_hz))))
 
+    def wave(self) -> tuple[NDArray[np.float64], float]:
+        """(n,) in V, and their rate."""
+        return burst_samples(self.burst, self.rate_hz), self.rate_hz
+
     @classmethod
-    def read(cls, text: str) -> Self | None:
-        """From a channel's description; None if it is none of ours, or already falls."""
-        try:
-            frequency_hz, amplitude_v, ramp_s, hold_s, rate_hz = map(float, text.split())
-        except ValueError:
-            return None
+    def read(cls, text: str) -> Self:
+        """From a channel's description.
+
+        Raises:
+            ValueError: it is no burst of ours.
+        """
+        frequency_hz, amplitude_v, ramp_s, hold_s, rate_hz = map(float, text.split())
         return cls(Burst(frequency_hz, amplitude_v, ramp_s, hold_s), rate_hz)
 
 
-def fall_to_zero(interpreter: Any, task: Any, physical: str) -> None:
+def fall_to_zero(
+    interpreter: Any, task: Any, physical: str, own: tuple[NDArray[np.float64], float] | None = None
+) -> None:
     """Stop what a task plays and let it fall; returns at 0 V, or with whoever else does the same.
 
     It does nothing where the device brings an idle output to 0 V by itself and can't be kept from it: the stop is then
@@ -64,18 +73,22 @@ def fall_to_zero(interpreter: Any, task: Any, physical: str) -> None:
         interpreter: the package's way to the driver.
         task: handle of a committed task with one output.
         physical: the output.
+        own: (n,) what the task plays in V, and its rate, for who knows it; else the description says it.
 
     Raises:
-        DaqError: the task is gone, not one of ours, or could not be played: the output is wherever it is.
+        ValueError: what the task plays is not known.
+        DaqError: the task is gone, or could not be played: the output is wherever it is.
     """
-    played = Played.read(interpreter.get_chan_attribute_string(task, physical, DESCRIPTION))
-    if played is not None:
+    described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
+    if described != FALLING:
+        known = own or Played.read(described).wave()
         if not _holds(interpreter, task, physical):
             return
         # One who comes a moment later must not take the fall for the burst.
         interpreter.set_chan_attribute_string(task, physical, DESCRIPTION, FALLING)
-        volts = _stopped_at(interpreter, task, played)
-        _play(interpreter, task, fall_samples(volts, played.burst.amplitude_v, played.rate_hz), played.rate_hz)
+        wave, rate_hz = known
+        volts = float(wave[min(_stopped_at(interpreter, task, rate_hz), len(wave) - 1)])
+        _play(interpreter, task, fall_samples(volts, float(np.abs(wave).max()), rate_hz), rate_hz)
     interpreter.wait_until_task_done(task, WAIT_S)
 
 
@@ -94,7 +107,8 @@ def _holds(interpreter: Any, task: Any, physical: str) -> bool:
     return False
 
 
-def _stopped_at(interpreter: Any, task: Any, played: Played) -> float:
+def _stopped_at(interpreter: Any, task: Any, rate_hz: float) -> int:
+    """Place of the last sample it has generated."""
     before = int(interpreter.get_write_attribute_uint64(task, GENERATED))
     asked_s = time.monotonic()
     interpreter.stop_task(task)
@@ -104,8 +118,8 @@ def _stopped_at(interpreter: Any, task: Any, played: Played) -> float:
         count = int(interpreter.get_write_attribute_uint64(task, GENERATED))
     if count < before:
         # A driver that forgets the count with the stop leaves no better guess than the middle of the call.
-        count = before + round(took_s / 2 * played.rate_hz)
-    return float(burst_volts(played.burst, np.array([max(0, count - 1) / played.rate_hz]))[0])
+        count = before + round(took_s / 2 * rate_hz)
+    return max(0, count - 1)
 
 
 def _play(interpreter: Any, task: Any, volts: Any, rate_hz: float) -> None:

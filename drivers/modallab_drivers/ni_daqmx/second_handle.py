@@ -97,8 +97,9 @@ class SecondHandle:
             BenchError: the output could not be brought to 0 V first.
         """
         self.zero()
-        self._end_task(session_name(self._route.address.device))
-        self._end_task(watchdog_name(self._route.address.device))
+        for device in (self._route.address.device, *self._route.address.others):
+            self._end_task(session_name(device))
+            self._end_task(watchdog_name(device))
 
     def close(self) -> None:
         """Let go."""

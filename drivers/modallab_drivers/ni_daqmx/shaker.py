@@ -2,16 +2,16 @@
 
 from collections.abc import Sequence
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
 from modallab.core.hardware import require_guarded
 from modallab.core.rig import Rig
-from modallab_drivers.function_generator.generator import open_generator
+from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, after_expiry
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
-from modallab_drivers.order import require_burst
+from modallab_drivers.order import require_burst, require_wave
 from modallab_drivers.output import Output
 
 PROBE_S = 10.0
@@ -98,13 +98,34 @@ class Shaker:
                 remedy="give the rig a shaker_point and an excitation",
             )
         require_burst(burst, rate_hz, self._output.range_v, self._rig.limits, self._where)
-        if self._output.busy:
+        self._require_ready(self._output)
+        self._output.play(burst, now, rate_hz)
+        self._burst_end = now + round(burst.duration_s * rate_hz)
+
+    def play_wave(self, wave: Waveform, now: int, rate_hz: float) -> None:
+        """Start a wave at sample `now`.
+
+        Raises:
+            UnsupportedError: there is no analog output.
+            ConfigurationError: something is still on, or the wave is beyond the rig's limits or the output's range.
+        """
+        if not isinstance(self._output, AnalogOutput):
+            raise UnsupportedError(
+                "there is no analog output, and a sine generator plays no waves",
+                where=self._where,
+                remedy="drive by an analog output of the device, or run a sine test",
+            )
+        require_wave(wave, self._output.range_v, self._rig.limits, self._where)
+        self._require_ready(self._output)
+        self._output.play_wave(wave)
+        self._burst_end = now + round(wave.duration_s * rate_hz)
+
+    def _require_ready(self, output: Output) -> None:
+        if output.busy:
             raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
         if self._streams:
             require_guarded(self._rig.excitation, self._where)
         self._guards.beat(now=True)
-        self._output.play(burst, now, rate_hz)
-        self._burst_end = now + round(burst.duration_s * rate_hz)
 
     def up_to_event(self, now: int, count: int) -> int:
         """So many of the next `count` samples may be read before it must be looked after."""
@@ -120,8 +141,18 @@ class Shaker:
     def zero(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V now; of a device that is gone, forget the burst."""
         self._burst_end = 0
-        if self._output is not None and reachable:
+        # A generator has a line of its own, which lives on without the device.
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             self._output.zero()
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What a generator took of what it was set to, looked at now; raises as its `facts`."""
+        return self._output.facts() if isinstance(self._output, Generator) else {}
+
+    @property
+    def identity(self) -> str:
+        """The generator's own name; empty where an analog output drives."""
+        return self._output.identity if isinstance(self._output, Generator) else ""
 
     def gone(self) -> None:
         """The device is gone: whatever is on its output ends by itself, or by the supervisor's handle."""
@@ -134,9 +165,9 @@ class Shaker:
         if chosen is not None:
             self._output = AnalogOutput(route, *chosen, guarded=self._guarded)
 
-    def let_go(self) -> None:
+    def let_go(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V and let go of it."""
-        if self._output is not None:
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             try:
                 self._output.close()
             except DeviceBusyError:

@@ -20,7 +20,7 @@ from modallab.bench.protocol import ReferenceTrigger
 from modallab.core.errors import BenchError, ConfigurationError
 from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test
-from modallab_drivers.ni_daqmx.errors import UNSUPPORTED_HERE, translated
+from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.input_task import InputTask
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
@@ -126,11 +126,10 @@ def _each(
     tasks: list[InputTask] = []
     try:
         for unit, plugs in units.items():
-            name = session_name(route.address.device if not tasks else unit)
-            tasks.append(InputTask(route, name, plugs, test))
+            tasks.append(InputTask(route, session_name(unit), plugs, test))
             tasks[-1].set_clock(rate_hz, None)
         with translated(f"{route.address.url}, synchronised by {way}"):
-            _bind([task.task for task in tasks], way)
+            _bind(tasks, way)
         _require_one_rate(tasks, units)
     except BaseException:
         for task in tasks:
@@ -140,36 +139,39 @@ def _each(
     return tuple(tasks)
 
 
-def _bind(tasks: Sequence[Any], way: str) -> None:
+def _bind(made: Sequence[InputTask], way: str) -> None:
+    tasks = [one.task for one in made]
+    unit = made[0].plugs[0].unit
     leader, *others = tasks
     if way == "the timebase":
+        timebase = _terminal(leader.timing, "samp_clk_timebase_term", f"/{unit}/SampleClockTimebase")
         for other in others:
-            other.timing.samp_clk_timebase_src = leader.timing.samp_clk_timebase_term
+            other.timing.samp_clk_timebase_src = timebase
             other.timing.samp_clk_timebase_rate = leader.timing.samp_clk_timebase_rate
     else:
         for task in tasks:
             task.timing.ref_clk_src = way
             task.timing.ref_clk_rate = REFERENCE_CLOCKS.get(way, 10e6)
-    pulse = _sync_pulse(leader)
-    if pulse:
+    # Converters that convert at the edge of the sample clock have no filter, and nothing to reset.
+    if any(any(one.filter_delays_s()) for one in made):
+        pulse = _terminal(leader.timing, "sync_pulse_term", f"/{unit}/SyncPulse")
         for other in others:
             other.timing.sync_pulse_src = pulse
         # All converters must have come out of their reset before the start.
         leader.timing.sync_pulse_min_delay_to_start = max(float(o.timing.sync_pulse_sync_time) for o in others)
     for other in others:
-        other.triggers.start_trigger.cfg_dig_edge_start_trig(leader.triggers.start_trigger.term)
+        start = _terminal(leader.triggers.start_trigger, "term", f"/{unit}/ai/StartTrigger")
+        other.triggers.start_trigger.cfg_dig_edge_start_trig(start)
     for task in tasks:
         task.control(TaskMode.TASK_VERIFY)
 
 
-def _sync_pulse(leader: Any) -> str:
-    # Converters that convert at the edge of the sample clock have nothing to reset.
+def _terminal(owner: Any, attribute: str, usual: str) -> str:
+    # Older drivers do not name the terminal, which is called alike on all devices.
     try:
-        return str(leader.timing.sync_pulse_term)
-    except nidaqmx.errors.DaqError as error:
-        if int(error.error_code) != UNSUPPORTED_HERE:
-            raise
-        return ""
+        return str(getattr(owner, attribute)) or usual
+    except nidaqmx.errors.DaqError:
+        return usual
 
 
 def _require_one_rate(tasks: Sequence[InputTask], units: Iterable[str]) -> None:

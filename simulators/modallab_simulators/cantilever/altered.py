@@ -32,6 +32,8 @@ class StructureChanges:
         root_nm_rad: springs at the root, one behind the other, joints at their stiffest.
         root_n_m: spring against which the root shifts.
         losses: of bending stiffness.
+        waves: (k, a): EI times 1 + a cos(k pi x / L).
+        mass_waves: the same of rho A.
         preload_n: axial force.
         attachments: masses and springs on the beam in every test.
         at_shaker: those on it in the sine test only.
@@ -47,6 +49,8 @@ class StructureChanges:
     root_nm_rad: tuple[float, ...] = ()
     root_n_m: float = inf
     losses: tuple[Loss, ...] = ()
+    waves: tuple[tuple[int, float], ...] = ()
+    mass_waves: tuple[tuple[int, float], ...] = ()
     preload_n: float = 0.0
     attachments: tuple[Attachment, ...] = ()
     at_shaker: tuple[Attachment, ...] = ()
@@ -114,12 +118,16 @@ class ExcitationChanges:
         ringing: size of the knock before each hit that the transducer does not feel, in hits.
         harmonics: share of overtones the power amplifier adds.
         floor_rms: acceleration of the base in m/s^2.
+        scatter_m: standard deviation of the place of each hit.
+        gain_scatter: the same, relative, of what the beam gets of it over what the transducer feels.
     """
 
     hit_shift_m: float = 0.0
     ringing: float = 0.0
     harmonics: float = 0.0
     floor_rms: float = 0.0
+    scatter_m: float = 0.0
+    gain_scatter: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)

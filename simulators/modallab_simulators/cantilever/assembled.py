@@ -30,10 +30,12 @@ def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary
         rotary_inertia_kg_m: of the slices of the beam, per length.
     """
     beam = on_root(beam, changes)
-    bare: Modes = CrackedBeam(beam, changes.losses) if changes.losses else beam
+    bare: Modes = CrackedBeam(beam, changes.losses, changes.waves) if changes.losses or changes.waves else beam
     bare = PreloadedModes(bare, changes.preload_n) if changes.preload_n else bare
-    bare = RotaryModes(bare, rotary_inertia_kg_m) if rotary_inertia_kg_m else bare
-    attachments = [*changes.attachments, *(changes.at_shaker if test == "sine" else ())]
+    if rotary_inertia_kg_m or changes.mass_waves:
+        heavier = [(k, a * beam.mass_kg_m) for k, a in changes.mass_waves]
+        bare = RotaryModes(bare, rotary_inertia_kg_m, heavier)
+    attachments = [*changes.attachments, *(() if test == "impact" else changes.at_shaker)]
     root, hung = changes.root_n_m, changes.absorbers
     return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != np.inf else bare
 

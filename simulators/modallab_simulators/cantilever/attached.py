@@ -67,7 +67,7 @@ class AttachedModes:
         self._bare, self._root, self._absorbers = bare, root_n_m, tuple(absorbers)
         # Where an absorber hangs, the beam needs what a load there bends.
         attachments = [*attachments, *(Attachment(a.x_m) for a in absorbers)]
-        self._at = tuple(a for a in attachments if a.x_m > _NOTHING * bare.length_m)
+        self._at = _together([a for a in attachments if a.x_m > _NOTHING * bare.length_m])
 
     @property
     def length_m(self) -> float:
@@ -202,3 +202,12 @@ class AttachedModes:
             mass[KEPT, :KEPT] = mass[:KEPT, KEPT] = self._bare.participation(KEPT)
             mass[KEPT, residual] = mass[residual, KEPT] = self._residual_moment
         return mass, stiffness
+
+
+def _together(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
+    """One attachment a place: two of the same kind there are their sum, and bend the beam alike."""
+    found: dict[tuple[float, int], Attachment] = {}
+    for a in attachments:
+        former = found.get((a.x_m, a.order), Attachment(a.x_m, a.order))
+        found[a.x_m, a.order] = Attachment(a.x_m, a.order, former.mass + a.mass, former.stiffness + a.stiffness)
+    return tuple(found.values())

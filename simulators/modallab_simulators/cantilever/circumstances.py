@@ -14,6 +14,7 @@ class Circumstances:
         one_clock: whether the generator runs on the converter's clock, as on one card.
         straight_ramp: whether bursts rise along a straight line, not along a cosine.
         modes: how many modes the beam has in all; None for as many as there are.
+        drift_s: bench time over which an ordinary drift runs; None for the usual.
     """
 
     first_start: int = 0
@@ -21,6 +22,7 @@ class Circumstances:
     one_clock: bool = False
     straight_ramp: bool = False
     modes: int | None = None
+    drift_s: float | None = None
 
 
 EVERYDAY = Circumstances()

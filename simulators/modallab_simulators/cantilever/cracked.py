@@ -36,14 +36,22 @@ class Loss:
 
 
 class CrackedBeam:
-    """A beam with losses of bending stiffness, behind the interface of its modes."""
+    """A beam with losses of bending stiffness, or slow waves of it, behind the interface of its modes.
 
-    def __init__(self, beam: CantileverBeam, losses: Sequence[Loss]) -> None:
+    Args:
+        beam: the intact beam.
+        losses: of bending stiffness.
+        waves: (k, a): EI times 1 + a cos(k pi x / L).
+    """
+
+    def __init__(self, beam: CantileverBeam, losses: Sequence[Loss], waves: Sequence[tuple[int, float]] = ()) -> None:
         self._beam = beam
-        self._s, weights = _nodes(beam.length_m, losses)
+        self._s, weights = _everywhere(beam.length_m, losses) if waves else _nodes(beam.length_m, losses)
         left = np.ones_like(self._s)
         for loss in losses:
             left *= 1 - loss.share * np.exp(-(((self._s - loss.x_m) / (HALF_WIDTH * beam.length_m)) ** 2))
+        for k, a in waves:
+            left *= 1 + a * np.cos(k * np.pi * self._s / beam.length_m)
         self._compliance = weights * (1 / left - 1) / beam.bending_stiffness_n_m2
 
     @property
@@ -101,6 +109,19 @@ def _nodes(length_m: float, losses: Sequence[Loss]) -> tuple[Floats, Floats]:
     )
     mid = (edges[1:] + edges[:-1]) / 2
     inside = np.any([np.abs(mid - loss.x_m) < half for loss in losses], axis=0)
+    return _gauss(edges, inside)
+
+
+def _everywhere(length_m: float, losses: Sequence[Loss]) -> tuple[Floats, Floats]:
+    """The same along the whole beam, where any EI is other than believed."""
+    half = _REACH * HALF_WIDTH * length_m
+    fine = [np.clip(np.linspace(c.x_m - half, c.x_m + half, _PANELS + 1), 0, length_m) for c in losses]
+    edges = np.unique(np.concatenate([np.linspace(0, length_m, _PANELS + 1), *fine]))
+    return _gauss(edges, np.full(len(edges) - 1, True))
+
+
+def _gauss(edges: Floats, inside: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    mid = (edges[1:] + edges[:-1]) / 2
     at, weights = np.polynomial.legendre.leggauss(4)
     width = np.diff(edges)[inside] / 2
     nodes = mid[inside, None] + width[:, None] * at

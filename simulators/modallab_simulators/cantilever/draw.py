@@ -31,6 +31,8 @@ class Stream(IntEnum):
     EFFECT = 9
     GAP = 10
     FLAWS = 11
+    TOLERANCES = 12
+    SCATTER = 13
 
 
 def generator(seed: int, stream: Stream, *place: int) -> np.random.Generator:

@@ -1,5 +1,6 @@
-"""Modes of a structure whose slices turn as they bend: rotary inertia added to its mass."""
+"""Modes of a structure whose slices turn as they bend, or are not all as heavy: what that adds to its mass."""
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -23,10 +24,11 @@ class RotaryModes:
     Args:
         bare: the structure without.
         inertia_kg_m: rho I, moment of inertia of the slices per length.
+        waves: (k, a): rho A a cos(k pi x / L) that each slice weighs more, kg/m.
     """
 
-    def __init__(self, bare: Modes, inertia_kg_m: float) -> None:
-        self._bare, self._inertia = bare, inertia_kg_m
+    def __init__(self, bare: Modes, inertia_kg_m: float, waves: Sequence[tuple[int, float]] = ()) -> None:
+        self._bare, self._inertia, self._waves = bare, inertia_kg_m, tuple(waves)
 
     @property
     def length_m(self) -> float:
@@ -52,17 +54,31 @@ class RotaryModes:
 
     def participation(self, count: int) -> Floats:
         """Integral of mass times shape, in kg^1/2, (count,); a shift turns no slice."""
-        return self._bare.participation(SUMMED) @ self._solved[1][:, :count]
+        x_m, weights = self._nodes
+        heavier = (self._heavier(x_m) * weights) @ self._bare.shapes(x_m, SUMMED)
+        return (self._bare.participation(SUMMED) + heavier) @ self._solved[1][:, :count]
 
     def flexibility(self, x_m: Floats, force_x_m: float, seen: int = 0, put: int = 0) -> Floats:
         """Static answer at `x_m` to a load at `force_x_m`: slices at rest have no inertia, (points,)."""
         return self._bare.flexibility(x_m, force_x_m, seen, put)
 
     @cached_property
-    def _solved(self) -> tuple[Floats, Floats]:
+    def _nodes(self) -> tuple[Floats, Floats]:
         at, weights = np.polynomial.legendre.leggauss(_NODES)
         half = self.length_m / 2
-        slopes = self._bare.shapes(half * (at + 1), SUMMED, 1) * np.sqrt(weights * half)[:, None]
+        return half * (at + 1), weights * half
+
+    def _heavier(self, x_m: Floats) -> Floats:
+        terms = [a * np.cos(k * np.pi * x_m / self.length_m) for k, a in self._waves]
+        return np.sum([np.zeros_like(x_m), *terms], axis=0)
+
+    @cached_property
+    def _solved(self) -> tuple[Floats, Floats]:
+        x_m, weights = self._nodes
+        slopes = self._bare.shapes(x_m, SUMMED, 1) * np.sqrt(weights)[:, None]
         mass = np.eye(SUMMED) + self._inertia * slopes.T @ slopes
+        if self._waves:
+            shapes = self._bare.shapes(x_m, SUMMED)
+            mass += shapes.T @ (shapes * (self._heavier(x_m) * weights)[:, None])
         values, vectors = eigh(np.diag(self._bare.omega(SUMMED) ** 2), mass)
         return np.sqrt(values), vectors

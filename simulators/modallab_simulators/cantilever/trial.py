@@ -44,7 +44,7 @@ RECORD_S = 60.0
 LAST_ORDER = len(HITS) * 6 + len(LEVELS_N) * len(PAPER_LINES) - 1
 """Place in time of a campaign's last record."""
 
-_CIRCUMSTANCES = Circumstances(one_clock=True, straight_ramp=True, modes=15)
+_CIRCUMSTANCES = Circumstances(one_clock=True, straight_ramp=True, modes=15, drift_s=LAST_ORDER * RECORD_S)
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
@@ -52,7 +52,9 @@ _N_PER_V = 2.0
 _MASS_SHARE = 1 / 6
 
 
-def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Campaign, dict[str, object]]:
+def make_trial(
+    rig: Rig, seed: int, effects: Sequence[Effect] = (), tolerances: str = "none"
+) -> tuple[Campaign, dict[str, object]]:
     """Measure a campaign on the simulated bench of a rig, rigidly clamped, with some effects.
 
     Args:
@@ -60,6 +62,7 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
         seed: draws the true beam, its damping, the hits and all noise. Two trials of one seed differ by their effects
             only: forces and noise are the same.
         effects: of the catalogue, or of this bench's own.
+        tolerances: how well the bench is put together, as in its address.
 
     Returns:
         the campaign, and its truth: seed, effects (effect, family, parameters, place) and the true beam.
@@ -68,7 +71,7 @@ def make_trial(rig: Rig, seed: int, effects: Sequence[Effect] = ()) -> tuple[Cam
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, effects)
+    operator = Operator(rig, seed, effects, tolerances=tolerances)
     campaign = Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}")
     return campaign, _truth(operator.truth, effects)
 
@@ -106,16 +109,29 @@ class Operator:
         effects: in the bench.
         stretch: how much longer than meant all takes that excites, see `Circumstances`.
         order: place in time of the first record.
+        tolerances: how well the bench is put together, as in its address.
     """
 
     def __init__(
-        self, rig: Rig, seed: int, effects: Sequence[Effect] = (), stretch: float = 1.0, order: int = 0
+        self,
+        rig: Rig,
+        seed: int,
+        effects: Sequence[Effect] = (),
+        stretch: float = 1.0,
+        order: int = 0,
+        tolerances: str = "none",
     ) -> None:
         self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._effects = inject(effects, rig).effects
         played = tuple(_timed(e) for e in effects if part_of(e.effect).on_campaign is None)
         self._settings = Settings(
-            seed, bad_hits=0.0, k_root=inf, n_per_v=_N_PER_V, reaction_s=REACTION_S, effects=played
+            seed,
+            bad_hits=0.0,
+            k_root=inf,
+            n_per_v=_N_PER_V,
+            reaction_s=REACTION_S,
+            effects=played,
+            tolerances=tolerances,
         )
         self._order = order
         self.truth = CantileverBench("sim://cantilever", rig, self._settings, self._session).truth

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import ConfigurationError
-from modallab.core.rig import Rig
+from modallab.core.rig import Rig, Tolerance
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.assembled import SIDE_ZETA, beside, modes_of
@@ -21,6 +21,7 @@ from modallab_simulators.cantilever.draw import TrueBeam, draw_beam, draw_clock,
 from modallab_simulators.cantilever.few import FewModes
 from modallab_simulators.cantilever.injected import Injected, inject
 from modallab_simulators.cantilever.modes import Modes
+from modallab_simulators.cantilever.tolerances import as_built
 
 BAND_HZ = 1000.0
 MAX_MODES = 120
@@ -62,7 +63,7 @@ class Truth:
         reach = 2 * pi * _REACH * internal_hz
         modes = self.modes(test, progress)
         count = min(modes.count_below(reach), self.few or MAX_MODES + 1)
-        limit = MAX_MODES if not self.effects.effects else KEPT // 2
+        limit = KEPT // 2 if self.effects.effects or self.effects.altered.structure.attachments else MAX_MODES
         if count > limit:
             raise ConfigurationError(
                 f"the beam has {count} modes below {_REACH * internal_hz:g} Hz, more than {limit}",
@@ -150,4 +151,8 @@ def draw_truth(settings: Settings, rig: Rig, circumstances: Circumstances = EVER
         )
     clock = 0.0 if circumstances.one_clock else draw_clock(settings.seed)
     effects = inject(settings.effects, rig)
+    if settings.tolerances != "none":
+        stated = Tolerance.usual() if settings.tolerances == "usual" else rig.tolerance
+        built = as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)
+        effects = replace(effects, altered=built)
     return Truth(true, clock, settings.zeta, settings.seed, rig, effects, circumstances.modes)

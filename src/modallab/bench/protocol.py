@@ -89,6 +89,28 @@ class Burst:
         return (1 - np.cos(np.pi * edge)) / 2
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Waveform:
+    """A finite drive of any shape.
+
+    Attributes:
+        samples: (n,) in V; the first and the last are exactly 0.
+        rate_hz: at which they follow each other; another rate of the output is met by straight lines between them.
+    """
+
+    samples: NDArray[np.float64]
+    rate_hz: float
+
+    @property
+    def duration_s(self) -> float:
+        """From 0 V to 0 V."""
+        return (len(self.samples) - 1) / self.rate_hz
+
+    def at(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In V at times since its beginning; exactly 0 outside."""
+        return np.interp(times_s * self.rate_hz, np.arange(len(self.samples)), self.samples, left=0.0, right=0.0)
+
+
 @runtime_checkable
 class Bench(Protocol):
     """A bench: inputs that stream, and perhaps one excitation output. One owner, one thread.
@@ -204,11 +226,42 @@ class HardwareTriggered(Protocol):
 
 
 @runtime_checkable
+class WavePlaying(Protocol):
+    """A bench whose output plays more than sines."""
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave; returns the sample count of its beginning. Raises UnsupportedError, ConfigurationError."""
+        ...
+
+
+@runtime_checkable
+class SelfReporting(Protocol):
+    """A bench whose excitation can be asked what it plays."""
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What the excitation says it plays, asked now; empty if it cannot be asked.
+
+        Raises:
+            OutputLostError: it is not what was set; the output was brought to 0 V.
+        """
+        ...
+
+
+@runtime_checkable
 class SelfDescribing(Protocol):
     """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
 
     def sensed_sensitivities(self) -> dict[str, float]:
         """V per SI unit by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@runtime_checkable
+class LooksForSensors(Protocol):
+    """A bench whose device feeds sensors, and may be able to say that one is missing."""
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
         ...
 
 

@@ -12,16 +12,18 @@ from rich.table import Table
 
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import Plan
 from modallab.core.versions import PREDICTION
 from modallab.formats.atomic import replacing
-from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.summary import sentence
+from modallab.gap.report.summary import in_percent, sentence
 from modallab.reporting.gap_report import write_gap_report
+
+_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -36,7 +38,9 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     diagnosis = diagnose(campaign, arguments.hold_out)
     console = Console()
     console.print(sentence(diagnosis), markup=False)
-    for line in (*diagnosis.where.why, *diagnosis.notes, f"Next: {diagnosis.next_experiment}"):
+    calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
+    next_one = f"Next: {diagnosis.next_experiment}"
+    for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:
@@ -61,6 +65,9 @@ def _predict(arguments: argparse.Namespace) -> int:
         for name, values in records.items():
             target.create_dataset(name, data=values)
     Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)
+    if arguments.as_campaign is not None:
+        write_campaign(predicted_campaign(diagnosis, other), arguments.as_campaign)
+        Console().print(f"as a campaign: {arguments.as_campaign}", markup=False)
     return 0
 
 
@@ -98,7 +105,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def read_plans(path: Path) -> list[ImpactPlan | SinePlan]:
+def read_plans(path: Path) -> list[Plan]:
     """The tests of a plan file: one test, or a list of them.
 
     Raises:
@@ -112,6 +119,6 @@ def read_plans(path: Path) -> list[ImpactPlan | SinePlan]:
         content = cast("dict[str, Any]", content)["tests"]
     listed = cast("list[Any]", content) if isinstance(content, list) else [content]
     try:
-        return [TypeAdapter[ImpactPlan | SinePlan](Plan).validate_python(entry) for entry in listed]
+        return [_PLAN.validate_python(entry) for entry in listed]
     except ValidationError as error:
         raise PlanError(str(error), where=str(path), remedy="mend the fields above") from error

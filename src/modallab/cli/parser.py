@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
@@ -51,7 +52,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
-    command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
+    command.add_argument("--test", choices=TESTS, default="impact", help="what the recordings are of")
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
@@ -68,7 +69,7 @@ def _add_identify(commands: _Commands) -> None:
         action=argparse.BooleanOptionalAction,
         help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
     )
-    command.add_argument("--test", choices=("impact", "sine"), help="only this test (default: every test there is)")
+    command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
@@ -96,6 +97,7 @@ def _add_gap(commands: _Commands) -> None:
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
     command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
+    command.add_argument("--as-campaign", type=Path, metavar="CAMPAIGN.h5", help="also as a campaign modallab reads")
     command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
@@ -179,4 +181,6 @@ def _add_campaign(commands: _Commands) -> None:
     command.add_argument("--operator", metavar="NAME", help="who runs it (default: who is logged in)")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    command.add_argument("--mute", action="store_true", help="no tones")
+    command.add_argument("--keys", default="", metavar="MAP", help="such as undo=b,accept=pagedown for a pedal")
     campaign.set_defaults(module="campaign")

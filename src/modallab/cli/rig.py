@@ -13,10 +13,11 @@ from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.commissioning import calibrate
 from modallab.commissioning.findings import Finding
-from modallab.commissioning.mass_ratio import judged, measured
+from modallab.commissioning.mass_ratio import measured
 from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError
+from modallab.core.metrology import judged
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.mass_ratios_file import add_mass_ratio
 from modallab.formats.rig.rig_file import read_rig, write_rig

@@ -15,6 +15,7 @@ from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
 from modallab.client.stream import read_events
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
+from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page
 from modallab.core.documents.results import FrfView, JobKind, JobNew, JobView
 from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
@@ -172,6 +173,22 @@ class Client:
                 raise TimeoutError(f"job {job} is still {view.state} after {patience_s:g} s")
             time.sleep(0.2)
         return view
+
+    def models(self, campaign: str) -> ModelsView:
+        """The newest models of a campaign."""
+        return self._get(ModelsView, f"/campaigns/{campaign}/model")
+
+    def run_models(self, run: str) -> ModelsView:
+        """The newest models of a run."""
+        return self._get(ModelsView, f"/runs/{run}/model")
+
+    def diagnosis(self, campaign: str) -> DiagnosisView:
+        """The newest diagnosis of a campaign."""
+        return self._get(DiagnosisView, f"/campaigns/{campaign}/gap")
+
+    def compare(self, one: str, other: str) -> ComparisonView:
+        """The models of two runs side by side."""
+        return self._get(ComparisonView, "/comparison", {"one": one, "other": other})
 
     def report(self, campaign: str) -> str:
         """The newest report of a campaign, as HTML."""

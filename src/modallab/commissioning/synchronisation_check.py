@@ -101,8 +101,8 @@ def check_common_signal(
         return Finding(between, "phase", "no signal that both read", "look")
     phase, sigma = delay.degrees(delay.seconds), delay.degrees(delay.sigma_s)
     value = f"{phase:+.3f} +- {sigma:.2g} degrees at {AT_HZ:g} Hz ({1e9 * delay.seconds:+.3g} ns)"
-    verdict: Verdict = "good" if abs(phase) + 2 * sigma <= LIMIT_DEGREES else "bad"
-    return Finding(between, "phase", value, "look" if 2 * sigma > LIMIT_DEGREES else verdict)
+    sure: Verdict = "bad" if abs(phase) - 2 * sigma > LIMIT_DEGREES else "look"
+    return Finding(between, "phase", value, "good" if abs(phase) + 2 * sigma <= LIMIT_DEGREES else sure)
 
 
 def delay_between(one: NDArray[np.float64], other: NDArray[np.float64], rate_hz: float) -> Delay | None:

@@ -12,6 +12,53 @@ from modallab.core.versions import DIAGNOSIS
 Verdict = Literal["no_gap", "known", "unknown"]
 
 
+class Percent(Frozen):
+    """Measured less predicted over the response, as a share: median over records, noise taken off.
+
+    Attributes:
+        at_resonance: on the lines about the modes; None where no record lies there.
+        away: on the others.
+    """
+
+    at_resonance: float | None
+    away: float | None
+
+
+class BudgetRow(Frozen):
+    """A part of the gap.
+
+    Attributes:
+        kind: a number that was free within its tolerance, an effect, what no number explains, or noise.
+        name: of the tolerance in the rig file, or of the effect.
+        place: channel, drive point or mode; "" where there is one only.
+        said: in words, with the number.
+        sigmas: how many deviations of its tolerance it has moved.
+        share: of the squares of measured less predicted by the rig file's own twin, each record's response counting
+            alike. All shares add up to 1; a negative one works against the others.
+    """
+
+    kind: Literal["tolerance", "effect", "model", "noise"]
+    name: str
+    place: str
+    said: str
+    sigmas: float | None
+    share: float
+
+
+class Budget(Frozen):
+    """Where the gap between the rig file's own twin and the records comes from, largest part first.
+
+    Attributes:
+        rows: the parts.
+        calibrate: what to calibrate or measure first, and why.
+        usual: tolerances that the rig file does not state and a lab's usual ones stand for.
+    """
+
+    rows: list[BudgetRow]
+    calibrate: list[str]
+    usual: dict[str, float] = Field(default_factory=dict[str, float])
+
+
 class Gap(Frozen):
     """The gap in noise units; 1 is the floor.
 
@@ -28,6 +75,9 @@ class Gap(Frozen):
         by_mode: mode -> share of the squares nearest to it.
         by_order: third of the campaign's time -> rms.
         poles_hz: frequencies of the ring-down, without any model.
+        share_nominal: of the response, of the twin as the rig file has it.
+        share_before: the same without effects, nuisances fitted.
+        share_after: the same with the effects judged present.
     """
 
     before: float
@@ -42,6 +92,9 @@ class Gap(Frozen):
     by_mode: dict[str, float]
     by_order: dict[str, float]
     poles_hz: list[float]
+    share_nominal: Percent | None = None
+    share_before: Percent | None = None
+    share_after: Percent | None = None
 
 
 class Where(Frozen):
@@ -123,6 +176,24 @@ class Shrink(Frozen):
     rival: dict[str, float]
 
 
+class Departure(Frozen):
+    """A number of the twin within its tolerance.
+
+    Attributes:
+        tolerance: its name in the rig file.
+        at: channel, place in m, or term of a field, where there are several.
+        sigma: one deviation, in the tolerance's unit.
+        sign: 1 or -1 where it has one sign only, else 0.
+        u: where the fit left it: deviations of its prior.
+    """
+
+    tolerance: str
+    at: float
+    sigma: float
+    sign: int
+    u: float
+
+
 class Calibrated(Frozen):
     """The twin's own numbers after the fit.
 
@@ -134,6 +205,8 @@ class Calibrated(Frozen):
         gains: channel number -> factor, where sensitivities were free.
         residual_compliance: static compliance of the modes above the twin's own, as a share of its nominal value.
         root_rotation: compliance of the root in L / EI, where the rig file states one; 0 is rigid.
+        departures: of the assembly from what the rig file says, those that no effect stands for.
+        drift_curve: (time as a share of the campaign's, share of a drift) where a drift was found.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"rest": "residual_compliance"}
@@ -145,6 +218,8 @@ class Calibrated(Frozen):
     gains: dict[int, float] = Field(default_factory=dict[int, float])
     residual_compliance: float = 0.0
     root_rotation: float = 0.0
+    departures: list[Departure] = Field(default_factory=list[Departure])
+    drift_curve: list[tuple[float, float]] = Field(default_factory=list[tuple[float, float]])
 
 
 class Diagnosis(Frozen):
@@ -161,3 +236,4 @@ class Diagnosis(Frozen):
     next_experiment: str
     twin: Calibrated
     notes: list[str]
+    budget: Budget | None = None

@@ -39,6 +39,39 @@ class HitRejected(Frozen):
     reason: str
 
 
+class HitTooEarly(Frozen):
+    """Somebody struck before a hit was requested; rest is waited for anew, and nothing was recorded."""
+
+    kind: Literal["hit_too_early"] = "hit_too_early"
+    run: str
+    point: int
+    peak_n: float
+
+
+class WaitingForRest(Frozen):
+    """The structure still moves before the next hit, said about once a block.
+
+    Attributes:
+        point: that will be struck.
+        hit: its number there.
+        of: how many there.
+        residual_ratio: the motion as part of what the hit will make; None while that is not known.
+        allowed: part that the plan allows.
+        residual_hz: where it is largest.
+        remaining_s: about how long still; None while that cannot be said.
+    """
+
+    kind: Literal["waiting_for_rest"] = "waiting_for_rest"
+    run: str
+    point: int
+    hit: int
+    of: int
+    residual_ratio: float | None
+    allowed: float
+    residual_hz: float
+    remaining_s: float | None
+
+
 class BlockAcknowledged(Frozen):
     """A block is on the disk and in the table: from here on it cannot be lost."""
 
@@ -57,6 +90,15 @@ class BlockDropped(Frozen):
     """A block that was acknowledged no longer counts; its samples stay."""
 
     kind: Literal["dropped"] = "dropped"
+    run: str
+    name: str
+    reason: str
+
+
+class BlockAccepted(Frozen):
+    """A block that was rejected counts all the same, by the operator's word."""
+
+    kind: Literal["accepted"] = "accepted"
     run: str
     name: str
     reason: str
@@ -91,7 +133,17 @@ class Failed(Frozen):
 
 
 Event = Annotated[
-    StateChanged | HitRequested | HitRejected | BlockAcknowledged | BlockDropped | Notice | Progress | Failed,
+    StateChanged
+    | HitRequested
+    | HitRejected
+    | HitTooEarly
+    | WaitingForRest
+    | BlockAcknowledged
+    | BlockDropped
+    | BlockAccepted
+    | Notice
+    | Progress
+    | Failed,
     Field(discriminator="kind"),
 ]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event)

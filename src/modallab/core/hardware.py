@@ -7,6 +7,7 @@ from pydantic import Field, PositiveFloat, PositiveInt
 
 from modallab.core.errors import ConfigurationError
 from modallab.core.frozen import Frozen
+from modallab.core.units import Test
 
 Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]
 Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
@@ -16,8 +17,9 @@ class Excitation(Frozen):
     """What drives the shaker's amplifier.
 
     Attributes:
-        kind: an analog output of the device that also samples, or a generator on a serial line.
-        output: the device's name of the output (`cDAQ1Mod4/ao0`), or the serial port (`COM3`); empty: the first output.
+        kind: an analog output of the device that also samples, or a generator on a line of its own.
+        output: the device's name of the output (`cDAQ1Mod4/ao0`), the generator's serial port (`COM3`) or its VISA
+            address (`TCPIP0::192.168.0.5::INSTR`, `USB0::...::INSTR`); empty: the first output.
         dialect: how the generator speaks.
         baud: of the serial line.
         watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.
@@ -68,7 +70,10 @@ class Synchronisation(Frozen):
 
 
 class Calibration(Frozen):
-    """One calibration of one channel, as it was found; nothing here is ever changed, only added to."""
+    """One calibration of one channel, as it was found; nothing here is ever changed, only added to.
+
+    `test` is the one whose settings of the preamplifier it holds for; none: it was not noted.
+    """
 
     date: date
     channel: str
@@ -77,3 +82,4 @@ class Calibration(Frozen):
     sensitivity_v_per_unit: Annotated[float, Field(allow_inf_nan=False)]
     sigma_v_per_unit: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     remark: str = ""
+    test: Test | None = None

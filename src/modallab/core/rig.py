@@ -18,13 +18,19 @@ from modallab.core.frozen import Frozen, unstated
 from modallab.core.hardware import Calibration, Excitation, Synchronisation
 from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
-from modallab.core.units import Quantity, Test
+from modallab.core.units import BROADBAND, Quantity, Test
 from modallab.core.versions import RIG
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+FORCE_SHARE = 0.5
+"""Of an accelerometer's tolerance: what the force transducer's sensitivity is uncertain by."""
+RESPONSE = 0.02
+"""Share of the response below which a difference does not matter, where a rig file does not say it."""
 
 
 class Beam(Frozen):
@@ -57,7 +63,7 @@ class Tolerance(Frozen):
         youngs_modulus: of E.
         thickness: of the beam's thickness.
         density: of rho.
-        sensitivity: of each accelerometer.
+        sensitivity: of each accelerometer; half of it of the force transducer.
         position_m: of each accelerometer along the beam.
         hit_position_m: of each hit along the beam.
         hit_gain: of what the beam gets of each hit over what the hammer reads.
@@ -70,6 +76,7 @@ class Tolerance(Frozen):
         shaker_mass_kg: of what hangs on the beam at the shaker point in the sine test; positive.
         stinger_rotation: of the rotational spring there, in EI / L; positive.
         meaning: in words.
+        response: share of the response below which a difference between simulation and bench does not matter.
     """
 
     youngs_modulus: NonNegative = 0.012
@@ -88,11 +95,38 @@ class Tolerance(Frozen):
     shaker_mass_kg: NonNegative = 0.0
     stinger_rotation: NonNegative = 0.0
     meaning: str = "one standard deviation, relative"
+    response: Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] = RESPONSE
+
+    @classmethod
+    def usual(cls) -> Self:
+        """What a bench of this kind is off where people take ordinary care."""
+        return cls(
+            youngs_modulus=0.012,
+            thickness=0.003,
+            density=0.003,
+            sensitivity=0.01,
+            position_m=5e-4,
+            hit_position_m=2e-3,
+            hit_gain=4e-3,
+            clamp_compliance=2e-3,
+            sensor_mass_kg=3e-4,
+            stiffness_field=3e-3,
+            mass_field=2e-3,
+            stiffness_drift=5e-4,
+            damper_n_s_per_m=0.5,
+            shaker_mass_kg=1e-3,
+            stinger_rotation=4e-3,
+        )
+
+    @property
+    def stated(self) -> bool:
+        """Whether the rig file states any."""
+        return bool(self.model_fields_set - {"meaning", "response"})
 
     @property
     def of_assembly(self) -> bool:
         """Whether it says how well the bench is put together, not only how well beam and sensors are known."""
-        own = {"youngs_modulus", "thickness", "density", "sensitivity", "meaning"}
+        own = {"youngs_modulus", "thickness", "density", "sensitivity", "meaning", "response"}
         return any(getattr(self, name) for name in self.model_fields_set - own)
 
     @model_serializer(mode="wrap")
@@ -166,6 +200,9 @@ class Channel(Frozen):
         value = self.sensitivity_v_per_unit
         if isinstance(value, float | int):
             return float(value)
+        if test not in value and test in BROADBAND and "sine" in value:
+            # The shaker drives in both, and nobody turns the preamplifiers between.
+            return value["sine"]
         if test not in value:
             raise RigError(
                 f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",

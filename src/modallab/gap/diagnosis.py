@@ -1,18 +1,25 @@
 """The diagnosis: where the gap lies, what causes it, how far it shrinks."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Calibrated, CandidateSet, Diagnosis, Found, Gap, Shrink, Verdict
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.fit import Fit
+from modallab.gap.model.forward import forward
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import left
+from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.budget import budget
+from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import inspected, shown
@@ -28,6 +35,7 @@ from modallab.twin.bench import Twin
 Array = NDArray[np.float64]
 
 SEED = 20240501
+USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
 
 
 def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str], bool] = lambda _: True) -> Diagnosis:
@@ -43,21 +51,23 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
-    free = free_of(campaign)
-    prepared = prepare(campaign)
+    stated = campaign.rig.tolerance.stated
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign
+    free = free_of(campaign)
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
-    choice = choose(bench, explain(bench))
-    seen = [f for f in inspected(prepared, choice.fit.problem.twin(choice.fit.u)) if allowed(f.effect)]
+    everything = reduce(campaign, prepared.blocks, weights)
+    unseen = reduce(campaign, held or fitted, weights)
+    choice = choose(bench, explain(bench), unseen if campaign.rig.tolerance.of_assembly else None)
+    seen = [f for f in inspected(prepared, twin_of(choice.fit, everything)) if allowed(f.effect)]
     # Effects the records show but whose names must not be used.
     withheld = [name for name in shown(prepared) if not allowed(name)]
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
     location = None if choice.flat else locate(bench, prepared, choice.base)
-    everything = reduce(campaign, prepared.blocks, weights)
     return Diagnosis(
         rig=campaign.rig.name,
         verdict=verdict,
@@ -65,10 +75,16 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         where=where(verdict, found, withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates(ranked, seen, choice),
-        shrink=_shrink(campaign, prepared, choice, [b.name for b in held or fitted], bool(held)),
+        shrink=_shrink(campaign, prepared, choice, unseen, [b.name for b in held or fitted], bool(held)),
         next_experiment=next_experiment(verdict, ranked, campaign),
-        twin=_calibrated(choice.fit),
-        notes=[*prepared.notes, *contradictions(choice, prepared)],
+        twin=calibrated(choice.fit, everything),
+        budget=budget(choice.fit, everything, usual=not stated),
+        notes=[
+            *([] if stated else [USUAL]),
+            *prepared.notes,
+            *contradictions(choice, prepared),
+            *(d.why for d in choice.dismissed),
+        ],
     )
 
 
@@ -115,7 +131,7 @@ def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choi
 
 
 def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) -> Gap:
-    twin = choice.base.problem.twin(choice.base.u)
+    twin = twin_of(choice.base, data)
     raw = as_came(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
     hz = [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
@@ -124,7 +140,8 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         return str(1 + int(np.argmin(np.abs(np.log(np.array(hz) / max(f, 0.1)))))) if hz else "none"
 
     names = [campaign.rig.channels[c].name for c in raw.channels]
-    after = squares(choice.fit.problem.twin(choice.fit.u), data)
+    fitted = twin_of(choice.fit, data)
+    after = squares(fitted, data)
     return Gap(
         before=raw.gap,
         floor=1.0,
@@ -138,17 +155,26 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         by_mode=by_frequency(twin, data, mode_of),
         by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
         poles_hz=hz,
+        share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
+        share_before=_percent(twin, data, hz),
+        share_after=_percent(fitted, data, hz),
     )
 
 
-def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[str], held: bool) -> Shrink:
+def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
+    at, away = left(data, forward(twin, data), np.array(resonances_hz))
+    return Percent(at_resonance=at, away=away)
+
+
+def _shrink(
+    campaign: Campaign, prepared: Prepared, choice: Choice, clean: Reduced, names: list[str], held: bool
+) -> Shrink:
     chosen = set(names)
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
     raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, full_scales))
-    clean = reduce(campaign, [b for b in prepared.blocks if b.name in chosen], weights_of(prepared))
-    before = squares(choice.base.problem.twin(choice.base.u), raw)
+    before = squares(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
-    after = squares(choice.fit.problem.twin(choice.fit.u), clean)
+    after = squares(twin_of(choice.fit, clean), clean)
     rival = _rival(choice, clean, before.gap)
     return shrink(names if held else [], before, after, rival, np.random.default_rng(SEED))
 
@@ -156,20 +182,6 @@ def _shrink(campaign: Campaign, prepared: Prepared, choice: Choice, names: list[
 def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
     for fit in choice.rivals:
         if before**2 - 1 > 0.02 and fit.problem.candidates:
-            after = squares(fit.problem.twin(fit.u), clean).gap
+            after = squares(twin_of(fit, clean), clean).gap
             return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
     return {}
-
-
-def _calibrated(fit: Fit) -> Calibrated:
-    twin: Twin = fit.problem.free.build(fit.u[: fit.problem.free.size])
-    s = twin.structure
-    return Calibrated(
-        youngs_modulus_pa=s.youngs_modulus_pa,
-        thickness_m=s.thickness_m,
-        density_kg_m3=s.density_kg_m3,
-        zeta=s.zeta.tolist(),
-        gains=dict(twin.chain.gain),
-        residual_compliance=twin.residual_compliance,
-        root_rotation=s.root_rotation,
-    )

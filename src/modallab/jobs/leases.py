@@ -74,7 +74,7 @@ class Leases:
         self._watch = Watch(lease_s)
 
     def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
-        """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
+        """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
         Time without a sign is counted from call to call, so this is to be called now and then, also with no room for
@@ -85,7 +85,11 @@ class Leases:
             return []
         with self._writing() as connection:
             query = (
-                select(JOBS).where(_free(timed_out)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+                select(JOBS)
+                .where(_free(timed_out))
+                .order_by(JOBS.c.priority, JOBS.c.n)
+                .limit(limit)
+                .with_for_update(skip_locked=True)
             )
             rows = connection.execute(query).mappings().all()
             return [taken for row in rows if (taken := self._lease(connection, row, kinds)) is not None]

@@ -42,6 +42,8 @@ JOBS = Table(
     Column("code_version", String(64), nullable=False),
     Column("revision", String(64), nullable=False, default="", server_default=""),
     Column("state", String(16), nullable=False),
+    # What somebody waits for, 0, goes before what is done by itself, 1.
+    Column("priority", Integer, nullable=False, default=0, server_default="0"),
     Column("progress", Float, nullable=False, default=0.0),
     Column("attempts", Integer, nullable=False, default=0),
     # Grows with every change of owner: what was computed under an older one is not taken.
@@ -82,11 +84,13 @@ def _bring_up_to_date(connection: Connection) -> None:
         connection.execute(text(f"ALTER TABLE {JOBS.name} RENAME COLUMN {_BEAT_BEFORE} TO beat"))
     if JOBS.c.revision.name not in known:
         connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN revision VARCHAR(64) DEFAULT '' NOT NULL"))
+    if JOBS.c.priority.name not in known:
+        connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN priority INTEGER DEFAULT 0 NOT NULL"))
 
 
 def job_of(row: Mapping[Any, Any]) -> Job:
-    """A row as a job."""
-    values = {name: row[name] for name in Job.model_fields if name != "inputs"}
+    """A row as a job; one that was read without its result has none."""
+    values = {name: row[name] for name in Job.model_fields if name != "inputs" and name in row}
     return Job(inputs=tuple(cast("list[str]", row["inputs"])), **values)
 
 

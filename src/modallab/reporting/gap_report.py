@@ -7,11 +7,16 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
-from modallab.gap.report.summary import sentence
+from modallab.gap.report.summary import in_percent, sentence
 from modallab.reporting.figures import style
-from modallab.reporting.figures.gap_pictures import bench_picture, pair_bars, shrink_bar
+from modallab.reporting.figures.gap_curves import gap_curves
+from modallab.reporting.figures.gap_pictures import bench_picture, budget_bars, pair_bars, shrink_bar
 from modallab.reporting.markup import Markup, table, tag, trusted
+from modallab.reporting.sections.section import plate
 from modallab.twin.effects import model_of
+
+LEAST_SHARE = 0.005
+"""Share of the gap below which a part is left out of the table."""
 
 
 def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> None:
@@ -33,11 +38,19 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         _place(diagnosis, campaign),
         _effects(diagnosis),
         _shrink(diagnosis),
+        _curves(diagnosis, campaign),
+        _budget(diagnosis),
         _evidence(diagnosis),
         _split(diagnosis),
         _next(diagnosis),
     )
-    head = tag("header", tag("h1", title), tag("p", sentence(diagnosis), class_="lead"))
+    percent = in_percent(diagnosis.gap)
+    head = tag(
+        "header",
+        tag("h1", title),
+        tag("p", sentence(diagnosis), class_="lead"),
+        tag("p", percent) if percent else None,
+    )
     return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{tag("body", head, main)}</html>\n'
 
 
@@ -107,6 +120,42 @@ def _shrink(diagnosis: Diagnosis) -> Markup | None:
         f"{shrink.before:.3g} to {shrink.after:.3g} noise units. The whisker is the 95 % interval by bootstrap."
     )
     return _section("How far it shrinks", _plate(shrink_bar(shrink), said))
+
+
+def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
+    figure = gap_curves(diagnosis, campaign)
+    if figure is None:
+        return None
+    said = (
+        "Measured; simulated before, as the rig file has the bench; simulated after, with all that was found; and what "
+        "is left between the last and the measurement. The channel, the hits and the sine are those that are off most."
+    )
+    return _section("What was measured, and what was simulated", plate(figure, "curves", said, said))
+
+
+def _budget(diagnosis: Diagnosis) -> Markup | None:
+    budget = diagnosis.budget
+    if budget is None or not budget.rows:
+        return None
+    rows = [
+        [r.said, "" if r.sigmas is None else f"{r.sigmas:+.1f}", f"{r.share:.1%}"]
+        for r in budget.rows
+        if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")
+    ]
+    head = ["part", "moved (sigma)", "share"]
+    said = (
+        "Shares of the squares of measured less simulated as the rig file has the bench, the response of each record "
+        "counting alike. A negative share works against the others; parts below half a percent are left out."
+    )
+    picture = _plate(budget_bars(budget), said)
+    usual = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
+    stands = (
+        tag("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {usual}.") if usual else None
+    )
+    first = tag("ul", *(tag("li", line) for line in budget.calibrate)) if budget.calibrate else None
+    return _section(
+        "Where it comes from", picture, first, table("Budget of the gap", head, rows, numeric=(1, 2)), stands
+    )
 
 
 def _evidence(diagnosis: Diagnosis) -> Markup | None:

@@ -191,5 +191,5 @@ def _verdicts(run: str) -> Any:
 
 
 def _judged(block: BlockRecord, word: Any) -> BlockRecord:
-    reason = f"{word['reason']} (by {word['operator']})"
+    reason = f"{word['reason']} (by {word['operator']})" if word["operator"] else word["reason"]
     return replace(block, note=replace(block.note, accepted=word["accepted"], reason=reason))

@@ -114,6 +114,13 @@ class Recorder:
         """Say that the block of this name no longer counts; whether there was one that did."""
         return drop(self._catalogue, self.run, name, reason)
 
+    def accept(self, name: str, reason: str, operator: str) -> bool:
+        """Say that the rejected block of this name counts, by the operator's word; whether there was one."""
+        found = [row for row in self._catalogue.blocks(self.run) if row.note.name == name and not row.note.accepted]
+        for row in found:
+            self._catalogue.judge_block(self.run, row.n, accepted=True, reason=reason, operator=operator, utc=utc_now())
+        return bool(found)
+
     def close_file(self) -> None:
         """Close the file: no more blocks."""
         if self._writer is not None:

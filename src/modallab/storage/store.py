@@ -15,7 +15,7 @@ from modallab.bench.protocol import BenchInfo
 from modallab.bench.recut import Recut
 from modallab.core.block import Block, Ramp
 from modallab.core.errors import BlockDamagedError, StorageError
-from modallab.core.plan import Plan, SinePlan
+from modallab.core.plan import Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
@@ -58,7 +58,7 @@ class Store:
         now = datetime.now(UTC)
         run = RunRecord(
             id=f"{now:%Y%m%dT%H%M%S.%f}"[:19].replace(".", "-") + f"-{plan.kind}-{secrets.token_hex(2)}",
-            test=plan.kind,
+            test=records_of(plan),
             state="created",
             reason="",
             valid=True,

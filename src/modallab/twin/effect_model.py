@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from math import inf
 from typing import Literal
 
 from modallab.core.effects import Effect, EffectKind, Place
@@ -35,6 +36,8 @@ class Search:
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
         replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
+        deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
+            file states none for it.
     """
 
     rank: int
@@ -45,6 +48,7 @@ class Search:
     replaces_gain: bool = False
     replaces: str = ""
     is_clock: bool = False
+    deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +120,11 @@ class EffectModel:
         if self.kind.place == "x":
             return ()
         return (("channel", rows if self.kind.place == "pair" else rows[0]),)
+
+
+def over(value: float, tolerance: float) -> float:
+    """A number in deviations of its tolerance; infinitely many where there is none."""
+    return abs(value) / tolerance if tolerance else inf
 
 
 def x_of(effect: Effect, rig: Rig) -> float:

@@ -1,4 +1,4 @@
-"""What is looked at in every chunk of a sine test: the limits, the motion behind them, and whether it can be believed."""
+"""What is looked at in every chunk of a sine test: the limits, and whether the channels can be believed."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -55,8 +55,7 @@ class BurstWatch:
         noise = RestNoise.of(rest, counts=counts)
         if self.own is None:
             self.own = noise
-        # Whole numbers may hide a small noise; real ones show any.
-        dead = self.own.fallen(noise) | (~noise.visible & (not counts))
+        dead = self.own.fallen(noise) | self.own.ends_frozen(rest)
         fallen = np.flatnonzero(dead & np.isfinite(self.limits.limit))
         if fallen.size:
             names = ", ".join(self.limits.names[channel] for channel in fallen)
@@ -64,7 +63,7 @@ class BurstWatch:
                 f"{names} shows less than its own noise: dead or frozen; nothing was driven",
                 remedy="check the channel's sensor, cable and input; the blocks before are kept",
             )
-        return noise
+        return noise.no_longer_than(self.own)
 
     def begin(self, burst: Burst, start: int, rest: Samples, noise: RestNoise, unseen: int) -> None:
         """A burst begins at sample `start`, after `rest`; `unseen` is the next sample that comes."""

@@ -13,7 +13,7 @@ from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
 from modallab.bench.recut import Recut
 from modallab.core.errors import SamplesLostError
-from modallab.core.events import BlockAcknowledged, BlockDropped, Progress
+from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
@@ -73,7 +73,7 @@ class Context:
 
     @property
     def driving_chunk(self) -> int:
-        """Samples to read at once while a burst is on: few, where the time until they come is the clock's on the wall."""
+        """Samples to read at once while a burst is on: few, where they come at the pace of the clock on the wall."""
         chunk = self.stream.chunk
         return min(chunk, max(1, self.stream.samples_of(DRIVING_CHUNK_S))) if self.bench.info.real_time else chunk
 
@@ -142,6 +142,13 @@ class Context:
         if dropped:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
+
+    def accept(self, name: str, reason: str, operator: str) -> bool:
+        """Let a block that was rejected count, and report it; whether there was one."""
+        accepted = self.recorder.accept(name, reason, operator)
+        if accepted:
+            self.emit(BlockAccepted(run=self.recorder.run, name=name, reason=reason))
+        return accepted
 
     def progress(self, done: int, total: int, what: str) -> None:
         """Report how far the run is."""

@@ -120,14 +120,14 @@ class MotionWatch:
             found[order == stage + 1] = values[order == stage + 1]
         return found
 
-    def _require(self, reached: Real, beyond: str) -> None:
+    def _require(self, reached: Real, how: str) -> None:
         over = np.flatnonzero(~(reached <= self._limit))
         if over.size:
             found = ", ".join(
                 f"{self._limits[c].what} {reached[c]:.4g} {self._limits[c].unit} (limit {self._limits[c].limit:.4g})"
                 for c in over
             )
-            raise SafetyError(f"{beyond}: {found}; the output was brought to 0 V", remedy=REMEDY)
+            raise SafetyError(f"{how}: {found}; the output was brought to 0 V", remedy=REMEDY)
 
 
 def motion_limits(rig: Rig, limits: Limits) -> tuple[MotionLimit, ...]:

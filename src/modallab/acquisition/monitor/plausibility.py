@@ -14,7 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
-from modallab.acquisition.monitor.tone_prediction import Foreseen, dead, faults, foresee, kept_up, lost, tone_basis
+from modallab.acquisition.monitor.tone_prediction import (
+    Foreseen,
+    astray,
+    dead,
+    faults,
+    foresee,
+    kept_up,
+    lost,
+    tone_basis,
+)
 from modallab.bench.protocol import Burst, Chunk
 from modallab.core.errors import SafetyError
 from modallab.storage.samples import Samples
@@ -27,8 +36,8 @@ HOP_S = 0.02
 EARLIER_S = 0.1
 """Length of the earlier window, or one period of the drive if that is longer."""
 
-GAP_S = 0.02
-"""Between the two windows, as long as a hop: some look then finds all of a fault in the later one, none in the other."""
+GAP_S = 0.06
+"""Between the two windows, three hops: so many looks find a fault in all of the later one, and in none of the other."""
 
 LATER_S = 0.05
 LATER_PERIODS = 0.4
@@ -59,7 +68,7 @@ OTHERS_FROM = 0.1
 """Where another channel is seen so clearly, from this part of the drive on, the force must be seen."""
 
 MISSED = 100 * SEEN
-"""A response that was to be seen so clearly, by the last burst and the other responses of this one, stands in no node."""
+"""A response that was to be seen so clearly, by the last burst and by the other responses, stands in no node."""
 
 FORCE_BRACKET = 30.0
 """The force per volt may change so much from one frequency to another; at a resonance it drops."""
@@ -166,6 +175,8 @@ class Plausibility:
             if self._watched[channel]:
                 raise _error(f"{self._names[channel]} {reason.format(*self._names)}")
         gone = self._unless_beats(dead(*pair, look.white_v), *pair)
+        # The responses may beat; the force follows the drive directly.
+        gone[self._force] |= astray(*pair, look.noise_v)[self._force]
         weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
         if weak is not None:
             gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
@@ -186,7 +197,7 @@ class Plausibility:
         return missing
 
     def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: Foreseen) -> NDArray[np.bool_]:
-        """(channels,) without those whose fall may be the structure's own: two tones cancel, other responses fall too."""
+        """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""
         follows = kept_up(seen, foreseen) if gone.any() else np.zeros(0)
         for channel in np.flatnonzero(gone):
             others = np.delete(follows, [self._force, channel])

@@ -1,6 +1,6 @@
 """What every channel does at rest: its own noise, and how long it may repeat the same value."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -21,8 +21,8 @@ RESTING_RUN = 3
 
 FLAT_PART = 0.15
 FLAT_NOISE = 20.0
-"""A channel that moves over so many times its noise is cut off where this part of its samples is its highest, or lowest:
-a sine of full height has so many near its top only below 0.9 of it."""
+"""A channel that moves over so many times its noise is cut off where this part of its samples is its highest, or its
+lowest: a sine cut at less than 0.9 of its height has more."""
 
 LEAST_COUNTS = 0.5
 """A noise of fewer counts may hide in one count, and says nothing by doing so."""
@@ -36,8 +36,7 @@ class RestNoise:
     """The noise of all channels at rest.
 
     Attributes:
-        rms: (channels,) as delivered, of what goes from sample to sample: a slow motion that has not rung down is not in
-            it.
+        rms: (channels,) as delivered, of what goes from sample to sample: a slow motion that rings on is not in it.
         longest_run: (channels,) equal samples in a row from which on a channel is frozen; infinite where that says
             nothing.
         visible: (channels,) whether the noise moves what is delivered.
@@ -51,9 +50,12 @@ class RestNoise:
     def of(cls, window: Samples, *, counts: bool) -> Self:
         """Of a (channels, n) window at rest, as delivered; `counts`: in whole numbers."""
         rms = _fast_rms(window)
-        visible = rms >= (LEAST_COUNTS if counts else np.finfo(float).tiny)
-        same = np.diff(window, axis=1) == 0
-        often = np.maximum(same.mean(axis=1), _repeats(rms) if counts else 1e-3)
+        steps = np.abs(np.diff(window.astype(float), axis=1))
+        same = steps == 0
+        # Real numbers have a count as well, that of the converter they came from: their smallest step.
+        step = np.ones(len(rms)) if counts else np.min(np.where(same, np.inf, steps), axis=1)
+        visible = rms >= LEAST_COUNTS * step
+        often = np.maximum(same.mean(axis=1), _repeats(rms / step))
         likely = np.log(RARE) / np.log(np.minimum(often, 1 - 1e-9))
         resting = RESTING_RUN * np.array([_longest(row) for row in same])
         return cls(rms, np.where(visible, np.maximum(np.maximum(likely, LEAST_RUN), resting), np.inf), visible)
@@ -61,6 +63,16 @@ class RestNoise:
     def fallen(self, later: "RestNoise") -> NDArray[np.bool_]:
         """(channels,) whether the noise has fallen below the channel's own since."""
         return self.visible & (later.rms < FALLEN * self.rms)
+
+    def ends_frozen(self, window: Samples) -> NDArray[np.bool_]:
+        """(channels,) whether a (channels, n) window ends in a value repeated for longer than the noise could."""
+        changed = window[:, ::-1] != window[:, -1:]
+        run = np.where(changed.any(axis=1), changed.argmax(axis=1), window.shape[1])
+        return run >= self.longest_run
+
+    def no_longer_than(self, other: "RestNoise") -> "RestNoise":
+        """The same, frozen from what is so for another rest as well: a rest that was half frozen says nothing."""
+        return replace(self, longest_run=np.minimum(self.longest_run, other.longest_run))
 
 
 def cut_off(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:

@@ -1,10 +1,10 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
-While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known envelope:
-a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one. Where the two
-part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the same cut at a
-level (clipped), or what another channel should do (swapped). A structure does none of these from one window to the next;
-that it merely parts, as after a knock on the table, is no fault of the channel.
+While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
+envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one.
+Where the two part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the
+same cut at a level (clipped), or what another channel should do (swapped). A structure does none of these from one
+window to the next; that it merely parts, as after a knock on the table, is no fault of the channel.
 """
 
 from dataclasses import dataclass
@@ -21,16 +21,22 @@ BETTER = 4.0
 OVER_NOISE = 3.0
 """A channel is judged where it parts from what was foreseen by so many times its noise at rest."""
 
-OVER_MISFIT = 5.0
+OVER_MISFIT = 6.0
 """And by so many times what the earlier window left unexplained: an amplitude that rises or falls along a line parts by
-3.3 times that over the windows used here, however fast it does."""
+4.7 times that over the windows used here, however fast it does."""
 
 OVER_SIGNAL = 0.02
 """And by this part of its own amplitude."""
 
 STILL = 2.0
 MOVING = 8.0
-"""A channel is dead that stays within so many times its noise where it was to move by more than so many times."""
+"""A channel is dead that stays within so many times its noise and parts from what was foreseen by more than so many."""
+
+APART = 0.5
+"""Or, of a tone that is slow, by this part of it."""
+
+ASTRAY = 10.0
+"""A channel has gone astray that parts by so many times its noise and what was left unexplained before."""
 
 LEAST_CUT = 5
 CUT_PART = 0.1
@@ -79,7 +85,7 @@ def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
 
 
 def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
-    """What has become of channels, in words by channel; none for those that do what was foreseen, or merely part from it.
+    """What has become of channels, in words by channel; none for those that follow, or merely part from it.
 
     Args:
         seen: (channels, n) the later window, all in the same unit.
@@ -119,13 +125,22 @@ def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
 
 
 def kept_up(seen: Real, foreseen: Foreseen) -> Real:
-    """(channels,) rms over what was foreseen: it falls in all responses at once where the structure's own beats do it."""
+    """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
     return _still(seen) / np.maximum(_still(foreseen.later), 1e-300)
 
 
 def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
-    return (_still(seen) < STILL * white) & (_still(foreseen.later) > MOVING * white)
+    # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
+    least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
+    moving = (_still(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
+    return (_still(seen) < STILL * white) & moving
+
+
+def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+    """(channels,) whether what followed the drive well parts from what was foreseen by as much as it moved."""
+    least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
+    return _rms(seen - foreseen.later, axis=1) > least
 
 
 def _still(values: Real) -> Real:
@@ -138,10 +153,10 @@ def _still(values: Real) -> Real:
 def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | None:
     """The part of what was foreseen at which a channel is cut off flat; None if it is not."""
     top = float(np.abs(own).max())
-    beyond = np.abs(later) > top
-    if beyond.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
+    above = np.abs(later) > top
+    if above.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
         return None
-    flat = np.abs(own[beyond])
+    flat = np.abs(own[above])
     return top / float(np.abs(later).max()) if flat.std() < STILL * white else None
 
 

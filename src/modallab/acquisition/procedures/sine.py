@@ -10,8 +10,10 @@ from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.bench.protocol import LooksForSensors, SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
+from modallab.core.events import Notice
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
 from modallab.storage import BlockNote
@@ -122,6 +124,8 @@ class SineTest:
             self._keep_tripped(note, error)
             raise
         self.watch.end()
+        if isinstance(context.bench, SelfReporting):
+            note = replace(note, facts=note.facts | context.bench.output_facts())
         context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
         if following is None:
             self.drive.good(step.level, seen.measured)
@@ -204,4 +208,16 @@ def run_sine(context: Context, plan: SinePlan) -> None:
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, min(plan.frequencies_hz))
-    SineTest(context, plan, limits, measure_floor(context, plan.wait_s, watch), watch).run()
+    floor = measure_floor(context, plan.wait_s, watch)
+    _say_what_is_unseen(context)
+    SineTest(context, plan, limits, floor, watch).run()
+
+
+def _say_what_is_unseen(context: Context) -> None:
+    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, LooksForSensors) else ()
+    if unseen:
+        what = (
+            f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"
+            " by its not following the drive"
+        )
+        context.emit(Notice(run=context.recorder.run, what=what))

@@ -10,6 +10,7 @@ from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Self
 
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.process.child import serve
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
@@ -63,6 +64,11 @@ class RigProcess(RunControls):
         _OPEN.add(self)
 
     @property
+    def rig(self) -> Rig:
+        """What stands on the bench."""
+        return self._rig
+
+    @property
     def info(self) -> BenchInfo:
         """What the bench is; waits until it is open.
 
@@ -77,7 +83,7 @@ class RigProcess(RunControls):
                 raise report.error
         return self._info
 
-    def run(self, plan: Plan) -> Generator[Event]:
+    def run(self, plan: Plan, expected: ExpectedModes | None = None) -> Generator[Event]:
         """Run a plan; yields its events as they come. It begins with the first; leaving early stops the run.
 
         Raises:
@@ -89,7 +95,7 @@ class RigProcess(RunControls):
             raise BenchError("a run is going on", remedy="wait for its end, or stop it")
         self._begin(plan)
         try:
-            self._send(RunPlan(plan))
+            self._send(RunPlan(plan, expected))
             yield from self._events()
         finally:
             self._running = False

@@ -14,19 +14,21 @@ from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
+from modallab.acquisition.procedures.broadband import longest_wave_s, require_waves, run_broadband
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
 from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
-from modallab.core.errors import BenchError, ModallabError, PlanError, RigError
+from modallab.core.errors import BenchError, ModallabError, OutputLostError, PlanError, RigError
 from modallab.core.events import BlockDropped, Failed, Notice
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder, Store
@@ -67,6 +69,7 @@ def run_plan(
     supervision: str = "",
     excitation: Excitation | None = None,
     live: LiveRing | None = None,
+    expected: ExpectedModes | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -83,6 +86,7 @@ def run_plan(
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
         live: where samples are shown as they come.
+        expected: the modes the structure is believed to have, to see which point a hit has struck.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -92,17 +96,17 @@ def run_plan(
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = Setup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        requests or Requests(), latch, supervision, excitation or Excitation(), live,
+        requests or Requests(), latch, supervision, excitation or Excitation(), live, expected,
     )  # fmt: skip
     try:
         try:
-            _work(setup)
+            _work_unless_ended(setup)
         except OrderedEndError as end:
-            make_safe(bench)
+            _make_safe(setup)
             _drop_left(setup)
             _end(setup, end.order)
     except BaseException as error:
-        make_safe(bench)
+        _make_safe(setup)
         _fail(life, recorder, emit, error)
         raise
 
@@ -114,14 +118,31 @@ def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control
         return recorder.run
 
 
-def make_safe(bench: Bench) -> None:
-    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried."""
+def make_safe(bench: Bench) -> list[BenchError]:
+    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried, and is returned."""
+    failed: list[BenchError] = []
     for step in (bench.zero, bench.stop):
         try:
             step()
-        except BenchError:
-            # The run's own error says more; a burst on a device that is gone ends by itself.
-            continue
+        except BenchError as error:
+            failed.append(error)
+    return failed
+
+
+def _make_safe(setup: "Setup") -> None:
+    # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
+    for error in make_safe(setup.bench)[:1]:
+        remedy = f": {error.remedy}" if error.remedy else ""
+        setup.emit(Notice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
+
+
+def _work_unless_ended(setup: "Setup") -> None:
+    try:
+        _work(setup)
+    except OutputLostError:
+        # To the driver an emergency stop by another handle looks like a hand at the device.
+        setup.poll()
+        raise
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +162,7 @@ class Setup:
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
     live: LiveRing | None = None
+    expected: ExpectedModes | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
         """Shows what comes, where it is to be shown."""
@@ -169,13 +191,17 @@ def _work(setup: Setup) -> None:
         setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
     require_trigger(setup.plan, setup.bench)
-    if isinstance(setup.plan, SinePlan):
-        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup, longest_burst_s(setup.plan))))
+    if isinstance(setup.plan, BroadbandPlan):
+        require_waves(setup.plan, setup.bench, setup.rig)
+    if isinstance(setup.plan, SinePlan | BroadbandPlan):
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup)))
     _require_sensors_known(setup)
     context = _prepare(setup)
     _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
-        run_impact(context, setup.plan)
+        run_impact(context, setup.plan, setup.expected)
+    elif isinstance(setup.plan, BroadbandPlan):
+        run_broadband(context, setup.plan)
     else:
         run_sine(context, setup.plan)
     setup.bench.zero()
@@ -186,8 +212,9 @@ def _work(setup: Setup) -> None:
     setup.life.enter("done")
 
 
-def _what_ends_it(setup: Setup, longest_s: float) -> str:
-    notice = f"longest burst {longest_s:.4g} s: "
+def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig.limits)
+    notice = f"longest burst {longest:.4g} s: "
     excitation = setup.rig.excitation
     if not setup.bench.info.streams_bursts:
         notice += "whatever dies, the output is at 0 V by itself after at most so long"
@@ -212,8 +239,8 @@ def _drop_left(setup: Setup) -> None:
 def _prepare(setup: Setup) -> Context:
     bench, plan = setup.bench, setup.plan
     bench.zero()
-    delivery = bench.configure(Request(plan.kind, plan.rate_hz))
-    conversion = Conversion.of(setup.rig, plan.kind, delivery.units, delivery.scale, delivery.dtype)
+    delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut(plan, delivery)
     if recut is None:
@@ -234,7 +261,7 @@ def _prepare(setup: Setup) -> Context:
 
 
 def _require_sensors_known(setup: Setup) -> None:
-    remarks = remarks_on(setup.rig, setup.plan.kind, datetime.now(UTC).date(), setup.bench)
+    remarks = remarks_on(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
     for remark in remarks:
         setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
     wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]

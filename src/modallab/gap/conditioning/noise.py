@@ -26,8 +26,8 @@ FAR_HZ, LOW_HZ = 60.0, 9.0
 """A drive above the first leaves nothing below the second under a Hann window."""
 LEAST_BLOCKS = 4
 """Blocks from which the rise of the noise to low frequencies can be estimated."""
-RISES_HZ = 2.5
-"""Corner from which noise counts as rising: beyond chance in a few blocks."""
+RISES_HZ = 0.5
+"""Corner, at the median row's noise, from which noise counts as rising: beyond chance in a few blocks of all rows."""
 
 
 def believed_noise(rig: Rig, blocks: Sequence[Block]) -> Array:
@@ -77,21 +77,36 @@ def noise_in_use(measured: Array, believed: Array) -> Array:
     return np.where(np.nan_to_num(measured) > 1.25 * believed, np.nan_to_num(measured), believed)
 
 
-def corner(blocks: Sequence[Block], noise_v: Array, force: int) -> float:
-    """Frequency in Hz below which the noise's power rises as 1 / f; 0 if it is white.
+def own_noise(blocks: Sequence[Block], believed: Array, force: int) -> Array:
+    """(rows,) V rms of each row as the sine blocks show it, above all drives; as believed where they are few.
 
-    From the force's row in sine blocks far above: no motion of the bench is in it, and all rows share their converter.
+    Half of all blocks lie below their median: other than a quartile it is not low by chance.
+    """
+    spreads = [s for b in blocks if b.test == "sine" and (s := _of_block(b, force)) is not None]
+    if len(spreads) < LEAST_BLOCKS:
+        return believed
+    return np.maximum(np.median(np.array(spreads), axis=0), LEAST_V)
+
+
+def rising_power(blocks: Sequence[Block], noise_v: Array) -> float:
+    """Power at 1 Hz, in V^2 per sample, of noise that rises to low frequencies as 1 / f; 0 if none does.
+
+    From what sine blocks far above leave there, where nothing of the drive is: all rows share their converter, so that
+    this part of the noise is alike in volts on all of them, whatever their own white noise.
     """
     far = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) > FAR_HZ]
     if len(far) < LEAST_BLOCKS:
         return 0.0
     powers: list[Array] = []
     for b in far:
-        volts = b.samples[force] * b.scale[force]
+        volts = b.samples * b.scale[:, None]
         window = np.hanning(b.n_samples)
-        powers.append(np.abs(np.fft.rfft((volts - volts.mean()) * window)) ** 2 / np.sum(window**2))
-    power = np.median(np.array(powers), axis=0) / np.log(2) / noise_v[force] ** 2
-    hz = np.arange(len(power)) * far[0].rate_hz / far[0].n_samples
-    low = (np.arange(len(power)) > 1) & (hz < LOW_HZ)
-    found = float(np.mean(hz[low] * (power[low] - 1))) if np.any(low) else 0.0
-    return found if found > RISES_HZ else 0.0
+        spectrum = np.fft.rfft((volts - volts.mean(axis=1, keepdims=True)) * window, axis=1)
+        powers.append(np.abs(spectrum) ** 2 / np.sum(window**2))
+    power = np.median(np.array(powers), axis=0) / np.log(2)
+    hz = np.arange(power.shape[1]) * far[0].rate_hz / far[0].n_samples
+    low = (np.arange(power.shape[1]) > 1) & (hz < LOW_HZ)
+    if not np.any(low):
+        return 0.0
+    found = float(np.median(np.mean(hz[low] * (power[:, low] - noise_v[:, None] ** 2), axis=1)))
+    return found if found > RISES_HZ * float(np.median(noise_v)) ** 2 else 0.0

@@ -10,10 +10,18 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
 from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
 from modallab.gap.conditioning.hum import Hum, find_hum, weak_hum, without_hum
-from modallab.gap.conditioning.noise import believed_noise, corner, lines_behind, measured_noise, noise_in_use
+from modallab.gap.conditioning.noise import (
+    believed_noise,
+    lines_behind,
+    measured_noise,
+    noise_in_use,
+    own_noise,
+    rising_power,
+)
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import check_block
@@ -50,7 +58,7 @@ class Prepared:
         masked: (record, row) not to be used.
         hum: mains hum, None if there is none.
         weak_hum: frequency and (rows,) V of hum too weak to be taken out.
-        corner_hz: below which the noise rises as 1 / f; 0 if it is white.
+        rising_v2: power at 1 Hz, V^2 per sample, of noise that rises as 1 / f; 0 if it is white.
         clipped: channels with flat tops.
         ringing: decays before the hits.
         floor: motion of the base.
@@ -68,7 +76,7 @@ class Prepared:
     masked: frozenset[tuple[str, int]]
     hum: Hum | None
     weak_hum: tuple[float, Array] | None
-    corner_hz: float
+    rising_v2: float
     clipped: tuple[Clipped, ...]
     ringing: Ringing | None
     floor: Floor | None
@@ -88,11 +96,11 @@ def prepare(campaign: Campaign) -> Prepared:
     blocks, force = usable(campaign), campaign.rig.force_channel.index
     believed = believed_noise(campaign.rig, blocks)
     measured = measured_noise(blocks, campaign.rig)
-    noise = noise_in_use(measured, believed)
+    as_built = campaign.rig.tolerance.of_assembly
+    noise = own_noise(blocks, believed, force) if as_built else noise_in_use(measured, believed)
     at_full_scale = _overloaded(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
-    as_built = campaign.rig.tolerance.of_assembly
     noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
     repeated = _repeating(blocks, noise, force)
     hum = find_hum(blocks, noise, force)
@@ -111,7 +119,7 @@ def prepare(campaign: Campaign) -> Prepared:
         frozenset(masked),
         hum,
         weak_hum(blocks, noise, force) if as_built and hum is None else None,
-        corner(blocks, noise, force) if as_built else 0.0,
+        rising_power(blocks, noise) if as_built else 0.0,
         clipped,
         ringing,
         floor,
@@ -140,6 +148,13 @@ def usable(campaign: Campaign) -> tuple[Block, ...]:
         DataError: there are none.
     """
     rig = campaign.rig
+    broadband = sorted({b.test for b in campaign.blocks if b.test in BROADBAND})
+    if broadband:
+        raise DataError(
+            f"records of {', '.join(broadband)} drive cannot be diagnosed yet, only hits and sines",
+            where=campaign.source,
+            remedy="diagnose a campaign of the impact and sine tests alone",
+        )
     found = [
         b
         for b in campaign.blocks

@@ -127,7 +127,7 @@ class Weights:
         noise_v: (rows,) V rms of each row.
         masked: (record, row) that must not be used: cut or overloaded.
         floor: (channels, lines) variance per sample that a shaking base adds on each line of a sine block; or None.
-        corner_hz: below which the noise's power rises as 1 / f; 0 for white noise.
+        rising_v2: power at 1 Hz, in V^2 per sample, of noise that rises as 1 / f; 0 for white noise.
         hum_v: (rows,) V amplitude of hum too weak to be taken out.
         hum_hz: its frequency.
     """
@@ -135,22 +135,22 @@ class Weights:
     noise_v: Array
     masked: frozenset[tuple[str, int]] = frozenset()
     floor: Array | None = None
-    corner_hz: float = 0.0
+    rising_v2: float = 0.0
     hum_v: Array | None = None
     hum_hz: float = 50.0
 
     def sigma(self, rig: Rig, test: Test, lines: Array, block_s: float) -> Array:
         """(channels, lines) noise per sample in SI units, on the lines of a block of `block_s` seconds."""
         rows = [c.index for c in rig.responses]
-        total = self._si(rig, test)[rows][:, None] * self.rise(np.abs(lines) / block_s)
+        total = self._si(rig, test)[rows][:, None] * self.rise(np.abs(lines) / block_s)[rows]
         if self.floor is None:
             return total
         at = np.minimum(np.abs(lines).astype(int), self.floor.shape[1] - 1)
         return np.sqrt(total**2 + self.floor[:, at])
 
     def rise(self, hz: Array) -> Array:
-        """(hz,) factor on the white noise at these frequencies."""
-        return np.sqrt(1 + self.corner_hz / np.maximum(hz, 0.5))
+        """(rows, hz) factor on the white noise of each row at these frequencies."""
+        return np.sqrt(1 + self.rising_v2 / self.noise_v[:, None] ** 2 / np.maximum(hz, 0.5))
 
     def hum(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
         """(channels, lines) SI amplitude that hum of unknown phase leaves on the lines of a block, of n / 2."""
@@ -266,7 +266,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         forces.append(amplitude)
         y.append(np.where(at < 0, spectrum.conj(), spectrum) * 2 / n / amplitude)
         sigma.append(spread)
-        louder = float(weights.rise(np.array(f0)))
+        louder = float(weights.rise(np.array([f0]))[rig.force_channel.index, 0])
         noise.append(np.where(offsets == 0, louder * force_sigma * np.sqrt(2 / n) / abs(amplitude), 0.0))
         pieces.append(
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))

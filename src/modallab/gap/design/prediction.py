@@ -8,47 +8,16 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import as_volts, usable
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.model.predicted_records import predict_record
+from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
 from modallab.signals.signals import to_signals
-from modallab.twin.bench import Chain, Twin
-from modallab.twin.effects import apply
-from modallab.twin.structure import MODES, Structure
 
 Array = NDArray[np.float64]
-
-
-def diagnosed_twin(diagnosis: Diagnosis, rig: Rig) -> Twin:
-    """The twin of a diagnosis, effects included.
-
-    Raises:
-        DataError: the rig has no beam, or the diagnosis is not of as many modes as the twin has.
-    """
-    numbers = diagnosis.twin
-    if rig.beam is None or len(numbers.zeta) != MODES:
-        raise DataError(
-            f"the diagnosis holds {len(numbers.zeta)} damping ratios, the twin {MODES} modes",
-            where=rig.name,
-            remedy="diagnose again with this version",
-        )
-    structure = replace(
-        Structure.of(rig.beam, rig.damping_ratio.guess),
-        youngs_modulus_pa=numbers.youngs_modulus_pa,
-        thickness_m=numbers.thickness_m,
-        density_kg_m3=numbers.density_kg_m3,
-        zeta=np.array(numbers.zeta),
-        root_rotation=numbers.root_rotation,
-    )
-    twin = Twin(structure, Chain.of(rig), residual_compliance=numbers.residual_compliance)
-    twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
-    for found in diagnosis.effects:
-        twin = apply(twin, found.as_effect(), rig)
-    return twin
 
 
 def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
@@ -88,3 +57,24 @@ def _clock(campaign: Campaign, blocks: Sequence[Block]) -> float:
     noise = np.full(len(rig.channels), rig.converter.noise_rms_v if rig.converter is not None else 3e-4)
     seen, spread = sine_ratio(sines, Weights(noise).force(rig, "sine"))
     return seen if abs(seen - 1) > 5 * spread else 1.0
+
+
+def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:
+    """The same as a campaign: the forces as measured, beside them what the accelerometers would read.
+
+    Raises:
+        DataError: as `predict`.
+    """
+    rig, records = other.rig, predict(diagnosis, other)
+    rows = [c.index for c in rig.responses]
+    blocks = tuple(_with_rows(b, rig, rows, records[b.name]) for b in other.blocks if b.name in records)
+    return replace(other, blocks=blocks, source=f"predicted from {other.source}")
+
+
+def _with_rows(block: Block, rig: Rig, rows: Sequence[int], values: Array) -> Block:
+    samples = (block.samples * block.scale[:, None]).astype(np.float64)
+    samples[rows] = values
+    units = list(block.units)
+    for row in rows:
+        units[row] = rig.channels[row].unit
+    return replace(block, samples=samples, scale=np.ones(len(samples)), units=tuple(units))

@@ -27,7 +27,7 @@ def with_drift_curve(fit: Fit) -> Fit:
         return fit
     best = fit
     for _ in range(ROUNDS):
-        drift_curve = _improved(best)
+        drift_curve = improved(best)
         problem = replace(best.problem, drift_curve=drift_curve)
         trial = minimise(problem, best.u, 3, 1e-3)
         if trial.cost >= best.cost * (1 - 1e-3):
@@ -36,8 +36,8 @@ def with_drift_curve(fit: Fit) -> Fit:
     return best
 
 
-def _improved(fit: Fit) -> tuple[tuple[float, float], ...]:
-    """One Gauss-Newton step of every piece's own share at once: pieces do not know of each other."""
+def improved(fit: Fit) -> tuple[tuple[float, float], ...]:
+    """The curve after a Gauss-Newton step of every piece's own share at once: pieces do not know of each other."""
     data = fit.problem.data
     orders = np.array([*(d.piece.order for d in data.impacts), *(p.order for p in _sine_pieces(fit))]) / data.last_order
     twin = fit.problem.twin(fit.u)

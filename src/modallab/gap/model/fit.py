@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.effects import Effect
+from modallab.core.effects import Effect, Place
 from modallab.gap.conditioning.reduce import Reduced, Rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import Nuisances
@@ -69,6 +69,12 @@ class Problem:
         """Free numbers in all."""
         return self.free.size + sum(len(c.slots) for c in self.candidates)
 
+    @property
+    def replaced(self) -> set[tuple[str, Place | None]]:
+        """(tolerance, channel or None) that effects stand for: one quantity is one number."""
+        own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
+        return {(tolerance, dict(c.place).get("channel")) for tolerance, c in own}
+
     def effects(self, u: Array) -> list[Effect]:
         """The effects at u."""
         found, at = [], self.free.size
@@ -81,9 +87,7 @@ class Problem:
         """The twin at u."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
         held = [c.place[0][1] for c in self.candidates if search_of(c.effect).replaces_gain]
-        own = [(tolerance, c) for c in self.candidates if (tolerance := search_of(c.effect).replaces)]
-        replaced = [(tolerance, dict(c.place).get("channel")) for tolerance, c in own]
-        twin = self.free.build(self.free.without_gains(u[: self.free.size], held), replaced)
+        twin = self.free.build(self.free.without_gains(u[: self.free.size], held), self.replaced)
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin

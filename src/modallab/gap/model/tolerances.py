@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from modallab.core.rig import Rig
+from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.twin.bench import Twin
 from modallab.twin.elements import FIELD_TERMS
 
@@ -64,6 +64,14 @@ def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
     return np.where(np.abs(u) < free, u, np.sign(u) * (free + room * np.tanh((np.abs(u) - free) / room)))
 
 
+def with_tolerances(rig: Rig) -> Rig:
+    """The rig with a lab's usual tolerances, where its file states none: no part is ever without any."""
+    if rig.tolerance.stated:
+        return rig
+    own = {name: getattr(rig.tolerance, name) for name in rig.tolerance.model_fields_set}
+    return rig.model_copy(update={"tolerance": Tolerance.usual().model_copy(update=own)})
+
+
 def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation, ...]:
     """The free numbers of the tolerances that a rig file states.
 
@@ -78,7 +86,10 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     one = [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
     if rig.shaker_point is not None:
         one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
+    # A sensitivity that the rig file does not speak of is no licence to turn it.
+    force = FORCE_SHARE * t.sensitivity if "sensitivity" in t.model_fields_set else 0.0
     found = [
+        Deviation("sensitivity", float(rig.force_channel.index), force),
         # Nothing sits beyond the tip.
         *(Deviation("position_m", c, t.position_m, -int(x >= tip)) for c, x in sensors),
         *(Deviation("sensor_mass_kg", c, t.sensor_mass_kg, 1) for c, _ in sensors),
@@ -119,7 +130,11 @@ def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) 
     return replace(
         twin,
         structure=structure,
-        chain=replace(twin.chain, shift={int(c): dx for c, dx in of("position_m").items()}),
+        chain=replace(
+            twin.chain,
+            shift={int(c): dx for c, dx in of("position_m").items()},
+            force_gain=1 + of("sensitivity").get(float(rig.force_channel.index), 0.0),
+        ),
         ei_drift=one("stiffness_drift"),
         hit_offsets_m=tuple(of("hit_position_m").items()),
         hit_gains=tuple((x, 1 + gain) for x, gain in of("hit_gain").items()),

@@ -2,11 +2,13 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from modallab.core.block import Block, Campaign
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Weights, reduce, thinned
 from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.measure import Squares, squares
 from modallab.gap.search.fitting import FLAT, WATCHED, Bench, baseline
 from modallab.twin.bench import Twin
@@ -22,8 +24,8 @@ def gap_before(campaign: Campaign) -> float:
         DataError: there is nothing to compare.
         RigError: the rig has no beam.
     """
-    free = free_of(campaign)
-    prepared = prepare(campaign)
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    free = free_of(prepared.campaign)
     base = baseline(bench_of(prepared, prepared.blocks, free, lambda _: False))
     return as_came(prepared, base.problem.twin(base.u)).gap
 
@@ -56,7 +58,7 @@ def weights_of(prepared: Prepared) -> Weights:
     """How much each row of the records counts."""
     floor = prepared.floor.spectrum if prepared.floor is not None else None
     hz, hum = prepared.weak_hum or (0.0, None)
-    return Weights(prepared.noise_v, prepared.masked, floor, prepared.corner_hz, hum, hz)
+    return Weights(prepared.noise_v, prepared.masked, floor, prepared.rising_v2, hum, hz)
 
 
 def _flat(prepared: Prepared) -> float:

@@ -1,6 +1,6 @@
 """A diagnosis in one sentence."""
 
-from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
 from modallab.core.effects import kind_of
 from modallab.twin.effects import model_of
 
@@ -12,7 +12,8 @@ def sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
     gap = diagnosis.gap
     if diagnosis.verdict == "no_gap":
-        return f"Twin and bench agree to within the noise: the gap is {gap.before:.2f} noise units, the floor 1."
+        within = "tolerances" if diagnosis.twin.departures else "noise"
+        return f"Twin and bench agree to within the {within}: the gap is {gap.before:.2f} noise units, the floor 1."
     if diagnosis.verdict == "unknown":
         where = diagnosis.where
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
@@ -24,6 +25,22 @@ def sentence(diagnosis: Diagnosis) -> str:
     closed = diagnosis.shrink.closed
     how_far = f", which closes {closed:.1%} of it on records held out" if closed is not None else ""
     return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
+
+
+def in_percent(gap: Gap) -> str:
+    """The gap as a share of the response, in one sentence; "" where it is not known."""
+    stages = (
+        ("as the rig file has the bench", gap.share_nominal),
+        ("within the tolerances", gap.share_before),
+        ("with what was found", gap.share_after),
+    )
+    said = [f"{_sides(share)} {name}" for name, share in stages if share is not None and _sides(share)]
+    return f"Of the response at resonance and away from it: {'; '.join(said)}." if said else ""
+
+
+def _sides(share: Percent) -> str:
+    sides = [f"{100 * v:.2g} %" for v in (share.at_resonance, share.away) if v is not None]
+    return " and ".join(sides)
 
 
 def _effect(found: Found) -> str:

@@ -9,11 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import kind_of
+from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.minimise import minimise
+from modallab.gap.model.forward import forward
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import unexplained
 from modallab.gap.search.explain import HOLDS
-from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.fitting import Bench, excess, without
 from modallab.gap.search.round import Level
+from modallab.gap.search.worth import Dismissed, worthwhile
 
 Array = NDArray[np.float64]
 
@@ -47,6 +51,7 @@ class Choice:
         rivals: other explanations that were fitted to the end, best first.
         explained: whether nothing structured is left.
         flat: whether there was nothing to explain.
+        dismissed: effects that would explain something, but are not worth a name.
     """
 
     base: Fit
@@ -54,10 +59,18 @@ class Choice:
     rivals: tuple[Fit, ...]
     explained: bool
     flat: bool
+    dismissed: tuple[Dismissed, ...] = ()
 
 
-def choose(bench: Bench, levels: list[Level]) -> Choice:
-    """Keep the effects without which the gap comes back, and say whether they explain it."""
+def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
+    """Keep the effects without which the gap comes back, and say whether they explain it.
+
+    Args:
+        bench: what was searched.
+        levels: the rounds.
+        held: records that no fit has seen, where what does not matter there is no gap: on a rig that states how well it
+            is put together.
+    """
     base = levels[0].base
     if base.gap <= bench.flat and not _small_but_plain(levels):
         return Choice(base, base, (), True, True)
@@ -72,7 +85,20 @@ def choose(bench: Bench, levels: list[Level]) -> Choice:
     explained = bool(fit.problem.candidates) and (
         fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - needed) * excess(base)
     )
-    return Choice(base, fit, others, explained, False)
+    choice = Choice(base, fit, others, explained, False)
+    return choice if held is None else _that_matters(choice, held)
+
+
+def _that_matters(choice: Choice, held: Reduced) -> Choice:
+    """The same without what is within tolerance or of no consequence."""
+    if unexplained(held, forward(twin_of(choice.base, held), held)) < held.rig.tolerance.response:
+        return Choice(choice.base, choice.base, choice.rivals, True, True)
+    if not choice.explained:
+        return choice
+    fit, dismissed = worthwhile(choice.fit, held)
+    if not fit.problem.candidates:
+        return Choice(choice.base, choice.base, choice.rivals, True, True, tuple(dismissed))
+    return replace(choice, fit=fit, dismissed=tuple(dismissed))
 
 
 def _small_but_plain(levels: list[Level]) -> bool:
@@ -87,21 +113,12 @@ def prune(bench: Bench, fit: Fit) -> Fit:
     """Drop every effect whose absence changes little."""
     at = 0
     while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates):
-        without = _without(fit, at)
-        if excess(fit) > HOLDS * excess(without):
-            fit = without
+        bare = without(fit, at)
+        if excess(fit) > HOLDS * excess(bare):
+            fit = bare
         else:
             at += 1
     return fit
-
-
-def _without(fit: Fit, which: int) -> Fit:
-    candidates = fit.problem.candidates
-    slots = [len(c.slots) for c in candidates]
-    start = fit.problem.free.size + sum(slots[:which])
-    u = np.concatenate([fit.u[:start], fit.u[start + slots[which] :]])
-    problem = replace(fit.problem, candidates=tuple(c for i, c in enumerate(candidates) if i != which))
-    return minimise(problem, u, 4, 1e-2)
 
 
 def names(fit: Fit) -> tuple[str, ...]:

@@ -2,11 +2,13 @@
 
 import math
 
-from modallab.core.diagnosis import Shrink, Where
+from modallab.core.diagnosis import Budget, Shrink, Where
 from modallab.core.rig import Rig
 from modallab.reporting.markup import Markup, tag
 
 WIDTH = 760
+LONGEST = 12
+"""Bars of a budget."""
 
 
 def bench_picture(rig: Rig, where: Where) -> Markup:
@@ -127,6 +129,29 @@ def shrink_bar(shrink: Shrink) -> Markup:
         width="100%",
         role="img",
         aria_label="Share of the gap that is closed",
+    )
+
+
+def budget_bars(budget: Budget) -> Markup:
+    """A bar for each of the largest parts of the gap, to the left where it works against the others."""
+    rows = budget.rows[:LONGEST]
+    most = max([abs(r.share) for r in rows] or [1.0])
+    colours = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
+    parts: list[Markup] = []
+    for i, row in enumerate(rows):
+        y, length = 10 + 26 * i, 280 * abs(row.share) / max(most, 1e-9)
+        left = 400 - length if row.share < 0 else 400
+        parts.append(_text(295, y + 14, row.said, "end", size=12))
+        parts.append(_rect(left, y, max(length, 1.0), 18, colours[row.kind], False))
+        parts.append(_text(690 if row.share >= 0 else 410, y + 14, f"{row.share:.1%}", "start", size=12))
+    parts.append(_line(400, 4, 400, 10 + 26 * len(rows), "soft"))
+    return tag(
+        "svg",
+        *parts,
+        viewBox=f"0 0 {WIDTH} {20 + 26 * len(rows)}",
+        width="100%",
+        role="img",
+        aria_label="Share of the gap of each part",
     )
 
 

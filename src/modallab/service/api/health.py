@@ -1,6 +1,7 @@
 """Whether the service can work, for a watchdog; counters, for a monitor."""
 
 import shutil
+from collections.abc import Mapping
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
@@ -21,7 +22,7 @@ from modallab.storage.tables import BLOCKS, RUNS
 USABLE = ("idle", "running")
 
 
-Family = dict[str, float]
+Family = Mapping[str, float]
 """Labels of a sample, as Prometheus writes them, and its value."""
 
 

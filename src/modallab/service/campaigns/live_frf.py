@@ -6,12 +6,13 @@ from threading import Lock
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
+from modallab.frf.broadband import broadband_frf, driven_band
 from modallab.frf.estimate import convert
 from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
 from modallab.signals.full_scale import overloaded
-from modallab.signals.signals import to_signals
+from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
 
 LOWEST_HZ = 0.5
@@ -57,7 +58,8 @@ class LiveFrfs:
         with self._lock:
             if run not in self._runs:
                 record = self._store.catalogue.run(run)
-                sums = _Hits(record.rig) if record.test == "impact" else _Sines(record.rig)
+                made = {"impact": _Hits, "sine": _Sines}.get(record.test, _Broadband)
+                sums = made(record.rig)
                 self._runs[run] = _Followed(run, sums)
             self._runs.move_to_end(run)
             while len(self._runs) > KEPT:
@@ -68,7 +70,7 @@ class LiveFrfs:
 class _Followed:
     """One run: which of its blocks were looked at, and where each was driven."""
 
-    def __init__(self, run: str, sums: "_Hits | _Sines") -> None:
+    def __init__(self, run: str, sums: "_Hits | _Sines | _Broadband") -> None:
         self.run, self.sums, self.lock = run, sums, Lock()
         self.revisions: dict[int | None, int] = {}
         self._seen: dict[int, int | None] = {}
@@ -147,3 +149,30 @@ class _Sines:
     def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
         last = self._lines[max(self._lines)][0]
         return frf_of_lines([line for level, line in self._lines.values() if level == last], self._rig)
+
+
+class _Broadband:
+    """Of a broadband test: the last level's blocks, all of which are read again when one comes or goes."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._signals: dict[int, Signals] = {}
+
+    @property
+    def empty(self) -> bool:
+        return not self._signals
+
+    def add(self, block: Block) -> bool:
+        if overloaded(block, self._rig):
+            return False
+        self._signals[block.order] = to_signals(block, self._rig)
+        return True
+
+    def forget(self, numbers: set[int], _points: set[int | None]) -> None:
+        for n in numbers:
+            self._signals.pop(n, None)
+
+    def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
+        level = self._signals[max(self._signals)].block.level
+        chosen = [s for s in self._signals.values() if s.block.level == level]
+        return broadband_frf(chosen, self._rig, driven_band(chosen))

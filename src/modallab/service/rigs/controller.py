@@ -85,7 +85,7 @@ class Controller:
     def driving(self) -> bool:
         """Whether a test that moves the output is on."""
         active = self._active
-        return active is not None and active.plan.kind == "sine"
+        return active is not None and active.plan.kind != "impact"
 
     @property
     def pid(self) -> int | None:

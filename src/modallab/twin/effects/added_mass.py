@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Rival, Search, x_of
+from modallab.twin.effect_model import EffectModel, Rival, Search, over, x_of
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -16,6 +16,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.4 * beam.mass_kg, 5)), along_beam())
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["mass"], rig.tolerance.sensor_mass_kg)
 
 
 MODEL = EffectModel(
@@ -31,7 +35,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=40, slots=_slots),
+    search=Search(rank=40, slots=_slots, deviations=_own_deviations),
     experiment="Screw a known mass to the free end and repeat the hits: its own shift gives the scale.",
     rivals=(
         Rival(

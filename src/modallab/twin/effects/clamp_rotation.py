@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, over
 
 SOFT = 0.01
 """Stiffness of the root in EI / L, below which nothing stands any more."""
@@ -25,6 +25,12 @@ def _slots(beam: Beam) -> tuple[Slot, ...]:
     return (Slot("k_rot", "log", starts, low=SOFT * ei / length, power=-1.0),)
 
 
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    assert rig.beam is not None
+    turned = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m / effect.parameters["k_rot"]
+    return over(turned, rig.tolerance.clamp_compliance)
+
+
 MODEL = EffectModel(
     kind=EffectKind(
         "clamp_rotation",
@@ -38,6 +44,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=10, slots=_slots, replaces="clamp_compliance"),
+    search=Search(rank=10, slots=_slots, replaces="clamp_compliance", deviations=_own_deviations),
     experiment="Strike close to the clamp: the slope there shows a soft root, not a crack nor a shift.",
 )

@@ -6,13 +6,17 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot
-from modallab.twin.effect_model import EffectModel, Rival, Search, channel_of
+from modallab.twin.effect_model import EffectModel, Rival, Search, channel_of, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     gain = dict(twin.chain.gain)
     gain[channel_of(effect)] = gain.get(channel_of(effect), 1.0) * effect.parameters["gain"]
     return replace(twin, chain=replace(twin.chain, gain=gain))
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
 
 
 MODEL = EffectModel(
@@ -33,6 +37,7 @@ MODEL = EffectModel(
         slots=lambda _: (
             Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
         ),
+        deviations=_own_deviations,
         replaces_gain=True,
     ),
     experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",

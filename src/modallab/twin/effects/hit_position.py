@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -16,6 +16,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     length = beam.length_m
     return (Slot("dx", "plain", both_signs(2e-3 * length, 0.06 * length, 4), 0.01),)
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["dx"], rig.tolerance.hit_position_m)
 
 
 MODEL = EffectModel(
@@ -32,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=160, slots=_slots, needs="impact"),
+    search=Search(rank=160, slots=_slots, needs="impact", deviations=_own_deviations),
     experiment="Mark the points on the beam and repeat the hits there: the sines do not know of it.",
 )

@@ -8,7 +8,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam, spread
-from modallab.twin.effect_model import EffectModel, Search, x_of
+from modallab.twin.effect_model import EffectModel, Search, over, x_of
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -19,6 +19,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     critical = float(np.sqrt(beam.bending_stiffness_n_m2 * beam.mass_kg / beam.length_m**3))
     return (Slot("c", "log", spread(1e-3 * critical, critical, 5)), along_beam())
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["c"], rig.tolerance.damper_n_s_per_m)
 
 
 MODEL = EffectModel(
@@ -34,6 +38,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=70, slots=_slots, absorbed_by="damping ratios"),
+    search=Search(rank=70, slots=_slots, deviations=_own_deviations, absorbed_by="damping ratios"),
     experiment="Compare the phases along the beam at a resonance: one damper bends them, even damping does not.",
 )

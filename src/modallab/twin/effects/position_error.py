@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search, channel_of
+from modallab.twin.effect_model import EffectModel, Search, channel_of, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -17,6 +17,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     length = beam.length_m
     return (Slot("dx", "plain", both_signs(2e-3 * length, 0.08 * length, 4), 0.01),)
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["dx"], rig.tolerance.position_m)
 
 
 MODEL = EffectModel(
@@ -32,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=False,
-    search=Search(rank=230, slots=_slots, replaces="position_m"),
+    search=Search(rank=230, slots=_slots, replaces="position_m", deviations=_own_deviations),
     experiment="Exchange the accelerometer with its neighbour: a wrong place stays there, a wrong gain goes along.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -17,6 +17,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     return (Slot("mass_each", "log", spread(3e-5 * beam.mass_kg, 0.03 * beam.mass_kg, 7)),)
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["mass_each"], rig.tolerance.sensor_mass_kg)
 
 
 MODEL = EffectModel(
@@ -32,6 +36,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=30, slots=_slots),
+    search=Search(rank=30, slots=_slots, deviations=_own_deviations),
     experiment="Take all accelerometers but one off and repeat the hits: the frequencies rise if it is the sensors.",
 )

@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Rival, Search
+from modallab.twin.effect_model import EffectModel, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -15,6 +15,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     return (Slot("mass", "log", spread(1e-3 * beam.mass_kg, 0.5 * beam.mass_kg, 14)),)
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["mass"], rig.tolerance.shaker_mass_kg)
 
 
 MODEL = EffectModel(
@@ -31,7 +35,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=90, slots=_slots, needs="sine", replaces="shaker_mass_kg"),
+    search=Search(rank=90, slots=_slots, needs="sine", replaces="shaker_mass_kg", deviations=_own_deviations),
     experiment="Repeat the hits with the shaker fastened: a mass that hangs there then lowers the frequencies.",
     rivals=(
         Rival("stinger_moment", "Repeat the sines with the shaker at another point.", rank=50),

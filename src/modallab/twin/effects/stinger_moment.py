@@ -6,7 +6,7 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -16,6 +16,12 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     ei, length = beam.bending_stiffness_n_m2, beam.length_m
     return (Slot("k_rot", "log", spread(0.02 * ei / length, 100 * ei / length, 12)),)
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    assert rig.beam is not None
+    unit = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m
+    return over(effect.parameters["k_rot"] / unit, rig.tolerance.stinger_rotation)
 
 
 MODEL = EffectModel(
@@ -32,6 +38,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=100, slots=_slots, needs="sine", replaces="stinger_rotation"),
+    search=Search(rank=100, slots=_slots, needs="sine", replaces="stinger_rotation", deviations=_own_deviations),
     experiment="Repeat the sines with the shaker at another point, or with a thinner stinger.",
 )

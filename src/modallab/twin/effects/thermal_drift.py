@@ -6,11 +6,15 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Rival, Search
+from modallab.twin.effect_model import EffectModel, Rival, Search, over
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, ei_drift=twin.ei_drift + effect.parameters["EI_drift"])
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["EI_drift"], rig.tolerance.stiffness_drift)
 
 
 MODEL = EffectModel(
@@ -31,6 +35,7 @@ MODEL = EffectModel(
         slots=lambda _: (Slot("EI_drift", "plain", both_signs(1e-3, 0.12, 10), 0.01, low=-0.4, high=0.4),),
         absorbed_by="Young's modulus",
         replaces="stiffness_drift",
+        deviations=_own_deviations,
     ),
     experiment="Repeat the first hits at the end: only a drift makes them another beam than at the beginning.",
     rivals=(Rival("clamp_rotation", "Repeat the first hits at the end.", rank=90),),

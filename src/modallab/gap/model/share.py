@@ -1,0 +1,140 @@
+"""How far two answers lie apart, as a share of the response: what counts for a bench that is no better than its parts.
+
+Differences are squared and summed over the lines of a record, and so is the response: the norm of a record's error over
+the record's own (the relative error of a vector; Golub and Van Loan, Matrix Computations, 2013, ch. 2.2).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import Reduced, Rows
+from modallab.gap.model.fit import all_rows
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+NODE = 0.03
+"""Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
+DROWNED = 100.0
+"""A record whose squares are fewer times its noise's says nothing of a percent."""
+HALF_WIDTHS = 3.0
+"""Half-power half-widths about a frequency that count as at resonance, at this damping ratio:"""
+DAMPING = 0.006
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Record:
+    """The lines of one record, or of the hits at one point.
+
+    Attributes:
+        name: of the piece of data.
+        test: impact or sine.
+        at: index of its part of the data, in the order `forward` answers.
+        lines: its columns there.
+        hz: (k,) their frequencies.
+        y: (channels, k) measured.
+        noise: (channels, k) expected square of the noise; inf where not to be used.
+    """
+
+    name: str
+    test: str
+    at: int
+    lines: slice
+    hz: Array
+    y: Complex
+    noise: Array
+
+
+def records(data: Reduced) -> Iterator[Record]:
+    """The records of reduced data, hits first."""
+    for i, d in enumerate(data.impacts):
+        hz = np.abs(d.source.lines) / (d.source.n * d.source.dt)
+        yield Record(d.piece.name, "impact", i, slice(None), hz, d.rows.y, _noise(d.rows))
+    if data.sines is None:
+        return
+    s, at = data.sines, len(data.impacts)
+    count = s.source.lines.shape[1]
+    hz, noise = np.abs(s.source.lines) / (s.source.n * s.source.dt), _noise(s.rows)
+    for j, piece in enumerate(s.pieces):
+        own = slice(j * count, (j + 1) * count)
+        yield Record(piece.name, "sine", at, own, hz[j], s.rows.y[:, own], noise[:, own])
+
+
+def _noise(rows: Rows) -> Array:
+    """Of each channel, and of the force along the response."""
+    return 2 * rows.sigma**2 * (1 + rows.common * np.abs(rows.direction) ** 2)
+
+
+def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Array) -> tuple[float | None, float | None]:
+    """Median over records of measured less predicted over the response, at resonance and away from it; noise taken off.
+
+    Args:
+        data: what was measured.
+        answers: what a twin says, in the order of `forward`.
+        resonances_hz: (p,) frequencies of the modes.
+    """
+    width = np.maximum(HALF_WIDTHS * DAMPING * resonances_hz, 1.0)
+    sides: tuple[list[float], list[float]] = ([], [])
+    for r in records(data):
+        near = np.any(np.abs(r.hz[:, None] - resonances_hz) < width, axis=1)
+        used = np.isfinite(r.noise)
+        off = np.where(used, np.abs(r.y - answers[r.at][:, r.lines]) ** 2 - np.where(used, r.noise, 0.0), 0.0)
+        own = np.where(used, np.maximum(np.abs(r.y) ** 2 - np.where(used, r.noise, 0.0), 0.0), 0.0)
+        for lines, side in ((near, sides[0]), (~near, sides[1])):
+            whole = float(np.sum(own[:, lines]))
+            if whole > DROWNED * float(np.sum(np.where(used, r.noise, 0.0)[:, lines])):
+                side.append(float(np.sum(off[:, lines])) / whole)
+    at, away = (float(np.sqrt(max(float(np.median(side)), 0.0))) if side else None for side in sides)
+    return at, away
+
+
+def apart(data: Reduced, one: Sequence[Complex], other: Sequence[Complex]) -> float:
+    """How far two twins' answers lie apart, as a share of the first, on the channel and in the test where it is most.
+
+    Rms over the records of a test; a channel at a node is measured by what the others of its record answer.
+    """
+    return _most(data, one, other, noisy=False)
+
+
+def unexplained(data: Reduced, answers: Sequence[Complex]) -> float:
+    """How far a twin's answers lie from what was measured, as a share of that, where it is most; noise taken off."""
+    return _most(data, [r.y for r in all_rows(data)], answers, noisy=True)
+
+
+def _most(data: Reduced, one: Sequence[Complex], other: Sequence[Complex], noisy: bool) -> float:
+    by_test: dict[str, list[Array]] = {}
+    for r in records(data):
+        used = np.isfinite(r.noise)
+        noise = np.where(used, r.noise, 0.0)
+        a, b = one[r.at][:, r.lines], other[r.at][:, r.lines]
+        own = np.sum(np.where(used, np.abs(a) ** 2, 0.0), axis=1)
+        off = np.sum(np.where(used, np.abs(a - b) ** 2 - noisy * noise, 0.0), axis=1)
+        if float(np.sum(own)) > DROWNED * float(np.sum(noise)):
+            by_test.setdefault(r.test, []).append(off / np.maximum(own, max(NODE * float(np.mean(own)), 1e-300)))
+    squares = [float(np.max(np.mean(listed, axis=0))) for listed in by_test.values()]
+    return float(np.sqrt(max(*squares, 0.0))) if squares else 0.0
+
+
+def relative(data: Reduced) -> tuple[float, Reduced]:
+    """The data weighed so that each record's squares are 1, and the squares that noise alone leaves then.
+
+    Records that drown in noise, and channels that are not to be used, weigh nothing.
+    """
+    listed = all_rows(data)
+    sigma = [np.full(rows.sigma.shape, np.inf) for rows in listed]
+    total = 0.0
+    for r in records(data):
+        used = np.isfinite(r.noise)
+        noise = float(np.sum(np.where(used, r.noise, 0.0)))
+        own = float(np.sum(np.where(used, np.abs(r.y) ** 2, 0.0)))
+        if own > DROWNED * noise:
+            sigma[r.at][:, r.lines] = np.where(used, np.sqrt(own), np.inf)
+            total += noise / own
+    weighed = [replace(rows, sigma=s, common=np.zeros_like(rows.common)) for rows, s in zip(listed, sigma, strict=True)]
+    impacts = tuple(replace(d, rows=rows) for d, rows in zip(data.impacts, weighed, strict=False))
+    sines = replace(data.sines, rows=weighed[-1]) if data.sines is not None else None
+    return total, replace(data, impacts=impacts, sines=sines)

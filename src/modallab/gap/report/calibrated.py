@@ -1,0 +1,93 @@
+"""The twin's numbers as a document, and the twin of such a document again."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.diagnosis import Calibrated, Departure, Diagnosis
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
+from modallab.gap.model.tolerances import Deviation, applied, with_tolerances
+from modallab.twin.bench import Chain, Twin
+from modallab.twin.effects import apply
+from modallab.twin.structure import MODES, Structure
+
+
+def calibrated(fit: Fit, data: Reduced) -> Calibrated:
+    """The twin's own numbers after a fit, without its effects; those of hits as all records show them."""
+    free, u = fit.problem.free, with_own_hits(fit, data)
+    first = free.first_deviation
+    bare = replace(free, deviations=())
+    twin = bare.build(np.delete(u[: free.size], np.arange(first, first + len(free.deviations))))
+    replaced = fit.problem.replaced
+    kept = [
+        Departure(tolerance=d.tolerance, at=d.at, sigma=d.sigma, sign=d.sign, u=float(v))
+        for d, v in zip(free.deviations, u[first : first + len(free.deviations)], strict=True)
+        if not {(d.tolerance, None), (d.tolerance, d.at)} & replaced
+    ]
+    s = twin.structure
+    return Calibrated(
+        youngs_modulus_pa=s.youngs_modulus_pa,
+        thickness_m=s.thickness_m,
+        density_kg_m3=s.density_kg_m3,
+        zeta=s.zeta.tolist(),
+        gains=dict(twin.chain.gain),
+        residual_compliance=twin.residual_compliance,
+        root_rotation=s.root_rotation,
+        departures=kept,
+        drift_curve=list(fit.problem.drift_curve),
+    )
+
+
+def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Twin:
+    """The twin of a diagnosis, effects included.
+
+    Args:
+        diagnosis: of a campaign on this rig.
+        rig: the bench as believed.
+        of_others: whether it is for another campaign, whose hits land elsewhere, and not for the diagnosed one.
+
+    Raises:
+        DataError: the rig has no beam, or the diagnosis is not of as many modes as the twin has.
+    """
+    numbers = diagnosis.twin
+    if rig.beam is None or len(numbers.zeta) != MODES:
+        raise DataError(
+            f"the diagnosis holds {len(numbers.zeta)} damping ratios, the twin {MODES} modes",
+            where=rig.name,
+            remedy="diagnose again with this version",
+        )
+    structure = replace(
+        Structure.of(rig.beam, rig.damping_ratio.guess),
+        youngs_modulus_pa=numbers.youngs_modulus_pa,
+        thickness_m=numbers.thickness_m,
+        density_kg_m3=numbers.density_kg_m3,
+        zeta=np.array(numbers.zeta),
+        root_rotation=numbers.root_rotation,
+    )
+    twin = Twin(structure, Chain.of(rig), residual_compliance=numbers.residual_compliance)
+    if numbers.departures:
+        twin = applied(twin, rig, _departures(numbers.departures, OF_HITS if of_others else ()))
+    twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
+    for found in diagnosis.effects:
+        twin = apply(twin, found.as_effect(), rig)
+    return twin if of_others else replace(twin, drift_curve=tuple(numbers.drift_curve))
+
+
+def believed_twin(rig: Rig) -> Twin:
+    """The twin as a rig file has it, nothing fitted.
+
+    Raises:
+        RigError: the rig has no beam.
+    """
+    free = nuisances(with_tolerances(rig), 0.0)
+    return free.build(np.zeros(free.size))
+
+
+def _departures(listed: Collection[Departure], left_out: Collection[str]) -> list[tuple[Deviation, float]]:
+    return [(Deviation(d.tolerance, d.at, d.sigma, d.sign), d.u) for d in listed if d.tolerance not in left_out]

@@ -1,0 +1,80 @@
+"""Each free number of a fit in words: what it is, where, and how far it lies from what the rig file says."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.rig import Rig
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.tolerances import Deviation, held
+
+Array = NDArray[np.float64]
+
+SPOKEN = {"youngs_modulus": "Young's modulus", "thickness": "thickness", "density": "density"}
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """A free number.
+
+    Attributes:
+        name: of its tolerance in the rig file.
+        place: the channel, the drive point, the mode; "" where there is one only.
+        said: where it ended, in words.
+    """
+
+    name: str
+    place: str
+    said: str
+
+
+def moved(problem: Problem, u: Array) -> list[Moved]:
+    """One for each free number at u, in their order."""
+    free, rig = problem.free, problem.data.rig
+    t = rig.tolerance
+    beam = (("youngs_modulus", t.youngs_modulus), ("thickness", t.thickness), ("density", t.density))
+    found = [
+        Moved(name, "", f"{SPOKEN[name]} {float(held(u[k])) * sigma:+.2%}") for k, (name, sigma) in enumerate(beam)
+    ]
+    ratios = problem.free.build(u[: free.size]).structure.zeta
+    found += [
+        Moved("damping_ratio", f"mode {k + 1}", f"damping of mode {k + 1} {ratios[k]:.3%}") for k in range(free.modes)
+    ]
+    first = 3 + free.modes
+    for k, channel in enumerate(free.gains):
+        name, off = rig.channels[channel].name, float(held(u[first + k])) * free.tolerance
+        found.append(Moved("sensitivity", name, f"{name} reads {abs(off):.1%} {'high' if off > 0 else 'low'}"))
+    own = u[free.first_deviation :]
+    found += [_deviation(d, float(v), rig) for d, v in zip(free.deviations, own, strict=False)]
+    if free.root:
+        found.append(Moved("clamp", "", f"spring at the root {np.expm1(float(held(u[free.size - 2])) * 0.1):+.1%}"))
+    return [*found, Moved("residual_terms", "", "modes above those of the twin")]
+
+
+def _deviation(d: Deviation, u: float, rig: Rig) -> Moved:
+    value = d.value(u)
+    if d.tolerance in ("position_m", "sensor_mass_kg", "sensitivity"):
+        name = rig.channels[int(d.at)].name
+        said = {
+            "position_m": f"{name} sits {1e3 * value:+.2f} mm from its point",
+            "sensor_mass_kg": f"{name} and its cable weigh {1e3 * value:+.2f} g",
+            "sensitivity": f"{name} reads {abs(value):.1%} {'high' if value > 0 else 'low'}",
+        }[d.tolerance]
+        return Moved(d.tolerance, name, said)
+    if d.tolerance in ("hit_position_m", "hit_gain"):
+        place = f"hits at {d.at:.3f} m"
+        off = f"land {1e3 * value:+.2f} mm off" if d.tolerance == "hit_position_m" else f"give the beam {value:+.2%}"
+        return Moved(d.tolerance, place, f"{place} {off} in the mean")
+    if d.tolerance in ("stiffness_field", "mass_field"):
+        what = "EI" if d.tolerance == "stiffness_field" else "rho A"
+        return Moved(d.tolerance, f"cos {int(d.at) + 1} pi x / L", f"{what} {value:+.2%} cos {int(d.at) + 1} pi x / L")
+    if d.tolerance == "damper_n_s_per_m":
+        return Moved(d.tolerance, f"{d.at:.3f} m", f"damper of {value:+.2g} N s/m at {d.at:.3f} m")
+    said = {
+        "clamp_compliance": f"root turns by {value:.2g} L/EI",
+        "shaker_mass_kg": f"{1e3 * value:+.2f} g at the shaker",
+        "stinger_rotation": f"stinger holds the rotation with {value:+.2g} EI/L",
+        "stiffness_drift": f"EI drifts by {value:+.3%}",
+    }
+    return Moved(d.tolerance, "", said[d.tolerance])

@@ -1,0 +1,64 @@
+"""Which effects of an explanation are worth a name: beyond their own tolerance, and of consequence.
+
+On a bench as people build it noise units are many before anything matters: what the rig file states that its parts may
+be off is no gap, and neither is what moves no response by more than the user cares for.
+"""
+
+from dataclasses import dataclass
+
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.forward import forward
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import apart
+from modallab.gap.search.fitting import without
+from modallab.twin.effects import model_of, search_of
+
+BEYOND = 3.0
+"""Deviations of its own tolerance up to which an effect is an ordinary bench."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dismissed:
+    """An effect that is not worth a name.
+
+    Attributes:
+        effect: with its numbers.
+        deviations: of its own tolerance; infinite where the rig file states none.
+        moves: share of the response that it moves on records held out.
+    """
+
+    effect: Effect
+    deviations: float
+    moves: float
+
+    @property
+    def why(self) -> str:
+        """In words."""
+        spoken = model_of(self.effect.effect).spoken
+        if self.deviations <= BEYOND:
+            return f"Within tolerance: {spoken}, {self.deviations:.1f} deviations of what the rig file states."
+        return f"Of no consequence: {spoken} moves the response on records held out by {self.moves:.2%}."
+
+
+def worthwhile(fit: Fit, held: Reduced) -> tuple[Fit, list[Dismissed]]:
+    """The fit with those of its effects that are worth a name, and the others."""
+    least = held.rig.tolerance.response
+    dismissed: list[Dismissed] = []
+    at = 0
+    while at < len(fit.problem.candidates):
+        bare = without(fit, at)
+        judged = _judged(fit, bare, at, held)
+        if judged.deviations <= BEYOND or judged.moves < least:
+            dismissed.append(judged)
+            fit, at = bare, 0
+        else:
+            at += 1
+    return fit, dismissed
+
+
+def _judged(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
+    effect = fit.effects[at]
+    answers = (forward(twin_of(f, held), held) for f in (fit, bare))
+    return Dismissed(effect, search_of(effect.effect).deviations(effect, held.rig), apart(held, *answers))
