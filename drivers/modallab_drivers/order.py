@@ -64,15 +64,20 @@ def _over_limits(burst: Burst, limits: Limits) -> list[str]:
     return [f"{n}: {v:.4g} {u}; allowed: {most:g} {u}" for n, v, most, u in found if v > most * (1 + 1e-9)]
 
 
-def burst_samples(burst: Burst, rate_hz: float) -> NDArray[np.float64]:
-    """The burst as (n,) volts at an output's rate: a sine under a cosine taper, its first and last sample exactly 0."""
-    count = int(np.ceil(burst.duration_s * rate_hz)) + 1
-    t = np.arange(count) / rate_hz
-    wave = burst.amplitude_v * np.sin(2 * np.pi * burst.frequency_hz * t)
+def burst_volts(burst: Burst, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The burst in V at times since its start: a sine under a cosine taper, exactly 0 from its end on."""
+    wave = burst.amplitude_v * np.sin(2 * np.pi * burst.frequency_hz * times_s)
     if burst.ramp_s > 0:
-        edge = np.clip(np.minimum(t, burst.duration_s - t) / burst.ramp_s, 0, 1)
+        edge = np.clip(np.minimum(times_s, burst.duration_s - times_s) / burst.ramp_s, 0, 1)
         wave *= (1 - np.cos(np.pi * edge)) / 2
-    wave[t >= burst.duration_s] = 0.0
+    wave[times_s >= burst.duration_s] = 0.0
+    return wave
+
+
+def burst_samples(burst: Burst, rate_hz: float) -> NDArray[np.float64]:
+    """The burst as (n,) volts at an output's rate, its first and last sample exactly 0."""
+    count = int(np.ceil(burst.duration_s * rate_hz)) + 1
+    wave = burst_volts(burst, np.arange(count) / rate_hz)
     wave[-1] = 0.0
     return wave
 

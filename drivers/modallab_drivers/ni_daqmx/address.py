@@ -8,7 +8,8 @@ from urllib.parse import parse_qsl, urlsplit
 from modallab.core.errors import ConfigurationError
 
 _FILES = ("tls", "cert", "key")
-_KNOWN = (*_FILES, "virtual_time")
+_SWITCHES = ("virtual_time", "local")
+_KNOWN = (*_FILES, *_SWITCHES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,8 @@ class Address:
         own: our certificate and its key, for a server that wants to know who asks.
         others: further devices or chassis of the bench.
         virtual_time: whether the bench's time goes on only by reading, as with a simulated server that is not paced.
+        streams: whether bursts stream from this process and end with it: with a driver on this machine, or a simulated
+            server in its local mode. A real server keeps them going.
     """
 
     url: str
@@ -32,6 +35,7 @@ class Address:
     own: tuple[Path, Path] | None = None
     virtual_time: bool = False
     others: tuple[str, ...] = ()
+    streams: bool = False
 
 
 def parse(url: str, *, whole_system: bool = False) -> Address:
@@ -52,23 +56,26 @@ def parse(url: str, *, whole_system: bool = False) -> Address:
         raise ConfigurationError(f"no device is named by {url!r}", remedy=f"write {example}")
     given = dict(parse_qsl(parts.query, keep_blank_values=True))
     unknown = sorted(set(given) - set(_KNOWN))
-    if unknown or given.get("virtual_time", "0") not in ("0", "1"):
+    if unknown or any(given.get(switch, "0") not in ("0", "1") for switch in _SWITCHES):
         raise ConfigurationError(
             f"unknown parameter in {parts.query!r}",
             where=url,
-            remedy="allowed: tls=ca.crt, cert=own.crt with key=own.key, virtual_time=1",
+            remedy="allowed: tls=ca.crt, cert=own.crt with key=own.key, virtual_time=1, local=1",
         )
     files = {name: Path(given[name]) for name in _FILES if name in given}
     _require_files(files, url)
     own = (files["cert"], files["key"]) if "cert" in files else None
+    server = parts.netloc if remote else ""
+    virtual_time, local = (given.get(switch) == "1" for switch in _SWITCHES)
     return Address(
         url,
         device,
-        parts.netloc if remote else "",
+        server,
         files.get("tls"),
         own,
-        given.get("virtual_time") == "1",
+        virtual_time,
         tuple(others),
+        streams=local or not remote,
     )
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState, Waveform
-from modallab.core.errors import ConfigurationError, DeviceGoneError, SamplesLostError
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
 from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
@@ -52,6 +53,7 @@ class NiBench:
             facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
             | ({"output": self._shaker.physical} if self._shaker.physical is not None else {})
             | ({"generator": self._shaker.identity} if self._shaker.identity else {}),
+            streams_bursts=self._shaker.streams,
         )
 
     @property
@@ -94,13 +96,18 @@ class NiBench:
         if self._state in ("lost", "gone"):
             self._reconnect()
             self._drop_inputs()
+        if self._shaker.has_watchdog:
+            # It comes before anything that is reserved on its chassis, and inputs that feed sensors are.
+            self._drop_inputs()
+        self._shaker.watch(self._route)
         inputs = self._inputs or self._make_inputs()
         try:
             patiently(inputs.start)
-        except DeviceGoneError:
-            self._gone()
+        except BenchError as error:
+            self._shaker.unwatch()
+            if isinstance(error, DeviceGoneError):
+                self._gone()
             raise
-        self._shaker.watch(self._route)
         self._position = 0
         self._state = "running"
 
@@ -154,7 +161,8 @@ class NiBench:
         """Start a burst; the place of its rise counts the converter's own delay."""
         self._require("running", to="play")
         assert self._inputs is not None
-        self._shaker.play(burst, self._position, self._inputs.rate_hz)
+        with self._losses():
+            self._shaker.play(burst, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
@@ -162,7 +170,8 @@ class NiBench:
         """Start a wave; the place of its beginning counts the converter's own delay."""
         self._require("running", to="play")
         assert self._inputs is not None
-        self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
+        with self._losses():
+            self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
@@ -237,6 +246,11 @@ class NiBench:
         except SamplesLostError:
             self._state = "lost"
             raise
+        except WatchdogExpiredError as error:
+            self._state = "lost"
+            if self._shaker.driving(self._position):
+                raise
+            raise SamplesLostError(error.what, where=error.where, remedy=error.remedy) from error
         except DeviceGoneError:
             self._gone()
             raise

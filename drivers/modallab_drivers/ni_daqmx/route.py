@@ -76,9 +76,9 @@ class Route:
         options = nidaqmx.GrpcSessionOptions(self._channel, name, initialization_behavior=chosen)
         return nidaqmx.Task(name, grpc_options=options)
 
-    def options(self) -> Any:
-        """What other objects of the package need to go the same way; None on this machine."""
-        return None if self._channel is None else nidaqmx.GrpcSessionOptions(self._channel, "")
+    def options(self, name: str = "") -> Any:
+        """What other objects of the package need to go the same way, by the name of a session; None on this machine."""
+        return None if self._channel is None else nidaqmx.GrpcSessionOptions(self._channel, name)
 
     @property
     def remote(self) -> bool:

@@ -194,7 +194,7 @@ class CantileverBench:
         self._stream.changed()
 
     def zero(self) -> None:
-        """Bring the output to 0 V; the amplifier follows within 4 ms."""
+        """Bring the output to 0 V: after CUT_S it falls from the value it has then."""
         if self._state == "running":
             self._excitation.cut(self._now_s + CUT_S)
             self._stream.changed()

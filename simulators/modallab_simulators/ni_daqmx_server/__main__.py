@@ -38,7 +38,7 @@ def main() -> int:
         )  # fmt: skip
         generator = PtyGenerator(device)
         started["generator"] = generator.port
-    server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls))
+    server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls), local=arguments.local)
     print(json.dumps(started), flush=True)
     for line in sys.stdin:
         print(json.dumps(obey(system, generator, line.strip())), flush=True)
@@ -78,6 +78,9 @@ def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
         return dict(system.levels(float(rest) if rest else 0.05))
     if word == "time":
         return {"bench_s": system.clock.now()}
+    if word == "trace":
+        over_s, rate_hz = map(float, rest.split())
+        return {"volts": system.trace(over_s, rate_hz)}
     if word == "truth":
         return dict(system.plant.facts)
     if word == "strike":
@@ -117,6 +120,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--bench", default="sim://cantilever?seed=1&bad_hits=0", help="the bench behind the devices")
     parser.add_argument("--bits", type=int, default=24, help="at most so many of the converters")
     parser.add_argument("--pace", action="store_true", help="run as the clock on the wall does")
+    parser.add_argument("--local", action="store_true", help="bursts die with their client, as with its own driver")
     parser.add_argument("--cables", action="store_true", help="every input on the output by a cable, no beam")
     parser.add_argument("--generator", choices=sorted(SINE_DIALECTS), help="a serial generator on the same bench")
     parser.add_argument("--tls", type=Path, help="folder with server.crt, server.key; clients.crt: who may ask")

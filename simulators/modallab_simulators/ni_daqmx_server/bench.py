@@ -53,6 +53,7 @@ class SimulatedSystem:
         lines: analog outputs by physical channel.
         tasks: by name.
         faults: armed.
+        expired: chassis whose watchdog has expired: nothing goes on them until they are reset.
     """
 
     def __init__(self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: Saved | None = None) -> None:
@@ -77,6 +78,7 @@ class SimulatedSystem:
         self.reserved = Reservations()
         self.faults = faults.FaultPlan()
         self.reset_keeps_outputs = False
+        self.expired: set[str] = set()
         self._numbers = 0
 
     @property
@@ -150,14 +152,40 @@ class SimulatedSystem:
 
     def start(self, task: Task) -> None:
         """Start a task: reserve, then run."""
+        self.require_unexpired(task)
+        if isinstance(task, WatchdogTask):
+            self._require_alone(task)
         self.reserved.take(task)
         task.committed = True
         if isinstance(task, WatchdogTask):
             task.running = True
-            self.let_go(task)
             task.kick(time.monotonic())
         else:
             start(self, task)
+
+    def require_unexpired(self, task: Task) -> None:
+        """Raise if the watchdog of the task's chassis has expired.
+
+        Raises:
+            StatusError: it has.
+        """
+        if self.expired and self._chassis_of(task) & self.expired:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Task Name: {task.name}")
+
+    def _chassis_of(self, task: Task) -> set[str]:
+        if isinstance(task, WatchdogTask):
+            return {task.device}
+        return {self.modules[name].chassis for name in task.devices if name in self.modules} - {""}
+
+    def _require_alone(self, watchdog: WatchdogTask) -> None:
+        # The vendor's order: a watchdog before any other task on its chassis.
+        others = [
+            t.name
+            for t in self.tasks.values()
+            if t is not watchdog and (t.running or t.kept) and watchdog.device in self._chassis_of(t)
+        ]
+        if others:
+            raise StatusError(status.OTHERS_RESERVED, f"Task Name: {watchdog.name}\nOther tasks: {', '.join(others)}")
 
     def sample(self, task: InputTask, at_s: float, rate_hz: float) -> None:
         """Let an input task sample from a bench time on; `rate_hz` is that of a clock it was given, or 0."""
@@ -194,26 +222,33 @@ class SimulatedSystem:
             self.changed()
         elif isinstance(task, LineTask):
             task.stop()
-        elif isinstance(task, WatchdogTask):
+        elif isinstance(task, WatchdogTask) and task.device not in self.expired:
             self.let_go(task)
         task.running = task.waiting = False
-        self.reserved.release(task)
+        if not task.kept:
+            self.reserved.release(task)
 
     def clear(self, name: str) -> None:
         """Stop a task and forget it."""
         task = self.tasks.pop(name, None)
         if task is None:
             raise StatusError(status.INVALID_TASK, f"Task Name: {name}")
+        task.kept = False
         self.stop(task)
 
     def reset(self, device: str) -> None:
         """Abort all tasks of a device; most series then have their outputs at 0 V, some leave them."""
         if device not in self.modules and device not in self.chassis:
             raise StatusError(status.NO_SUCH_DEVICE, f"Device Specified: {device}")
+        if device in self.modules and self.modules[device].chassis in self.expired:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Device: {device}")
+        self.expired.discard(device)
         hit = {name for name, module in self.modules.items() if device in (name, module.chassis)}
         self.excited = {name: at_s for name, at_s in self.excited.items() if name.partition("/")[0] not in hit}
         for task in [t for t in self.tasks.values() if t.devices & hit]:
             self.clear(task.name)
+        for watchdog in [t for t in self.tasks.values() if isinstance(t, WatchdogTask) and t.device == device]:
+            self.clear(watchdog.name)
         for name, line in self.lines.items():
             if name.partition("/")[0] in hit and not self.reset_keeps_outputs:
                 line.held = False
@@ -239,6 +274,8 @@ class SimulatedSystem:
         if time.monotonic() < task.due_s:
             return
         task.expired = True
+        if task.device in self.chassis:
+            self.expired.add(task.device)
         for name, volts in task.states.items():
             self.lines[name].expire(self.clock.now() + LATENCY_S, volts)
         self.changed()
@@ -261,6 +298,11 @@ class SimulatedSystem:
         """Clear tasks."""
         for task in tasks:
             self.clear(task.name)
+
+    def trace(self, over_s: float, rate_hz: float) -> list[float]:
+        """What stood on the shaker's line over the last `over_s`, oldest first."""
+        now = self.clock.now()
+        return self.shaker_line.volts(now - np.arange(round(over_s * rate_hz))[::-1] / rate_hz).tolist()
 
     def levels(self, over_s: float = 0.05) -> dict[str, float]:
         """Largest magnitude on every output over the last `over_s`, and the lines' last changes."""

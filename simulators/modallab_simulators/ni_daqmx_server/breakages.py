@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
+from modallab_simulators.ni_daqmx_server.output_task import OutputTask
 
 if TYPE_CHECKING:
     from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
@@ -37,6 +38,9 @@ def _break(system: "SimulatedSystem", kind: str, words: list[str]) -> None:
     if kind == faults.UNPLUGGED:
         code = int(words[0]) if words else status.DEVICE_GONE
         system.reserved.gone = dict.fromkeys([*system.modules, *system.chassis], code)
+        for task in [t for t in system.tasks.values() if isinstance(t, OutputTask)]:
+            # The samples came through the cable, which no server changes.
+            task.starve(system.clock)
     elif kind == faults.PLUGGED:
         # A device that comes back has forgotten its tasks.
         system.reserved.gone = {}

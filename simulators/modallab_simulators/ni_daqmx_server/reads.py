@@ -79,6 +79,7 @@ def _wait_and_take(system: SimulatedSystem, asked: Any, count: int, kind: str) -
     while True:
         with system.lock:
             task = system.task(asked.task.name, AcquiringTask)
+            system.require_unexpired(task)
             due_s = task.due_s(given, system.clock)
             if due_s <= 0 or time.monotonic() >= deadline:
                 values = task.take(given, system.clock) if not task.waiting else task.take(0, system.clock)

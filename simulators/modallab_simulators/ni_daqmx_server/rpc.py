@@ -14,6 +14,7 @@ from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.sessions import wait_until_done
 from modallab_simulators.ni_daqmx_server.calls.table import HANDLERS
 from modallab_simulators.ni_daqmx_server.events import STREAMS
+from modallab_simulators.ni_daqmx_server.local_mode import LocalClients
 from modallab_simulators.ni_daqmx_server.packing import FORMS
 from modallab_simulators.ni_daqmx_server.reads import read
 from modallab_simulators.ni_daqmx_server.status import SessionError, StatusError
@@ -26,25 +27,29 @@ WORKERS = 48
 _MESSAGES: Any = messages
 
 
-def serve(system: SimulatedSystem, port: int, credentials: grpc.ServerCredentials | None = None) -> tuple[Any, int]:
-    """Begin to listen on the loopback; returns the server and its port."""
+def serve(
+    system: SimulatedSystem, port: int, credentials: grpc.ServerCredentials | None = None, *, local: bool = False
+) -> tuple[Any, int]:
+    """Begin to listen on the loopback; returns the server and its port. `local`: see `local_mode`."""
+    clients = LocalClients(system) if local else None
     server = grpc.server(
         ThreadPoolExecutor(WORKERS),
-        handlers=[_Calls(system)],
+        handlers=[_Calls(system, clients)],
         options=[("grpc.max_send_message_length", MESSAGE_BYTES), ("grpc.max_receive_message_length", MESSAGE_BYTES)],
     )
-    address = f"127.0.0.1:{port}"
+    address = f"127.0.0.1:{0 if clients else port}"
     bound = server.add_insecure_port(address) if credentials is None else server.add_secure_port(address, credentials)
     server.start()
     threading.Thread(target=system.watch, name="watchdogs", daemon=True).start()
-    return server, bound
+    return server, clients.listen(port, bound) if clients else bound
 
 
 class _Calls(grpc.GenericRpcHandler):
     """Finds what answers a call by its name."""
 
-    def __init__(self, system: SimulatedSystem) -> None:
+    def __init__(self, system: SimulatedSystem, clients: LocalClients | None) -> None:
         self._system = system
+        self._clients = clients
 
     def service(self, handler_call_details: grpc.HandlerCallDetails) -> Any:
         method = str(handler_call_details.method)
@@ -60,7 +65,7 @@ class _Calls(grpc.GenericRpcHandler):
 
         def call(asked: Any, context: grpc.ServicerContext) -> Any:
             try:
-                return answer(asked)
+                return answer(asked if self._clients is None else self._clients.scoped(asked, context.peer()))
             except StatusError as error:
                 _reject(context, error)
             except SessionError as error:

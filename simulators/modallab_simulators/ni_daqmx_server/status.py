@@ -17,6 +17,10 @@ OUTPUT_UNDERFLOW = -200290
 NO_TEDS = -200709
 DUPLICATE_TASK = -200089
 NOT_FINISHED = -200560
+CHASSIS_EXPIRED = -201478
+OTHERS_RESERVED = -201477
+EXPIRED_NOT_RESET = -200644
+NO_WATCHDOG = -200662
 MULTI_DEVICES = -200558
 BUFFER_TOO_SMALL = -200229
 ATTRIBUTE_UNKNOWN = -200197
@@ -81,6 +85,10 @@ _SAID = {
     BAD_TEDS: "TEDS sensor data is invalid or cannot be read.",
     NO_SUCH_DESTINATION: "Destination terminal to be routed could not be found on the device.",
     NO_SUCH_SCALE: "Custom scale specified does not exist.",
+    CHASSIS_EXPIRED: "The chassis' watchdog timer has expired. Reset the chassis.",
+    OTHERS_RESERVED: "The watchdog task cannot be reserved while other tasks on the chassis are reserved.",
+    EXPIRED_NOT_RESET: "The watchdog timer has expired and cannot be reset.",
+    NO_WATCHDOG: "The device does not support a watchdog timer.",
     NOT_FINISHED: "Wait Until Done did not indicate that the task was done within the specified timeout.",
 }
 

@@ -20,6 +20,8 @@ class BenchInfo:
         can_drive: whether it has an excitation output.
         real_time: whether samples arrive at the pace of the clock on the wall.
         facts: what else is known, such as a simulator's seed and true parameters, as text.
+        streams_bursts: whether a burst ends midway, with the output at its last value, when this process or machine
+            dies; else it goes on to its own end at 0 V.
     """
 
     url: str
@@ -27,6 +29,7 @@ class BenchInfo:
     can_drive: bool
     real_time: bool
     facts: dict[str, str]
+    streams_bursts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +145,7 @@ class Bench(Protocol):
         ...
 
     def zero(self) -> None:
-        """Bring the output to 0 V now."""
+        """Bring the output to 0 V now, by a fall where a burst is on and the device answers (`bench.fall`)."""
         ...
 
     def stop(self) -> None:

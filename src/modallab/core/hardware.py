@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
+from modallab.core.errors import ConfigurationError
 from modallab.core.frozen import Frozen
 from modallab.core.units import Test
 
@@ -23,6 +24,8 @@ class Excitation(Frozen):
         baud: of the serial line.
         watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.
         heartbeat_line: digital line that toggles while all is well, for an external relay.
+        watchdog_waived: why an output may be driven without the device's watchdog, where a burst ends with the process
+            that drives it and the device has no watchdog.
     """
 
     kind: Literal["analog-output", "generator"] = "analog-output"
@@ -31,6 +34,25 @@ class Excitation(Frozen):
     baud: PositiveInt = 115200
     watchdog_s: Positive | None = None
     heartbeat_line: str = ""
+    watchdog_waived: str = ""
+
+
+def require_guarded(excitation: Excitation | None, where: str) -> None:
+    """Reject to drive an analog output whose burst ends with the process that drives it, if nothing was said of that.
+
+    Raises:
+        ConfigurationError: there is neither a watchdog nor a reason to go without.
+    """
+    chosen = excitation or Excitation()
+    if chosen.kind != "analog-output" or chosen.watchdog_s is not None or chosen.watchdog_waived.strip():
+        return
+    raise ConfigurationError(
+        "the output holds its last value, not 0 V, if this machine sleeps, crashes or loses the device in a burst,"
+        " and the rig file names no watchdog",
+        where=where,
+        remedy="set excitation.watchdog_s if the device has a watchdog; if it has none, say in"
+        " excitation.watchdog_waived what else ends the drive then, such as a switch within reach",
+    )
 
 
 class Synchronisation(Frozen):

@@ -81,6 +81,8 @@ def put(server: SimulatedSystem, family: str, name: str, task: Task, which: str,
     if family == "Channel":
         for channel in chosen(task, which):
             _require_in_range(task, channel, name, value)
+            if isinstance(task, OutputTask) and name == "AO_IDLE_OUTPUT_BEHAVIOR":
+                task.set_idle(int(value))
             task.attributes[channel.name, name] = value
         if isinstance(task, CounterOutputTask):
             _retrain(task, name, value)

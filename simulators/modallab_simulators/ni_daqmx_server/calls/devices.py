@@ -22,7 +22,7 @@ def create_watchdog(system: SimulatedSystem, request: Any) -> Answer:
     name = request.device_name
     system.require_device(name)
     if not system.chassis and not system.modules[name].simulated:
-        raise StatusError(status.NOT_SUPPORTED_HERE, f"Device: {name}")
+        raise StatusError(status.NO_WATCHDOG, f"Device: {name}")
     found, new = session(system, request)
     if new:
         system.add(WatchdogTask(found, device=name, timeout_s=request.timeout))
@@ -47,11 +47,15 @@ def set_watchdog_states(system: SimulatedSystem, request: Any, kind: str) -> Ans
 
 
 def control_watchdog(system: SimulatedSystem, request: Any) -> Answer:
-    """Reset the timer, or clear what has expired."""
+    """Reset the timer, or clear what has expired. A chassis wants to be reset itself then: to clear is not enough."""
     task = system.task(request.task.name, WatchdogTask)
-    if request.action_raw == 1 or request.action == 1:
+    clears = request.action_raw == 1 or request.action == 1
+    if task.expired and not clears:
+        raise StatusError(status.EXPIRED_NOT_RESET, f"Task Name: {task.name}")
+    if clears and task.device not in system.expired:
         system.let_go(task)
-    task.kick(time.monotonic())
+    if not task.expired:
+        task.kick(time.monotonic())
     return {}
 
 

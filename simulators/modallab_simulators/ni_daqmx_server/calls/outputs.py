@@ -8,7 +8,7 @@ from modallab_simulators.ni_daqmx_server.calls.analog_inputs import as_kind
 from modallab_simulators.ni_daqmx_server.calls.channel_names import assigned, split
 from modallab_simulators.ni_daqmx_server.calls.kinds import settings
 from modallab_simulators.ni_daqmx_server.catalogue import M_SERIES, X_SERIES
-from modallab_simulators.ni_daqmx_server.output_task import OutputTask
+from modallab_simulators.ni_daqmx_server.output_task import IDLE_HOLD, OutputTask
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.tasks import Channel
 
@@ -33,10 +33,12 @@ def add_analog(system: SimulatedSystem, request: Any, kind: str) -> Answer:
             output = OutputTask(task.name)
             task.others.append(output)
         output.physical, output.line = place, system.lines[place]
+        output.needs_clock = module.delta_sigma
         output.held_steps = module.category in (X_SERIES, M_SERIES)
         task.channels.append(Channel(name, place, module))
         task.resources.add(place)
         for attribute, value in given.items():
             task.attributes[name, attribute] = value
         task.attributes[name, "AO_OUTPUT_TYPE"] = TYPES[kind]
+        task.attributes[name, "AO_IDLE_OUTPUT_BEHAVIOR"] = IDLE_HOLD
     return {}

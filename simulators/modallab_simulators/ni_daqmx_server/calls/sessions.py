@@ -111,11 +111,13 @@ def task_control(system: SimulatedSystem, request: Any) -> Answer:
     if action in (VERIFY, COMMIT, RESERVE):
         verify(system, with_channels(task))
     if action in (COMMIT, RESERVE):
+        system.require_unexpired(task)
         system.reserved.take(with_channels(task))
-        task.committed = True
+        task.committed = task.kept = True
     elif action == 0:
         system.start(with_channels(task))
     elif action in (1, UNRESERVE, ABORT):
+        task.kept = task.kept and action == 1
         system.stop(task)
         task.committed = False
     return {}
@@ -142,7 +144,11 @@ def wait_until_done(system: SimulatedSystem, request: Any) -> Answer:
     deadline = time.monotonic() + request.time_to_wait if request.time_to_wait >= 0 else float("inf")
     while True:
         with system.lock:
-            if is_done(system, system.task(request.task.name, Task)):
+            task = system.task(request.task.name, Task)
+            if isinstance(task, OutputTask) and task.finite and task.wave is not None and not system.clock.pace:
+                # Whoever waits lets time pass.
+                system.clock.read_up_to(task.wave.end_s)
+            if is_done(system, task):
                 return {}
         if time.monotonic() >= deadline:
             raise StatusError(status.NOT_FINISHED, f"Task Name: {request.task.name}")

@@ -32,6 +32,7 @@ def _arranged(request: Any, values: NDArray[Any], channels: int) -> NDArray[Any]
 
 
 def _put(system: SimulatedSystem, task: OutputTask, values: Floats, *, auto_start: bool) -> int:
+    system.require_unexpired(task)
     outputs = (task, *task.others)
     if values.shape[0] != len(outputs):
         raise StatusError(

@@ -8,6 +8,7 @@ from modallab.acquisition.procedures.drive import HEADROOM
 from modallab.acquisition.procedures.target import block_name
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError
+from modallab.core.hardware import require_guarded
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, least_rate_hz, records_of
 from modallab.core.rig import Limits, Rig
 
@@ -23,9 +24,12 @@ def require_possible(plan: Plan, rig: Rig, bench: BenchInfo) -> None:
     Raises:
         PlanError: one message with every problem.
         RigError: a channel has no sensitivity for this test.
+        ConfigurationError: nothing would end a burst should this machine die in it.
     """
     for channel in rig.channels:
         channel.sensitivity(records_of(plan))
+    if not isinstance(plan, ImpactPlan) and bench.streams_bursts:
+        require_guarded(rig.excitation, "rig file")
     if isinstance(plan, ImpactPlan):
         problems = _impact_problems(plan, rig)
     elif isinstance(plan, BroadbandPlan):

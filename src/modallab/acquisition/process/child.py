@@ -2,13 +2,14 @@
 
 import os
 import signal
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.process.awake import kept_awake
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
@@ -18,6 +19,7 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError
+from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.storage import Store
 from modallab.storage.records import ENDED
@@ -86,17 +88,19 @@ def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
+    awake = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else kept_awake()
 
     def control() -> Order | None:
         guard.life.working(driving=excitation.on)
         return link.order()
 
     try:
-        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live:
+        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live, awake as said:
             try:
                 run_plan(
                     bench, rig, order.plan, recorder, link.send, control,
-                    requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
+                    requests=link.requests, latch=guard.latch, excitation=excitation,
+                    supervision="; ".join(filter(None, (guard.supervision, said))),
                     live=live, expected=order.expected,
                 )  # fmt: skip
             finally:

@@ -213,10 +213,20 @@ def _work(setup: Setup) -> None:
 
 
 def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
-    supervision = setup.supervision
     longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig.limits)
-    notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
-    return f"{notice}; {supervision}" if supervision else notice
+    notice = f"longest burst {longest:.4g} s: "
+    excitation = setup.rig.excitation
+    if not setup.bench.info.streams_bursts:
+        notice += "whatever dies, the output is at 0 V by itself after at most so long"
+    elif excitation is not None and excitation.watchdog_s is not None:
+        notice += f"whatever dies, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+    else:
+        waived = excitation.watchdog_waived if excitation is not None else ""
+        notice += (
+            "should this machine crash or sleep, or lose the device, in a burst, the output HOLDS ITS LAST VALUE: the"
+            f" device has no watchdog; the rig file says: {waived}"
+        )
+    return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
 def _drop_left(setup: Setup) -> None:
