@@ -15,7 +15,7 @@ def split(names: str) -> list[str]:
         StatusError: a range that cannot be read.
     """
     found: list[str] = []
-    for part in (p.strip() for p in names.split(",")):
+    for part in (p.strip().removeprefix("/") for p in names.split(",")):
         if ":" not in part:
             found += [part] if part else []
             continue

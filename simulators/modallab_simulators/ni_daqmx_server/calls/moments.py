@@ -33,7 +33,7 @@ def wait(system: SimulatedSystem, request: Any) -> Answer:
     """
     task = system.task(request.task.name, Task)
     name = _STAMPS.get(request.timestamp_event_raw or request.timestamp_event, "FIRST_SAMP")
-    # The first sample is stamped by devices that keep the time unless they are set not to.
+    # The first sample is stamped by devices that keep the time unless that is switched off.
     if not task.get(f"{name}_TIMESTAMP_ENABLE", name == "FIRST_SAMP"):
         raise StatusError(status.NO_TIMESTAMP, f"Task Name: {task.name}")
     task.attributes["", f"{name}_TIMESTAMP_ENABLE"] = True

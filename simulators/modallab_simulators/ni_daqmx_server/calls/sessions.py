@@ -91,7 +91,7 @@ def with_channels(task: Task) -> Task:
 
 
 def stop_task(system: SimulatedSystem, request: Any) -> Answer:
-    """Stop; a finite generation that had not ended gives a warning."""
+    """Stop; a finite generation that had not ended is reported by a warning."""
     task = system.task(request.task.name, Task)
     early = _stops_early(system, task)
     system.stop(task)
