@@ -327,7 +327,9 @@ class _BurstLook:
         return self._kept[:, begin - self._first : end - self._first]
 
     def _times(self, begin: int, end: int) -> Real:
-        return (np.arange(begin, end) + (self._step - 1) / (2 * self._step)) * self._dt + self._early_s
+        return (
+            np.arange(begin, end, dtype=np.float64) + (self._step - 1) / (2 * self._step)
+        ) * self._dt + self._early_s
 
     def _basis(self, begin: int, end: int) -> Real:
         times = self._times(begin, end)
