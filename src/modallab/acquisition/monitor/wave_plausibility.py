@@ -28,7 +28,7 @@ WINDOW_HOPS = 4
 UNSURE_HOPS = 8
 """So many before the window are neither learned from nor part of the usual level: a fault may lie in them unfound."""
 
-FLAT_S = 0.2
+FLAT_S = 0.12
 """What is searched for flat tops."""
 
 LEAST_RATE_HZ = 1000.0
@@ -172,7 +172,7 @@ class _WaveLook:
     def cut_off(self) -> NDArray[np.bool_]:
         """(channels,) whether the last samples, as delivered, have flat tops."""
         end = self._raw.shape[1] - (self._seen_to - self._taken)
-        return flat_tops(self._raw[:, :end], self._noise.rms, self._noise.step)
+        return flat_tops(self._raw[:, :end], self._noise)
 
     def gone(self, force: int) -> NDArray[np.bool_]:
         """(channels,) whether a channel has not moved for some looks, where it must."""
