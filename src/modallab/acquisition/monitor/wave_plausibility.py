@@ -66,11 +66,17 @@ FORCE_STILL, OTHERS_SEEN = 4.0, 100.0
 GONE_LOOKS = 3
 """A channel is gone after so many looks in a row."""
 
-REMEDY = "check the channel's sensor, cable and input; blocks that may hold the fault do not count"
+REMEDY = "check the channel's sensor, cable and input; the blocks before this wave are kept, those in it do not count"
 
 
 class WavePlausibility:
-    """Holds each channel of a wave against the others and the drive; without a wave it sees nothing."""
+    """Holds each channel of a wave against the others and the drive; without a wave it sees nothing.
+
+    Attributes:
+        failed: whether a channel of the last wave could not be believed.
+    """
+
+    failed: bool
 
     def __init__(self, names: Sequence[str], force: int, watched: Sequence[int], rate_hz: float) -> None:
         """Watch channels.
@@ -84,6 +90,7 @@ class WavePlausibility:
         self._names, self._force, self._rate_hz = tuple(names), force, rate_hz
         self._watched = np.isin(np.arange(len(names)), [force, *watched])
         self._look: _WaveLook | None = None
+        self.failed = False
 
     def begin(self, wave: Waveform, start: int, rest: Samples, noise: RestNoise, period_s: float) -> None:
         """A wave begins.
@@ -96,6 +103,7 @@ class WavePlausibility:
             period_s: after which it repeats, or is like itself.
         """
         self._look = _WaveLook(wave, start, rest, noise, self._rate_hz, period_s)
+        self.failed = False
 
     def end(self) -> None:
         """The wave has ended."""
@@ -119,6 +127,7 @@ class WavePlausibility:
     def _require(self, wrong: NDArray[np.bool_], what: str) -> None:
         found = np.flatnonzero(wrong & self._watched)
         if found.size:
+            self.failed = True
             names = ", ".join(self._names[channel] for channel in found)
             raise SafetyError(f"{names} {what}; the output was brought to 0 V", remedy=REMEDY)
 

@@ -23,9 +23,6 @@ from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits, Rig
 from modallab.storage import BlockNote
 
-DOUBTED_S = 0.5
-"""A block that ended so shortly before a fault was found may hold it: it is found within 0.3 s, or in the next tops."""
-
 SEEN = 3.0
 """A force is one if it is so many times what its channel shows at rest."""
 
@@ -149,9 +146,9 @@ class BroadbandTest:
             context.bench.zero()
         finally:
             self.watch.end()
-            if isinstance(error, SafetyError):
-                held = [self._doubted(block, error) for block in held]
-            self._keep(held)
+            # A channel that is cut off may have been so for a while, in few samples, before it was found.
+            doubt = f"in one wave with: {error}" if self.believed.failed else ""
+            self._keep([_doubted(block, doubt) if doubt else block for block in held])
         if isinstance(error, SafetyError):
             first = stream.next - context.block
             overload = stream.overload(first, context.block)
@@ -160,14 +157,6 @@ class BroadbandTest:
                 first,
                 replace(note, name=name, first_sample=first, accepted=False, reason=error.what, overload=overload),
             )
-
-    def _doubted(self, block: HeldBlock, error: SafetyError) -> HeldBlock:
-        """Rejected, if it ended so shortly before an error that it may hold the fault."""
-        context, note = self.context, block.note
-        if context.end_of(note.first_sample) <= context.stream.next - context.stream.samples_of(DOUBTED_S):
-            return block
-        reason = f"ended less than {DOUBTED_S:g} s before: {error.what}"
-        return replace(block, note=replace(note, accepted=False, reason=reason))
 
     def _keep(self, held: list[HeldBlock]) -> None:
         """Write the blocks of a wave that is over: a disk that is slow must not hold up the watch."""
@@ -233,6 +222,10 @@ class BroadbandTest:
                 for names in self.kept.values():
                     if request.block in names:
                         names.remove(request.block)
+
+
+def _doubted(block: HeldBlock, reason: str) -> HeldBlock:
+    return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
 
 def run_broadband(context: Context, plan: BroadbandPlan) -> None:
