@@ -21,8 +21,11 @@ its length: a parabola falls by 5 counts."""
 MOST_AT_TOP, OVER_BELOW = 8, 4
 """A signal is also cut off of which so many samples, and so many times those just below it, lie at the top."""
 
-BELOW_STEPS, BELOW_NOISE = 4.0, 2.0
+BELOW_STEPS, BELOW_NOISE = 6.0, 2.0
 """Just below: by so many counts and so many times the noise."""
+
+MOVES = 5.0
+"""A channel is judged from so many times the steep fall on: a smaller one ends at few values by itself."""
 
 
 def flat_tops(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
@@ -31,7 +34,7 @@ def flat_tops(window: Samples, noise: RestNoise) -> NDArray[np.bool_]:
     A channel whose noise does not move what it delivers repeats values by itself, and is not judged.
     """
     rows = window.astype(np.float64)
-    moves = np.ptp(rows, axis=1) > STEEP_STEPS * noise.step + STEEP_NOISE * noise.rms
+    moves = np.ptp(rows, axis=1) > MOVES * (STEEP_STEPS * noise.step + STEEP_NOISE * noise.rms)
     found = np.zeros(len(rows), dtype=np.bool_)
     for channel in np.flatnonzero(noise.visible & moves):
         row, rms, step = rows[channel], float(noise.rms[channel]), float(noise.step[channel])
