@@ -38,6 +38,7 @@ NewCampaign = Annotated[
 
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
 FILE = "application/octet-stream"
+BINARY = {"type": "string", "format": "binary"}
 
 
 @router.get("/campaigns")
@@ -93,8 +94,7 @@ def change_campaign(
 @router.get(
     "/campaigns/{campaign}/export",
     response_class=Response,
-    responses={200: {"content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}}
-    | documented(404, 409, 507),
+    responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented(404, 409, 507),
 )
 def export(
     campaign: str,
@@ -104,7 +104,5 @@ def export(
     """The valid runs of a campaign as one file; `Modallab-Notes` says what had no place in the format."""
     exported = export_campaign(service, campaign, to)
     headers = {"Modallab-Notes": "; ".join(exported.notes)} if exported.notes else None
-    removed = BackgroundTask(exported.remove)
-    return FileResponse(
-        exported.path, media_type=FILE, filename=exported.path.name, headers=headers, background=removed
-    )
+    name, removed = exported.path.name, BackgroundTask(exported.remove)
+    return FileResponse(exported.path, media_type=FILE, filename=name, headers=headers, background=removed)

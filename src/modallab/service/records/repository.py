@@ -85,7 +85,7 @@ class CampaignRepository:
             return _campaign(connection, campaign)
 
     def campaigns(self, before: str | None, limit: int, *, rig: str = "", text: str = "") -> list[CampaignView]:
-        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in name or note."""
+        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in it."""
         query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.seq.desc()).limit(limit)
         if rig:
             query = query.where(CAMPAIGNS.c.rig == rig)
