@@ -83,11 +83,13 @@ class _Followed:
 
     def follow(self, store: Store) -> None:
         """Look at what is new."""
-        counted = {row.n for row in store.catalogue.blocks(self.run) if row.note.accepted}
+        rows = {row.n: row.note.drive_point for row in store.catalogue.blocks(self.run) if row.note.accepted}
+        counted = rows.keys()
         gone = self._seen.keys() - counted
-        changed = {self._seen[n] for n in gone}
+        back = {n for n in counted - self._seen.keys() if self._seen and n < max(self._seen)}
+        # Such a point is summed anew: what was added cannot be taken away to the last digit, nor put between others.
+        changed = {self._seen[n] for n in gone} | {rows[n] for n in back}
         self.sums.forget(gone, changed)
-        # What is left at such a point is summed anew: what was added cannot be taken away to the last digit.
         self._seen = {n: point for n, point in self._seen.items() if point not in changed}
         self._added &= self._seen.keys()
         for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
