@@ -1,7 +1,7 @@
 """Runs the vendor's own Python examples against the simulated server, and counts those that end well.
 
-Each example is run as it is shipped. An example that waits for Enter is given it after eight seconds, one that waits for
-Ctrl+C is sent that. The signals that the examples' own comments ask for are connected first.
+Each example is run as it is shipped. An example that waits for Enter is given it after eight seconds, one that waits
+for Ctrl+C is sent that. The signals that the examples' own comments ask for are connected first.
 
     python benchmarks/hardware/vendor_examples.py CHECKOUT
 """

@@ -53,22 +53,21 @@ class Timed(FaultyBench):
 
 @pytest.mark.parametrize("channel", [0, 9])
 @pytest.mark.parametrize("kind", ["dead", "frozen", "unplugged", "clipped"])
-@pytest.mark.parametrize("signal", ["pseudo-random", "random", "chirp"])
+@pytest.mark.parametrize(("signal", "part"), [("pseudo-random", 0.15), ("random", 0.54), ("chirp", 0.75)])
 def test_a_channel_that_fails_in_a_wave_stops_the_drive_and_spoils_no_block_that_counts(
-    store: Store, link_rig: Rig, signal: Broadband, kind: Kind, channel: int
+    store: Store, link_rig: Rig, signal: Broadband, part: float, kind: Kind, channel: int
 ) -> None:
     plan = plan_of(signal)
     # In the first second, between two blocks, and late in a block.
-    for seed, part in enumerate((0.15, 0.54, 0.75)):
-        fault = ChannelFault(kind, channel, part=part, level=0.5)
-        bench = Timed(open_bench(f"sim://cantilever?seed={seed}", link_rig), fault, seed)
-        with store.begin(plan, link_rig, bench.info) as recorder, pytest.raises(SafetyError):
-            run_plan(bench, link_rig, plan, recorder, lambda _: None, chunk_s=0.02)
-        assert bench.at is not None
-        assert (bench.zeroed_at - (bench.seen_from or bench.zeroed_at)) / RATE_HZ <= 0.3
-        rows = store.catalogue.blocks(recorder.run)
-        assert rows[-1].note.name.endswith("_tripped")
-        assert not [r for r in rows if r.note.accepted and r.note.first_sample + r.count > bench.bites_at]
+    fault = ChannelFault(kind, channel, part=part, level=0.5)
+    bench = Timed(open_bench("sim://cantilever?seed=1", link_rig), fault)
+    with store.begin(plan, link_rig, bench.info) as recorder, pytest.raises(SafetyError):
+        run_plan(bench, link_rig, plan, recorder, lambda _: None, chunk_s=0.02)
+    assert bench.at is not None
+    assert (bench.zeroed_at - (bench.seen_from or bench.zeroed_at)) / RATE_HZ <= 0.3
+    rows = store.catalogue.blocks(recorder.run)
+    assert rows[-1].note.name.endswith("_tripped")
+    assert not [r for r in rows if r.note.accepted and r.note.first_sample + r.count > bench.bites_at]
 
 
 @pytest.mark.parametrize("volts", [0.01, 0.5])
@@ -80,9 +79,8 @@ def test_a_sound_bench_is_never_stopped_low_or_high(
     assert link_rig.limits is not None
     high = link_rig.limits.model_copy(update={"acceleration_m_s2": 1000.0})
     rig = link_rig.model_copy(update={"limits": high})
-    for seed in (2, 3):
-        run = record(open_bench(f"sim://cantilever?seed={seed}", rig), rig, plan, store, lambda _: None)
-        assert len(store.blocks(run)) == 6
+    run = record(open_bench("sim://cantilever?seed=2", rig), rig, plan, store, lambda _: None)
+    assert len(store.blocks(run)) == 6
 
 
 def test_blocks_are_written_when_their_wave_is_over(store: Store, link_rig: Rig) -> None:
@@ -125,9 +123,9 @@ def test_a_sound_signal_has_no_flat_tops(noise: float) -> None:
     own = noise_of(noise, rng)
     times = np.arange(240) / RATE_HZ
     for level in (20.0, 50.0, 500.0, 5000.0, 20000.0):
-        signals = [smooth(rng, level, float(h)) for h in rng.choice([0.01, 0.03, 0.1, 0.3, 0.6, 0.9], 300)]
+        signals = [smooth(rng, level, float(h)) for h in rng.choice([0.01, 0.03, 0.1, 0.3, 0.6, 0.9], 60)]
         signals += [
-            level * np.sin(2 * np.pi * f * times + p) for f, p in zip(*rng.uniform(0.5, 300, (2, 300)), strict=True)
+            level * np.sin(2 * np.pi * f * times + p) for f, p in zip(*rng.uniform(0.5, 300, (2, 60)), strict=True)
         ]
         for signal in signals:
             seen = np.rint(signal + noise * rng.standard_normal(240))

@@ -21,6 +21,9 @@ its length: a parabola falls by 5 counts."""
 MOST_AT_TOP, OVER_BELOW = 8, 4
 """A signal is also cut off of which so many samples, and so many times those just below it, lie at the top."""
 
+COARSE = 3
+"""So many times as many where the noise is less than a count, and the tops of a sine may well round to one value."""
+
 BELOW_STEPS, BELOW_NOISE = 6.0, 2.0
 """Just below: by so many counts and so many times the noise."""
 
@@ -48,7 +51,8 @@ def _flat(row: Real, noise: float, step: float) -> bool:
     if at.size < LONG_RUN:
         return False
     below = int((row >= top - BELOW_STEPS * step - BELOW_NOISE * noise).sum()) - at.size
-    if at.size >= MOST_AT_TOP and at.size >= OVER_BELOW * below:
+    most = MOST_AT_TOP if noise >= step else COARSE * MOST_AT_TOP
+    if at.size >= most and at.size >= OVER_BELOW * below:
         return True
     begins = at[np.diff(at, prepend=-2) > 1]
     ends = at[np.diff(at, append=at[-1] + 2) > 1]
