@@ -160,7 +160,7 @@ def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | Non
     if above.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
         return None
     part = top / float(np.abs(later).max())
-    # A tone that is merely smaller, as where two of the structure cancel, spreads so much: in noise it would pass for flat.
+    # A tone that is merely smaller, as where two of the structure cancel, spreads so much: in noise it may seem flat.
     if part * np.abs(later[above]).std() < DISTINCT * STILL * white:
         return None
     return part if np.abs(own[above]).std() < STILL * white else None
