@@ -11,11 +11,11 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.core.rig import Channel, Rig
+from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.options import Options
 from modallab.identification.setups.compare import Compared, compare_setups
-from modallab.identification.setups.found import SetUpModel, same_modes
+from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
 from modallab.identification.setups.join import join_setups
 from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 
@@ -55,9 +55,8 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
     modes = same_modes(found)
     compared = compare_setups(found, modes)
     model = join_setups(found, modes, compared)
-    joined = Campaign(
-        _joined_rig(campaigns), (), (_measured(campaigns, model),), _common(campaigns), campaigns[0].source
-    )
+    frf, first = _measured(campaigns, model), campaigns[0]
+    joined = Campaign(_joined_rig(campaigns), (), (frf,), _common(campaigns), first.source)
     # The records stay with their set-ups: the joined campaign holds FRFs.
     return Joined(Result((Identified("frf", model, None),), ()), compared, found, joined)
 
@@ -85,7 +84,7 @@ def _measured(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
     frfs = [_frf(campaign, model.band_hz) for campaign in campaigns]
     for campaign, frf in zip(campaigns, frfs, strict=True):
         for channel, values in zip(campaign.rig.responses, frf.values, strict=True):
-            rows.setdefault(_label(channel), values)
+            rows.setdefault(joined_name(channel.name, channel.point), values)
     return Frf(
         frequency_hz=frfs[0].frequency_hz,
         values=np.stack([rows[name] for name in model.outputs]),
@@ -104,12 +103,8 @@ def _frf(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
 def _joined_rig(campaigns: Sequence[Campaign]) -> Rig:
     """The first rig with a channel for every sensor at every point where it stood."""
     rig = campaigns[0].rig
-    seen = {_label(c): c for campaign in campaigns for c in campaign.rig.responses}
+    seen = {joined_name(c.name, c.point): c for campaign in campaigns for c in campaign.rig.responses}
     ordered = sorted(seen.items(), key=lambda pair: (pair[1].point is None, pair[1].point or 0))
     renamed = [c.model_copy(update={"name": name, "input": ""}) for name, c in ordered]
     channels = [c.model_copy(update={"index": n}) for n, c in enumerate([rig.force_channel, *renamed])]
     return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels)}).model_dump())
-
-
-def _label(channel: Channel) -> str:
-    return channel.name if channel.point is None else f"{channel.name}@{channel.point}"

@@ -16,7 +16,6 @@ from modallab.core.errors import ConfigurationError, ModallabError
 from modallab.core.setups import Move
 from modallab.service.campaigns.local_session import LocalCampaign
 
-
 LOOK_S = 0.2
 
 

@@ -72,8 +72,8 @@ class Compared:
 
     def words(self) -> tuple[str, ...]:
         """A sentence on each mode that differs; one that says so where none does."""
-        said = [self._of_shift(r) for r in np.flatnonzero(self.shift_off)]
-        said += [self._of_ratio(r) for r in np.flatnonzero(self.ratio_off)]
+        said = [self._of_shift(int(r)) for r in np.flatnonzero(self.shift_off)]
+        said += [self._of_ratio(int(r)) for r in np.flatnonzero(self.ratio_off)]
         return tuple(said) or (f"set-up {self.name}: agrees with {self.against}",)
 
     def _of_shift(self, r: int) -> str:

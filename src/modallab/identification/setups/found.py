@@ -33,6 +33,11 @@ class SetUpModel:
         return dict(zip(self.model.outputs, self.model.output_points, strict=True))
 
 
+def joined_name(channel: str, point: int | None) -> str:
+    """What an output is called in the joined model."""
+    return channel if point is None else f"{channel}@{point}"
+
+
 def same_modes(found: Sequence[SetUpModel]) -> NDArray[np.int64]:
     """(set-ups, modes): where each mode that all set-ups have stands in each, by rising frequency.
 

@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.setups.compare import Compared
-from modallab.identification.setups.found import SetUpModel
+from modallab.identification.setups.found import SetUpModel, joined_name
 
 Real = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -91,18 +91,14 @@ def _poles(models: Sequence[ModalModel], modes: Places, which: str) -> tuple[Rea
     return values, np.where(np.isfinite(sigmas), sigmas, 1e-9 * np.abs(values))
 
 
-def _label(name: str, point: int | None) -> str:
-    return name if point is None else f"{name}@{point}"
-
-
 def _outputs(found: Sequence[SetUpModel]) -> tuple[tuple[str, ...], tuple[int | None, ...]]:
-    seen = {_label(name, point): point for item in found for name, point in item.standing.items()}
+    seen = {joined_name(name, point): point for item in found for name, point in item.standing.items()}
     ordered = sorted(seen.items(), key=lambda pair: (pair[1] is None, pair[1] or 0))
     return tuple(name for name, _ in ordered), tuple(point for _, point in ordered)
 
 
 def _rows(item: SetUpModel, names: Sequence[str]) -> list[int]:
-    return [names.index(_label(name, point)) for name, point in item.standing.items()]
+    return [names.index(joined_name(name, point)) for name, point in item.standing.items()]
 
 
 def _scale(item: Compared) -> Real:
@@ -141,8 +137,10 @@ def _notes(found: Sequence[SetUpModel], modes: Places, compared: Sequence[Compar
     off = [item.name for item in compared if item.off]
     if off:
         notes.append(f"Set-ups that are off: {', '.join(off)}. The scatter between set-ups is in the sigmas.")
-    left = {item.name: item.model.n_modes - modes.shape[1] for item in found if item.model.n_modes > modes.shape[1]}
+    unshared = {item.name: item.model.n_modes - modes.shape[1] for item in found}
     notes += [
-        f"set-up {name}: {count} of its modes are not in every set-up, and left out" for name, count in left.items()
+        f"set-up {name}: {count} of its modes are not in every set-up, and not in the joined model"
+        for name, count in unshared.items()
+        if count
     ]
     return tuple(notes)

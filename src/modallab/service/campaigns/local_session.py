@@ -4,6 +4,7 @@ import getpass
 import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Self
@@ -125,7 +126,7 @@ class LocalCampaign:
         for plan, rig in parts:
             if ended() or not self._stands(plan, rig, moved):
                 break
-            runs.append(self.run(with_known_modes(plan, lambda: self._before(rig, runs)), notify))
+            runs.append(self.run(with_known_modes(plan, partial(self._before, rig, runs)), notify))
         return tuple(runs)
 
     def recorded_by_rig(self, runs: Sequence[str]) -> tuple[Campaign, ...]:
