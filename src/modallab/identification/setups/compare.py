@@ -33,6 +33,7 @@ class Compared:
         ratio_sigma: (modes,)
         moved: names of the sensors that stand elsewhere.
         moved_kg: their mass.
+        stays: whether a sensor stands at one and the same point in both.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Compared:
     ratio_sigma: Real
     moved: tuple[str, ...]
     moved_kg: float
+    stays: bool
 
     @property
     def shift_sigmas(self) -> Real:
@@ -71,9 +73,10 @@ class Compared:
         return _beyond(self.ratio - 1, self.ratio_sigma, OFF_RATIO)
 
     def words(self) -> tuple[str, ...]:
-        """A sentence on each mode that differs; one that says so where none does."""
-        said = [self._of_shift(int(r)) for r in np.flatnonzero(self.shift_off)]
-        said += [self._of_ratio(int(r)) for r in np.flatnonzero(self.ratio_off)]
+        """A sentence on the mode that differs most, by frequency and by the reference; or that none does."""
+        shift, ratio = np.where(self.shift_off, np.abs(self.shift), 0), np.where(self.ratio_off, self.ratio - 1, 0)
+        said = [self._of_shift(int(np.argmax(shift)))] if shift.any() else []
+        said += [self._of_ratio(int(np.argmax(np.abs(ratio))))] if ratio.any() else []
         return tuple(said) or (f"set-up {self.name}: agrees with {self.against}",)
 
     def _of_shift(self, r: int) -> str:
@@ -81,7 +84,7 @@ class Compared:
         side = "lower" if percent < 0 else "higher"
         return (
             f"set-up {self.name}: mode {r + 1} is {abs(percent):.2g} % {side} than in {self.against}"
-            f" ({sigmas:.3g} sigmas): {self._cause()}"
+            f" ({sigmas:.0f} sigmas){_others(self.shift_off)}: {self._cause()}"
         )
 
     def _cause(self) -> str:
@@ -94,8 +97,12 @@ class Compared:
         percent, sigmas = 100 * (self.ratio[r] - 1), abs(self.ratio_sigmas[r])
         return (
             f"set-up {self.name}: the reference reads mode {r + 1} {percent:+.2g} % against {self.against}"
-            f" ({sigmas:.3g} sigmas): its sensor, the hammer's gain, or the mode's shape changed"
+            f" ({sigmas:.0f} sigmas){_others(self.ratio_off)}: its sensor, the hammer's gain, or the mode's shape changed"
         )
+
+
+def _others(off: NDArray[np.bool_]) -> str:
+    return f", and {off.sum() - 1} more modes differ" if off.sum() > 1 else ""
 
 
 def _beyond(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
@@ -138,6 +145,7 @@ def _compared(one: SetUpModel, at: NDArray[np.int64], other: SetUpModel, there: 
         ratio_sigma=ratio_sigma,
         moved=tuple(one.model.outputs[n] for n in moved),
         moved_kg=sum(one.masses_kg[n] for n in moved),
+        stays=len(moved) < len(one.model.outputs),
     )
 
 

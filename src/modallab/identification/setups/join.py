@@ -20,8 +20,8 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
 
     Where frequencies agree within their sigmas, their mean is weighted by these; where they do not, the scatter between
     set-ups is estimated, weighs in, and is added to the sigma (DerSimonian and Laird, Controlled Clinical Trials 7,
-    1986): the result is that of any one set-up, not of their mean alone. A mode that the reference reads otherwise in a
-    set-up is scaled there to the one that it was compared with.
+    1986): the result is that of any one set-up, not of their mean alone. A mode that a sensor that stays reads otherwise
+    in a set-up is scaled there to the one that it was compared with.
 
     Args:
         found: at least two set-ups, struck at the same points.
@@ -103,7 +103,8 @@ def _rows(item: SetUpModel, names: Sequence[str]) -> list[int]:
 
 def _scale(item: Compared) -> Real:
     """(modes,) by what the modal constants of a set-up are divided."""
-    return np.where(item.ratio_off, item.ratio, 1.0)
+    # Two sensors at exchanged points differ in gain, and a mass that moved changes a shape at both.
+    return np.where(item.ratio_off & item.stays, item.ratio, 1.0)
 
 
 def _constants(
