@@ -24,6 +24,11 @@ def watchdog_name(device: str) -> str:
     return f"modallab-{device}-watchdog"
 
 
+def heartbeat_name(device: str) -> str:
+    """Name under which a server knows the task of the heartbeat line: left behind, it would keep a watchdog off."""
+    return f"modallab-{device}-heartbeat"
+
+
 def after_expiry(route: Route, call: Callable[[], T]) -> T:
     """Make a call; where the chassis' watchdog has expired, reset the chassis first.
 
@@ -100,7 +105,7 @@ class HeartbeatLine:
         self._where = f"{route.address.url}, rig file field excitation.heartbeat_line"
         self._level = False
         with translated(self._where):
-            self._task: Any = route.task()
+            self._task: Any = route.task(heartbeat_name(route.address.device))
             self._task.do_channels.add_do_chan(line)
 
     def beat(self) -> None:

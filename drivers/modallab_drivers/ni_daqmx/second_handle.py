@@ -11,7 +11,7 @@ from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
-from modallab_drivers.ni_daqmx.guards import watchdog_name
+from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
@@ -100,6 +100,7 @@ class SecondHandle:
         for device in (self._route.address.device, *self._route.address.others):
             self._end_task(session_name(device))
             self._end_task(watchdog_name(device))
+            self._end_task(heartbeat_name(device))
 
     def close(self) -> None:
         """Let go."""

@@ -122,8 +122,8 @@ class Client:
         shape = tuple(int(part) for part in response.headers["Modallab-Shape"].split(","))
         return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
 
-    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease) -> BlockView:
-        """Accept or reject a block."""
+    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
+        """Accept or reject a block; while its run goes on that needs the lease."""
         path = f"/runs/{run}/blocks/{n}/verdict"
         return BlockView.model_validate_json(self._send("PUT", path, verdict, lease).content)
 

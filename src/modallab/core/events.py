@@ -73,7 +73,22 @@ class WaitingForRest(Frozen):
 
 
 class BlockAcknowledged(Frozen):
-    """A block is on the disk and in the table: from here on it cannot be lost."""
+    """A block is on the disk and in the table: from here on it cannot be lost.
+
+    Attributes:
+        n: its number in the run, from 0.
+        name: unique in the run.
+        first_sample: place of the first sample in the device's own count.
+        count: samples per channel.
+        crc32: of the samples as (channels, count), C order, little-endian.
+        accepted: whether it counts.
+        reason: why it does not.
+        drive_point: point of the hit or of the shaker; None if unknown.
+        level: of the drive, in a sine test.
+        frequency_hz: of the drive, in a sine test.
+        facts: what was measured when it was recorded: of a hit `peak_n`, `contact_s`, `second_ratio` (a double hit's
+            share) and `drop_db` (how far the force spectrum falls within the band), of a sine `force_n`.
+    """
 
     kind: Literal["block"] = "block"
     run: str
@@ -84,6 +99,10 @@ class BlockAcknowledged(Frozen):
     crc32: int
     accepted: bool
     reason: str = ""
+    drive_point: int | None = None
+    level: str | None = None
+    frequency_hz: float | None = None
+    facts: dict[str, float | str] = Field(default_factory=dict[str, "float | str"])
 
 
 class BlockDropped(Frozen):

@@ -3,6 +3,7 @@
 import time
 import zlib
 from datetime import UTC, datetime
+from math import isfinite
 from pathlib import Path
 from typing import Any, Self
 
@@ -171,7 +172,16 @@ def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
         crc32=block.crc32,
         accepted=block.note.accepted,
         reason=block.note.reason,
+        drive_point=block.note.drive_point,
+        level=block.note.level,
+        frequency_hz=block.note.frequency_hz,
+        facts={name: value for name, value in block.note.facts.items() if not _unknown(value)},
     )
+
+
+def _unknown(value: float | str) -> bool:
+    # JSON has no NaN, and a number that is not known says nothing.
+    return isinstance(value, float) and not isfinite(value)
 
 
 def drop(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:

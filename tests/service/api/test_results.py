@@ -1,6 +1,7 @@
 """Models, comparisons and diagnoses as resources: the same as the jobs gave, and whether they are still current."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from lab import RIG, Lab
 
 from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
+from modallab.formats.importer import import_sources
 
 API = "/api/v1"
 
@@ -71,12 +73,47 @@ def test_what_is_not_there_yet_says_how_to_get_it(lab: Lab, campaign: str) -> No
 
 
 def test_a_model_is_not_current_once_another_block_counts(lab: Lab, run: str) -> None:
-    lease = lab.service.leases.take(RIG, "Ada", 60.0)
+    """The run has ended: a verdict moves nothing, and needs no lease."""
     with lab.client() as client:
-        place, headers = f"{API}/runs/{run}", {"Modallab-Lease": lease.id}
+        place, headers = f"{API}/runs/{run}", {"Modallab-Operator": "Emmy"}
         assert client.get(f"{place}/model").json()["current"]
         for accepted in (False, True):
             verdict = {"accepted": accepted, "reason": "a slip"}
             client.put(f"{place}/blocks/0/verdict", json=verdict, headers=headers).raise_for_status()
             assert client.get(f"{place}/model").json()["current"] is accepted
-    lab.service.leases.release(RIG, lease.id)
+        (entry, *_) = client.get(f"{API}/audit").json()["items"]
+    assert (entry["operator"], entry["action"]) == ("Emmy", "verdict")
+
+
+@pytest.mark.parametrize(("to", "ending"), [("hdf5", ".h5"), ("uff", ".uff")])
+def test_a_campaign_is_exported_as_a_file_that_holds_its_blocks(
+    lab: Lab, campaign: str, run: str, tmp_path: Path, to: str, ending: str
+) -> None:
+    with lab.client() as client:
+        answer = client.get(f"{API}/campaigns/{campaign}/export", params={"to": to}).raise_for_status()
+    assert f'filename="{campaign}{ending}"' in answer.headers["content-disposition"]
+    file = tmp_path / f"export{ending}"
+    file.write_bytes(answer.content)
+    found = import_sources([file], lab.store.catalogue.run(run).rig)
+    assert len(found.blocks) == len(lab.store.blocks(run))
+    assert not list(lab.store.folder.glob("modallab-export-*"))
+
+
+def test_campaigns_are_found_by_name_note_and_rig(lab: Lab) -> None:
+    with lab.client() as client:
+
+        def found(**query: str) -> list[str]:
+            return [c["name"] for c in client.get(f"{API}/campaigns", params=query).json()["items"]]
+
+        assert found(text="A MODEL") == ["with a model"]
+        assert found(text="with") == found(rig=RIG) == ["with nothing", "with a model"]
+        assert found(text="100%") == found(rig="another") == []
+
+
+def test_what_cannot_be_exported_says_why(lab: Lab, campaign: str) -> None:
+    with lab.client() as client:
+        unknown = client.get(f"{API}/campaigns/{campaign}/export", params={"to": "docx"})
+        empty = next(c.id for c in lab.service.repository.campaigns(None, 10) if not c.runs)
+        nothing = client.get(f"{API}/campaigns/{empty}/export")
+    assert (unknown.status_code, nothing.status_code) == (422, 409)
+    assert "hdf5" in unknown.text

@@ -41,7 +41,7 @@ class LiveFrfs:
         followed = self._of(run)
         with followed.lock:
             followed.follow(self._store)
-            return convert(followed.sums.frf(points), "mobility")
+            return convert(followed.sums.frf(points or followed.points), "mobility")
 
     def revisions(self, run: str) -> dict[int | None, int]:
         """Look at the blocks that are new or count no more; a number by point that grows when its FRF changes.
@@ -74,18 +74,28 @@ class _Followed:
         self.run, self.sums, self.lock = run, sums, Lock()
         self.revisions: dict[int | None, int] = {}
         self._seen: dict[int, int | None] = {}
+        self._added: set[int] = set()
+
+    @property
+    def points(self) -> tuple[int | None, ...]:
+        """Points that have blocks in the sums, in the order of time."""
+        return tuple(dict.fromkeys(self._seen[n] for n in sorted(self._added)))
 
     def follow(self, store: Store) -> None:
         """Look at what is new."""
-        counted = {row.n for row in store.catalogue.blocks(self.run) if row.note.accepted}
+        rows = {row.n: row.note.drive_point for row in store.catalogue.blocks(self.run) if row.note.accepted}
+        counted = rows.keys()
         gone = self._seen.keys() - counted
-        changed = {self._seen[n] for n in gone}
+        back = {n for n in counted - self._seen.keys() if self._seen and n < max(self._seen)}
+        # Such a point is summed anew: what was added cannot be taken away to the last digit, nor put between others.
+        changed = {self._seen[n] for n in gone} | {rows[n] for n in back}
         self.sums.forget(gone, changed)
-        # What is left at such a point is summed anew: what was added cannot be taken away to the last digit.
         self._seen = {n: point for n, point in self._seen.items() if point not in changed}
+        self._added &= self._seen.keys()
         for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
             self._seen[block.order] = block.drive_point
             if self.sums.add(block):
+                self._added.add(block.order)
                 changed.add(block.drive_point)
         for point in changed:
             self.revisions[point] = self.revisions.get(point, 0) + 1

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Connection, Engine, delete, insert, select, update
+from sqlalchemy import Connection, Engine, delete, insert, or_, select, update
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.jobs import Job
@@ -84,9 +84,14 @@ class CampaignRepository:
         with reading(self._engine) as connection:
             return _campaign(connection, campaign)
 
-    def campaigns(self, before: str | None, limit: int) -> list[CampaignView]:
-        """Up to `limit` campaigns before the one named `before`, newest first."""
+    def campaigns(self, before: str | None, limit: int, *, rig: str = "", text: str = "") -> list[CampaignView]:
+        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in it."""
         query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.seq.desc()).limit(limit)
+        if rig:
+            query = query.where(CAMPAIGNS.c.rig == rig)
+        if text:
+            columns = CAMPAIGNS.c.name, CAMPAIGNS.c.note
+            query = query.where(or_(*(column.icontains(text, autoescape=True) for column in columns)))
         if before is not None:
             place = select(CAMPAIGNS.c.seq).where(CAMPAIGNS.c.id == before).scalar_subquery()
             query = query.where(CAMPAIGNS.c.seq < place)
