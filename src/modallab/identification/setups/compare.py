@@ -97,7 +97,8 @@ class Compared:
         percent, sigmas = 100 * (self.ratio[r] - 1), abs(self.ratio_sigmas[r])
         return (
             f"set-up {self.name}: the reference reads mode {r + 1} {percent:+.2g} % against {self.against}"
-            f" ({sigmas:.0f} sigmas){_others(self.ratio_off)}: its sensor, the hammer's gain, or the mode's shape changed"
+            f" ({sigmas:.0f} sigmas){_others(self.ratio_off)}:"
+            " its sensor, the hammer's gain, or the mode's shape changed"
         )
 
 

@@ -20,8 +20,8 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
 
     Where frequencies agree within their sigmas, their mean is weighted by these; where they do not, the scatter between
     set-ups is estimated, weighs in, and is added to the sigma (DerSimonian and Laird, Controlled Clinical Trials 7,
-    1986): the result is that of any one set-up, not of their mean alone. A mode that a sensor that stays reads otherwise
-    in a set-up is scaled there to the one that it was compared with.
+    1986): the result is that of any one set-up, not of their mean alone. A mode that a sensor that stays
+    reads otherwise in a set-up is scaled there to the one that it was compared with.
 
     Args:
         found: at least two set-ups, struck at the same points.
