@@ -65,12 +65,12 @@ class Compared:
     @property
     def shift_off(self) -> NDArray[np.bool_]:
         """(modes,) whose frequencies differ."""
-        return _beyond(self.shift, self.shift_sigma, OFF_SHIFT)
+        return _differs(self.shift, self.shift_sigma, OFF_SHIFT)
 
     @property
     def ratio_off(self) -> NDArray[np.bool_]:
         """(modes,) which the reference reads otherwise."""
-        return _beyond(self.ratio - 1, self.ratio_sigma, OFF_RATIO)
+        return _differs(self.ratio - 1, self.ratio_sigma, OFF_RATIO)
 
     def words(self) -> tuple[str, ...]:
         """A sentence on the mode that differs most, by frequency and by the reference; or that none does."""
@@ -106,7 +106,7 @@ def _others(off: NDArray[np.bool_]) -> str:
     return f", and {off.sum() - 1} more modes differ" if off.sum() > 1 else ""
 
 
-def _beyond(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
+def _differs(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
     # What has no sigma, or nothing to be held against, differs from nothing.
     return (np.abs(off) > least) & (np.abs(off) > OFF_SIGMAS * sigma)
 
