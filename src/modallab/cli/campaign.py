@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         if len(campaigns) > 1:
             _identify_setups(console, campaigns, arguments)
             return 0
-        campaign = campaigns[0]
+        campaign = next(iter(campaigns))
         if arguments.out is not None:
             write_campaign(campaign, arguments.out)
         _identify(console, store, campaign, runs, arguments.report)

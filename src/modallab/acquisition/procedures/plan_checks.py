@@ -66,9 +66,10 @@ def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
     if len(plan.setups) > 1:
         return [f"setups: {len(plan.setups)} in one run; allowed: one, as modallab campaign run begins them in turn"]
     return [
-        f"setups: {plan.setups[0].name} has {move.channel} at point {move.after}, the rig at {move.before};"
+        f"setups: {setup.name} has {move.channel} at point {move.after}, the rig at {move.before};"
         " allowed: a rig as in the set-up"
-        for move in moves(rig, rig_of(rig, plan.setups[0]))
+        for setup in plan.setups
+        for move in moves(rig, rig_of(rig, setup))
     ]
 
 
