@@ -38,6 +38,9 @@ APART = 0.5
 ASTRAY = 10.0
 """A channel has gone astray that parts by so many times its noise and what was left unexplained before."""
 
+DISTINCT = 2.0
+"""What is flat is so many times stiller than the same tone on a smaller scale would be."""
+
 LEAST_CUT = 5
 CUT_PART = 0.1
 """So many samples, and this part of the window, must lie flat where more was foreseen."""
@@ -156,8 +159,11 @@ def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | Non
     above = np.abs(later) > top
     if above.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
         return None
-    flat = np.abs(own[above])
-    return top / float(np.abs(later).max()) if flat.std() < STILL * white else None
+    part = top / float(np.abs(later).max())
+    # A tone that is merely smaller, as where two of the structure cancel, spreads so much: in noise it would pass for flat.
+    if part * np.abs(later[above]).std() < DISTINCT * STILL * white:
+        return None
+    return part if np.abs(own[above]).std() < STILL * white else None
 
 
 def _rms(values: Real, axis: int) -> Real:
