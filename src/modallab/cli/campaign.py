@@ -3,6 +3,8 @@
 import argparse
 import getpass
 import signal
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -10,7 +12,7 @@ from rich.console import Console
 from modallab.cli.bench_mode.keys import KeyMap, listening
 from modallab.cli.bench_mode.operator import Operator
 from modallab.cli.gap import read_plans
-from modallab.cli.identify import print_remarks, result_table
+from modallab.cli.identify import print_remarks, result_table, show_joined
 from modallab.core.block import Campaign
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan
@@ -20,10 +22,11 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.report import report_content
+from modallab.pipelines.setups import identify_setups, setup_names
 from modallab.reporting.report import write_report
 from modallab.service.campaigns.local_session import LocalCampaign
-from modallab.storage import Store, campaign_of
-from modallab.storage.campaigns import rejected_blocks
+from modallab.storage import Store
+from modallab.storage.campaigns import campaigns_by_rig, rejected_blocks
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,7 +40,11 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console()
     runs = _record(console, rig, url, read_plans(arguments.plan), arguments)
     with Store(arguments.data) as store:
-        campaign = campaign_of(store, runs)
+        campaigns = campaigns_by_rig(store, runs)
+        if len(campaigns) > 1:
+            _identify_setups(console, campaigns, arguments)
+            return 0
+        campaign = next(iter(campaigns))
         if arguments.out is not None:
             write_campaign(campaign, arguments.out)
         _identify(console, store, campaign, runs, arguments.report)
@@ -51,8 +58,13 @@ def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: 
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
         at_bench = Operator(console, keys, session, mute=arguments.mute)
         try:
-            with listening(keys, at_bench.pressed):
-                return session.run_all(plans, at_bench.notify, lambda: at_bench.left)
+            with listening(keys, at_bench.pressed) as hears:
+                return session.run_all(
+                    plans,
+                    at_bench.notify,
+                    lambda: at_bench.left,
+                    lambda setup, moves: at_bench.moved(setup, moves, hears),
+                )
         finally:
             at_bench.close()
 
@@ -64,3 +76,19 @@ def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[st
     if report is not None:
         rejected = [pair for name in runs for pair in rejected_blocks(store, name)]
         write_report(report, report_content(campaign, result, f"Modal test of {campaign.rig.name}", rejected))
+
+
+def _identify_setups(console: Console, campaigns: Sequence[Campaign], arguments: argparse.Namespace) -> None:
+    """Write the file of each set-up, show their joined model, then those of other tests."""
+    if arguments.out is not None:
+        for name, campaign in zip(setup_names(campaigns), campaigns, strict=True):
+            write_campaign(campaign, arguments.out.with_stem(f"{arguments.out.stem}-{name}"))
+    struck = [campaign for campaign in campaigns if campaign.of("impact")]
+    if len(struck) > 1:
+        show_joined(console, identify_setups(struck, Options()), arguments.report)
+    for campaign in campaigns:
+        others = replace(campaign, blocks=tuple(b for b in campaign.blocks if len(struck) < 2 or b.test != "impact"))
+        if others.blocks:
+            result = identify_campaign(others, Options())
+            console.print(result_table(others, result))
+            print_remarks(console, result)

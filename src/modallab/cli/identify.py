@@ -1,6 +1,8 @@
 """`modallab identify`: the modal model of a campaign."""
 
 import argparse
+from collections.abc import Sequence
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
@@ -9,9 +11,11 @@ from modallab.core.block import Campaign
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
+from modallab.identification.setups.compare import Compared
 from modallab.pipelines.identify import Result, identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content, truth_of
+from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
 
@@ -19,7 +23,7 @@ from modallab.reporting.table import modal_table
 def run(arguments: argparse.Namespace) -> int:
     """Identify, print the table, and write what was asked for."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
-    campaign = read_campaign(arguments.campaign, rig)
+    campaigns = [read_campaign(path, rig) for path in arguments.campaign]
     band = None if arguments.band is None else (float(arguments.band[0]), float(arguments.band[1]))
     options = Options(
         method=arguments.method,
@@ -28,8 +32,15 @@ def run(arguments: argparse.Namespace) -> int:
         drop_hz=tuple(arguments.drop or ()),
         refine=arguments.refine,
     )
-    result = identify_campaign(campaign, options, arguments.test)
     console = Console()
+    if len(campaigns) > 1:
+        joined = identify_setups(campaigns, options)
+        show_joined(console, joined, arguments.report)
+        if arguments.json is not None:
+            write_models(arguments.json, joined.campaign, joined.result)
+        return 0
+    (campaign,) = campaigns
+    result = identify_campaign(campaign, options, arguments.test)
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
@@ -39,6 +50,36 @@ def run(arguments: argparse.Namespace) -> int:
         write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
         console.print(f"report: {arguments.report}", markup=False)
     return 0
+
+
+def show_joined(console: Console, joined: Joined, report: Path | None) -> None:
+    """The joined model of several set-ups, how far they agree, and the report if one is asked for."""
+    console.print(result_table(joined.campaign, joined.result))
+    console.print(setups_table(joined.compared))
+    print_remarks(console, joined.result)
+    if report is not None:
+        write_report(
+            report, report_content(joined.campaign, joined.result, f"Modal test of {joined.campaign.rig.name}")
+        )
+        console.print(f"report: {report}", markup=False)
+
+
+def setups_table(compared: Sequence[Compared]) -> Table:
+    """Frequency shift of every mode in every set-up, and the amplitude that the reference reads, in % and sigmas."""
+    table = Table("set-up", "against", "mode", "frequency [%]", "sigmas", "reference [%]", "sigmas")
+    for item in compared:
+        for r in range(item.shift.size if item.name != item.against else 0):
+            shift, ratio = 100 * item.shift[r], 100 * (item.ratio[r] - 1)
+            table.add_row(
+                item.name,
+                item.against,
+                str(r + 1),
+                f"{shift:+.2g}",
+                f"{item.shift_sigmas[r]:+.1f}",
+                f"{ratio:+.2g}",
+                f"{item.ratio_sigmas[r]:+.1f}",
+            )
+    return table
 
 
 def result_table(campaign: Campaign, result: Result) -> Table:

@@ -61,7 +61,9 @@ def _add_import(commands: _Commands) -> None:
 
 def _add_identify(commands: _Commands) -> None:
     command = commands.add_parser("identify", help="identify the modal model of a campaign")
-    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
+    command.add_argument(
+        "campaign", type=Path, nargs="+", metavar="FOLDER|CAMPAIGN.h5", help="several: the set-ups of one test"
+    )
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
     command.add_argument("--method", choices=estimator_names(), default=USUAL, help="estimator")
     command.add_argument(

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
@@ -32,12 +32,25 @@ class HitAcceptance(Frozen):
     check_point: bool = True
 
 
+class SetUp(Frozen):
+    """Which sensor stands at which point while a part of a test is recorded.
+
+    Attributes:
+        name: of the set-up, unique in its plan.
+        points: point by channel name; sensors that are not named stay where the rig file has them.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$")]
+    points: dict[str, PositiveInt] = Field(default_factory=dict)
+
+
 class ImpactPlan(Frozen):
     """An impact test: a number of good hits at each point.
 
     `rate_hz` is asked of the device, which may give a higher one; blocks then have the whole number of samples nearest
     to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
     The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
+    With `setups` all points are struck once a set-up, each a run of its own; between them sensors are moved.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"max_refusals": "max_rejections"}
@@ -55,6 +68,7 @@ class ImpactPlan(Frozen):
     hit_timeout_s: PositiveFloat = 300.0
     max_rejections: PositiveInt = 20
     acceptance: HitAcceptance = HitAcceptance()
+    setups: tuple[SetUp, ...] = Field(default=(), exclude_if=unstated)
 
 
 class KnownMode(Frozen):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import StorageError
+from modallab.core.plan import ImpactPlan
 from modallab.storage.records import RunRecord
 from modallab.storage.store import Store
 
@@ -38,6 +39,17 @@ def campaign_of(store: Store, runs: Sequence[str], *, invalid: bool = False) -> 
     )
 
 
+def campaigns_by_rig(store: Store, runs: Sequence[str]) -> tuple[Campaign, ...]:
+    """What runs have recorded, a campaign for each rig they were on, in the order of time.
+
+    Raises:
+        StorageError: as `campaign_of`.
+    """
+    records = [store.catalogue.run(run) for run in runs]
+    rigs = [r.rig for n, r in enumerate(records) if r.rig not in [before.rig for before in records[:n]]]
+    return tuple(campaign_of(store, [r.id for r in records if r.rig == rig]) for rig in rigs)
+
+
 def rejected_blocks(store: Store, run: str) -> list[tuple[Block, str]]:
     """The blocks of a run that were not accepted, each with its reason."""
     reasons = {row.note.name: row.note.reason for row in store.catalogue.blocks(run) if not row.note.accepted}
@@ -68,6 +80,8 @@ def _provenance(store: Store, records: Sequence[RunRecord]) -> dict[str, str]:
         "rig_hash": first.rig_hash,
         "code_version": " ".join(sorted({record.code_version for record in records})),
     }
+    setups = [r.plan.setups[0].name for r in records if isinstance(r.plan, ImpactPlan) and r.plan.setups]
+    known |= {"setup": setups[0]} if setups else {}
     for record in records:
         # Facts are the same in every run of one bench; where one differs, the later run's stands under its own name.
         for key, value in record.facts.items():

@@ -11,6 +11,7 @@ from modallab.core.errors import PlanError
 from modallab.core.hardware import require_guarded
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, least_rate_hz, records_of
 from modallab.core.rig import Limits, Rig
+from modallab.core.setups import moves, rig_of, setup_problems
 
 LEAST_LINES = 8
 
@@ -55,7 +56,21 @@ def _impact_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
         problems.append(f"pre_trigger_s is {plan.pre_trigger_s:g}; allowed: less than half of block_s = {plan.block_s}")
     if accept.min_band_hz > USABLE_BAND * least_rate_hz(plan):
         problems.append(_too_high("min_band_hz", accept.min_band_hz, least_rate_hz(plan)))
-    return problems
+    return [*problems, *_setup_problems(plan, rig)]
+
+
+def _setup_problems(plan: ImpactPlan, rig: Rig) -> list[str]:
+    problems = setup_problems(plan, rig)
+    if problems or not plan.setups:
+        return problems
+    if len(plan.setups) > 1:
+        return [f"setups: {len(plan.setups)} in one run; allowed: one, as modallab campaign run begins them in turn"]
+    return [
+        f"setups: {setup.name} has {move.channel} at point {move.after}, the rig at {move.before};"
+        " allowed: a rig as in the set-up"
+        for setup in plan.setups
+        for move in moves(rig, rig_of(rig, setup))
+    ]
 
 
 def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:

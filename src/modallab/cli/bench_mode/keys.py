@@ -66,11 +66,16 @@ class KeyMap:
 
 
 @contextmanager
-def listening(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generator[None]:
-    """Call `pressed`, from a thread, for each key; without a terminal for the first letter of each line of input."""
+def listening(keys: KeyMap, pressed: Callable[[Meaning], None]) -> Generator[Callable[[], bool]]:
+    """Call `pressed`, from a thread, for each key; without a terminal for the first letter of each line of input.
+
+    Yields:
+        whether a key can still come, or the input has ended.
+    """
     with _single_keys() as read:
-        Thread(target=_follow, args=(read, keys, pressed), name="keys", daemon=True).start()
-        yield
+        thread = Thread(target=_follow, args=(read, keys, pressed), name="keys", daemon=True)
+        thread.start()
+        yield thread.is_alive
 
 
 def _follow(read: Callable[[], str], keys: KeyMap, pressed: Callable[[Meaning], None]) -> None:

@@ -1,7 +1,8 @@
 """Ties the events of a session to screen and tones, and the operator's keys to the running test."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from threading import Lock
+from threading import Condition, Lock
 
 from rich.console import Console
 
@@ -11,8 +12,11 @@ from modallab.cli.bench_mode.session_state import SessionState
 from modallab.cli.bench_mode.tones import Tones
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Accept, Command, Drop, Pause, Resume, Stop
-from modallab.core.errors import ModallabError
+from modallab.core.errors import ConfigurationError, ModallabError
+from modallab.core.setups import Move
 from modallab.service.campaigns.local_session import LocalCampaign
+
+LOOK_S = 0.2
 
 
 class Operator:
@@ -28,6 +32,8 @@ class Operator:
         self._tones = Tones(mute=mute)
         self._state = SessionState()
         self._lock = Lock()
+        self._done = Condition(self._lock)
+        self._keys = keys
         self.left = False
 
     def notify(self, event: EventView) -> None:
@@ -45,14 +51,45 @@ class Operator:
         """Do what a key means; what cannot be done now is shown, and the test goes on."""
         with self._lock:
             state = self._state
-            command = _command(meaning, state)
             self.left = self.left or meaning == "quit"
+            if state.phase == "move":
+                self._state = self._state if meaning != "pause" else replace(state, phase="begin", text="")
+                self._done.notify_all()
+                return
+            command = _command(meaning, state)
         if command is None:
             return
         try:
             self._session.command(state.run, command)
         except ModallabError as error:
             self._console.print(error.what, markup=False, highlight=False)
+
+    def moved(self, setup: str, moves: Sequence[Move], hears: Callable[[], bool]) -> bool:
+        """Say which sensors to move, and wait for the key that says they are; False if the operator quits instead.
+
+        Args:
+            setup: name of the set-up.
+            moves: what to move.
+            hears: whether a key can still come.
+
+        Raises:
+            ConfigurationError: no key can come.
+        """
+        with self._lock:
+            before, self._state = self._state, SessionState(phase="move", text=self._to_move(setup, moves))
+            self._show(self._state, before)
+            while self._state.phase == "move" and not self.left:
+                if not hears():
+                    raise ConfigurationError(
+                        f"sensors are to be moved for set-up {setup}, and no key can say that they are",
+                        remedy="start it with a keyboard, or a pipe that stays open",
+                    )
+                self._done.wait(LOOK_S)
+        return not self.left
+
+    def _to_move(self, setup: str, moves: Sequence[Move]) -> str:
+        each = ", ".join(f"{m.channel} from {'nowhere' if m.before is None else m.before} to {m.after}" for m in moves)
+        return f"set-up {setup}: {each}; then press {self._keys.names['pause']}"
 
     def close(self) -> None:
         """End the tones."""

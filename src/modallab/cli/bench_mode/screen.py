@@ -17,6 +17,7 @@ LOOKS: dict[Phase, tuple[str, str]] = {
     "rejected": ("AGAIN", "bold red"),
     "early": ("TOO EARLY", "bold magenta"),
     "paused": ("PAUSE", "bold blue"),
+    "move": ("MOVE", "bold blue"),
     "drive": ("SINE", "yellow"),
     "ended": ("END", "bold white"),
 }

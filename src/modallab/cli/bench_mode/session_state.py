@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 
 from modallab.core.documents.pages import EventView
 
-Phase = Literal["begin", "wait", "strike", "record", "good", "rejected", "early", "paused", "drive", "ended"]
+Phase = Literal["begin", "wait", "strike", "record", "good", "rejected", "early", "paused", "move", "drive", "ended"]
 
 
 @dataclass(frozen=True, slots=True)

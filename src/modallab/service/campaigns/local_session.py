@@ -3,6 +3,8 @@
 import getpass
 import secrets
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Self
@@ -11,8 +13,10 @@ from modallab.core.block import Campaign
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Command, RunNew
-from modallab.core.plan import Plan
+from modallab.core.errors import PlanError
+from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
+from modallab.core.setups import Move, moves, require_setups, rig_of, split_setups
 from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.begin import begin
 from modallab.service.context import open_service
@@ -23,7 +27,11 @@ from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
 from modallab.storage import Store, campaign_of
+from modallab.storage.campaigns import campaigns_by_rig
 from modallab.storage.lease import Lease
+
+Moved = Callable[[str, Sequence[Move]], bool]
+"""Has sensors moved: gets the set-up's name and what to move, returns once that is done; False to end the session."""
 
 LOCK = "service.lock"
 LOOK_S = 0.05
@@ -44,10 +52,24 @@ def record_campaign(
         notify: called with every event, as it comes.
 
     Raises:
+        PlanError: a plan has set-ups: see `record_setups`.
         ModallabError: what ended a run early; the output is at zero and all acknowledged blocks are in the folder.
     """
     with LocalCampaign(rig, url, folder, rig.name, getpass.getuser()) as session:
         return session.recorded(session.run_all(plans, notify))
+
+
+def record_setups(
+    url: str, rig: Rig, plans: Sequence[Plan], folder: Path, notify: Callable[[EventView], None], moved: Moved
+) -> tuple[Campaign, ...]:
+    """As `record_campaign`, of plans with set-ups: what was recorded in each, with the rig as it stood then.
+
+    Args:
+        url, rig, plans, folder, notify: as `record_campaign`.
+        moved: has sensors moved, and returns once they stand where they belong.
+    """
+    with LocalCampaign(rig, url, folder, rig.name, getpass.getuser()) as session:
+        return session.recorded_by_rig(session.run_all(plans, notify, moved=moved))
 
 
 class LocalCampaign:
@@ -73,6 +95,7 @@ class LocalCampaign:
         Recovery(diary).look()
         (self._rig,) = rig_ids([rig.name])
         leases = Leases(self._store.catalogue.engine, boot)
+        self._as_filed = rig
         self._controller = Controller(Bench(self._rig, rig, url, folder), diary, self._ended.put)
         self._controllers = Controllers([self._controller], leases)
         self._service = open_service(folder, self._controllers, boot)
@@ -80,22 +103,39 @@ class LocalCampaign:
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
 
     def run_all(
-        self, plans: Sequence[Plan], notify: Callable[[EventView], None], ended: Callable[[], bool] = lambda: False
+        self,
+        plans: Sequence[Plan],
+        notify: Callable[[EventView], None],
+        ended: Callable[[], bool] = lambda: False,
+        moved: Moved | None = None,
     ) -> tuple[str, ...]:
         """Run plans in turn, each as `run`; returns the runs' names.
 
         A sine test that lengthens its bursts until they have settled, and names no modes, takes those of the impact
         test before it. Once `ended` says so, the plans that are left are not begun.
 
+        An impact plan with set-ups is run once in each, on the rig as it then stands; before that `moved` is called
+        with the sensors that stand elsewhere. A plan after it finds them where the rig file has them.
+
         Raises:
+            PlanError: sensors are to be moved, but there is no `moved`; or set-ups that the rig cannot have.
             ModallabError: as `run`; the plans after it are not begun.
         """
+        parts = self._parts(plans, moved)
         runs: list[str] = []
-        for plan in plans:
-            if ended():
+        for plan, rig in parts:
+            if ended() or not self._stands(plan, rig, moved):
                 break
-            runs.append(self.run(with_known_modes(plan, lambda: self.recorded(runs)), notify))
+            runs.append(self.run(with_known_modes(plan, partial(self._before, rig, runs)), notify))
         return tuple(runs)
+
+    def recorded_by_rig(self, runs: Sequence[str]) -> tuple[Campaign, ...]:
+        """What runs have recorded, a campaign for each place the sensors stood in, in the order of time.
+
+        Raises:
+            StorageError, DataError: it cannot be read.
+        """
+        return campaigns_by_rig(self._store, runs)
 
     def recorded(self, runs: Sequence[str]) -> Campaign:
         """What runs have recorded, read back from the disk.
@@ -147,6 +187,44 @@ class LocalCampaign:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _parts(self, plans: Sequence[Plan], moved: Moved | None) -> list[tuple[Plan, Rig]]:
+        """Every plan with the rig it is run on, one for each set-up."""
+        parts: list[tuple[Plan, Rig]] = []
+        for plan in plans:
+            if not isinstance(plan, ImpactPlan) or not plan.setups:
+                parts.append((plan, self._as_filed))
+                continue
+            require_setups(plan, self._as_filed)
+            if moved is None:
+                raise PlanError(
+                    f"{len(plan.setups)} setups, and nobody is there to move sensors",
+                    where="impact plan",
+                    remedy="use record_setups, or modallab campaign run",
+                )
+            parts += [(part, rig_of(self._as_filed, part.setups[0])) for part in split_setups(plan)]
+        return parts
+
+    def _stands(self, plan: Plan, rig: Rig, moved: Moved | None) -> bool:
+        """Have the sensors stand as in `rig`; False if the session is ended instead."""
+        bench = self._controller.bench
+        to_move = moves(bench.rig, rig)
+        if not to_move:
+            return True
+        name = plan.setups[0].name if isinstance(plan, ImpactPlan) and plan.setups else "as in the rig file"
+        self._wait_until_open()
+        if moved is None or not moved(name, to_move):
+            return False
+        self._controller.close()
+        self._controller = Controller(replace(bench, rig=rig), self._diary, self._ended.put)
+        self._controllers.replace(self._controller)
+        return True
+
+    def _before(self, rig: Rig, runs: Sequence[str]) -> Campaign:
+        """What was recorded on this rig, or else where the sensors stood last: modes differ little."""
+        rigs = [self._store.catalogue.run(run).rig for run in runs]
+        wanted = rig if rig in rigs or not rigs else rigs[-1]
+        return self.recorded([run for run, on in zip(runs, rigs, strict=True) if on == wanted])
 
     def _has_ended(self) -> bool:
         try:

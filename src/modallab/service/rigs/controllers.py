@@ -62,6 +62,10 @@ class Controllers:
         controller = self._controller(rig)
         controller.reset(reason, self._leases.require(rig, lease).operator)
 
+    def replace(self, controller: Controller) -> None:
+        """Put a controller in the place of a closed one of the same rig, whose sensors were moved."""
+        self._controllers[controller.bench.id] = controller
+
     def ask_to_close(self) -> None:
         """Have every rig left at rest; waits for nothing."""
         for controller in self._controllers.values():

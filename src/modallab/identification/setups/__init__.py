@@ -1,0 +1,1 @@
+"""The models of several set-ups of one test: compared, then joined into one."""

@@ -1,0 +1,110 @@
+"""Identifies every set-up of a test, compares them, and joins them into one model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.identification.options import Options
+from modallab.identification.setups.compare import Compared, compare_setups
+from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
+from modallab.identification.setups.join import join_setups
+from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Joined:
+    """Several set-ups of one hammer test as one.
+
+    Attributes:
+        result: the joined model.
+        compared: each set-up against the one that the others are held against.
+        setups: the models of the set-ups.
+        campaign: the joined outputs as a rig, without records, which are those of the set-ups.
+    """
+
+    result: Result
+    compared: tuple[Compared, ...]
+    setups: tuple[SetUpModel, ...]
+    campaign: Campaign
+
+
+def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
+    """One modal model of the hits of several set-ups.
+
+    Args:
+        campaigns: one a set-up, each with the rig as it stood then.
+        options: as for one campaign.
+
+    Raises:
+        DataError: fewer than two set-ups, or struck at different points.
+        IdentificationError: a set-up has no mode, or no mode is in all of them.
+    """
+    if len(campaigns) < 2:
+        raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
+    names = setup_names(campaigns)
+    found = tuple(_identified(campaign, name, options) for campaign, name in zip(campaigns, names, strict=True))
+    modes = same_modes(found)
+    compared = compare_setups(found, modes)
+    model = join_setups(found, modes, compared)
+    frf, first = _measured(campaigns, model), campaigns[0]
+    joined = Campaign(_joined_rig(campaigns), (), (frf,), _common(campaigns), first.source)
+    # The records stay with their set-ups: the joined campaign holds FRFs.
+    return Joined(Result((Identified("frf", model, None),), ()), compared, found, joined)
+
+
+def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
+    """What each set-up is called: by its plan, else by its file, else by its number."""
+    names = [c.provenance.get("setup") or Path(c.source).stem for c in campaigns]
+    return tuple(name if name and names.count(name) == 1 else f"{n + 1}" for n, name in enumerate(names))
+
+
+def _identified(campaign: Campaign, name: str, options: Options) -> SetUpModel:
+    (item,) = identify_campaign(campaign, options, "impact").identified
+    return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.responses))
+
+
+def _common(campaigns: Sequence[Campaign]) -> dict[str, str]:
+    """What all sources say alike: a simulated bench has other modes with its sensors elsewhere."""
+    known = campaigns[0].provenance
+    return {key: value for key, value in known.items() if all(c.provenance.get(key) == value for c in campaigns)}
+
+
+def _measured(campaigns: Sequence[Campaign], model: ModalModel) -> Frf:
+    """The FRFs of all set-ups, in the order of the joined outputs; of a sensor that stays those of the first."""
+    rows: dict[str, NDArray[np.complex128]] = {}
+    frfs = [_frf(campaign, model.band_hz) for campaign in campaigns]
+    for campaign, frf in zip(campaigns, frfs, strict=True):
+        for channel, values in zip(campaign.rig.responses, frf.values, strict=True):
+            rows.setdefault(joined_name(channel.name, channel.point), values)
+    return Frf(
+        frequency_hz=frfs[0].frequency_hz,
+        values=np.stack([rows[name] for name in model.outputs]),
+        quantity=frfs[0].quantity,
+        outputs=model.outputs,
+        output_points=model.output_points,
+        input_points=model.input_points,
+    )
+
+
+def _frf(campaign: Campaign, band_hz: tuple[float, float]) -> Frf:
+    signals, _ = usable(campaign, campaign.of("impact"))
+    return impact_frf(group_by_point(signals), campaign.rig, band_hz)
+
+
+def _joined_rig(campaigns: Sequence[Campaign]) -> Rig:
+    """The first rig with a channel for every sensor at every point where it stood."""
+    rig = campaigns[0].rig
+    seen = {joined_name(c.name, c.point): c for campaign in campaigns for c in campaign.rig.responses}
+    ordered = sorted(seen.items(), key=lambda pair: (pair[1].point is None, pair[1].point or 0))
+    renamed = [c.model_copy(update={"name": name, "input": ""}) for name, c in ordered]
+    channels = [c.model_copy(update={"index": n}) for n, c in enumerate([rig.force_channel, *renamed])]
+    return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels)}).model_dump())
