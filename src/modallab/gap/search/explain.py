@@ -27,6 +27,8 @@ SOLVED_SHARE = 0.003
 """Share of the first excess at which it is done as well."""
 LAST_DIGIT = 2.5e-4
 """Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
+YIELDS = 0.05
+"""Share of the first excess below which the two tests together yield something: the hits alone would not part more."""
 MOST = 3
 """Effects in one diagnosis."""
 EVIDENT = 4e-4
@@ -37,6 +39,8 @@ def explain(bench: Bench) -> list[Level]:
     """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits."""
     levels = first_rounds(bench, baseline(bench))
     if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
+        return levels
+    if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):
         return levels
     started = from_hits(bench)
     if started is None:
