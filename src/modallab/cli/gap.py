@@ -98,6 +98,10 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
+    sizes = Table("effect", "seen from this share of a plain size")
+    for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
+        sizes.add_row(name, f"{least:.2g}")
+    console.print(sizes)
     for line in advice(found, plans):
         console.print(line, markup=False)
     return 0
