@@ -92,7 +92,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     found = distinguishability(read_rig(arguments.rig), plans)
     console = Console()
     pairs = found.alike()
-    table = Table("effect", "and", "cosine")
+    table = Table("effect", "and", "cosine where they are most alike")
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")

@@ -61,6 +61,11 @@ class Choice:
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
 
+    @property
+    def believed(self) -> Fit:
+        """The twin with what is judged present: what does not explain the gap is none of it."""
+        return self.fit if self.explained else self.base
+
 
 def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
     """Keep the effects without which the gap comes back, and say whether they explain it.
