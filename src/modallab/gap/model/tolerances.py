@@ -30,8 +30,8 @@ LEAST = -5.0
 MEAN, SPREAD = float(np.sqrt(2 / np.pi)), float(np.sqrt(1 - 2 / np.pi))
 """Of a half-normal number, in its tolerance."""
 
-DAMPERS = 6
-"""Places at which dampers stand for one that may be anywhere: the modal damping is smooth in its place."""
+DAMPERS = 12
+"""Places at which dampers stand for one that may be anywhere: two for each half wave of the products of two modes."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
-from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all
+from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all, rested
 from modallab.gap.search.round import Level, round_of
 from modallab.twin.effects import search_of
 
@@ -79,7 +79,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     levels: list[Level] = []
     first = base.gap
     while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
-        level = round_of(bench, base)
+        level = replace(round_of(bench, rested(bench, base)), base=base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
