@@ -27,6 +27,9 @@ from modallab.formats.rig.rig_file import parse_rig
 STEP_V = 1e-9
 
 
+CARDS = ",".join(f"PXI1Slot{slot}" for slot in range(2, 6))
+
+
 def rig_of(channels: int) -> Rig:
     rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
     more = [
@@ -44,7 +47,7 @@ def main() -> int:
     parser.add_argument("--chunk-s", type=float, default=0.1)
     arguments = parser.parse_args()
     rig = rig_of(arguments.channels)
-    with NiServer(rig, "64", "--pace", "--cables", virtual=False) as server:
+    with NiServer(rig, "64", "--pace", "--cables", device=CARDS, virtual=False) as server:
         bench = open_bench(server.url, rig)
         delivery = bench.configure(Request("impact", arguments.rate))
         bench.start()

@@ -1,10 +1,16 @@
-"""Kills the acquisition process in the middle of a 60 s burst and times how long the output goes on.
+"""Kills or freezes what drives a 60 s burst, in the middle of it, and times how long the output goes on.
 
-The output is that of a simulated NI device in a server of its own, which outlives its client: what the client started
-goes on. `--also-supervisor` kills the supervisor and the process that owns both as well, so that nobody is left who
-could do anything; then the device's watchdog is left, or, with `--no-watchdog`, the burst's own end.
+The output is that of a simulated NI device in a server of its own. Without `--local` the burst outlives its client, as
+with NI's device server; with it the burst stops midway when its client dies or is frozen and the output holds its last
+value, as with the driver on one's own machine.
+
+Who is hit: the acquisition process; with `--group` the whole process group of the owner, which the supervisor has left;
+with `--also-supervisor` the owner, the acquisition process and the supervisor, so that nobody is left who could do
+anything: then the device's watchdog is left, or, with `--no-watchdog`, the burst's own end. `--freeze` stops instead
+of killing.
 
     python benchmarks/kill_shaker.py --kills 50
+    python benchmarks/kill_shaker.py --kills 50 --group --local --freeze
 """
 
 import argparse
@@ -20,6 +26,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import psutil
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
@@ -33,10 +40,13 @@ from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import parse_rig
 
-OUTPUT = "cDAQ1Mod4/ao0"
+OUTPUTS = {"9215": "cDAQ1Mod4/ao0", "6211": "Dev1/ao0"}
 LIMIT_S = 0.5
 WATCHDOG_MARGIN_S = 0.1
 """Past a watchdog's own time: to look at the output takes that long."""
+HELD_S = 5.0
+"""An output that has gone on for so long at the value it holds is left there for good."""
+WAIVED = "this is a simulation"
 
 
 def long_burst(seconds: float) -> SinePlan:
@@ -48,60 +58,88 @@ def long_burst(seconds: float) -> SinePlan:
     )  # fmt: skip
 
 
-def kill_once(server: NiServer, rig: Rig, plan: SinePlan, folder: Path) -> float:
-    """Seconds from the kill of the acquisition process until the output has been at 0 V for 10 ms."""
-    with RigProcess(server.url, rig, folder) as process:
-        _ = process.info
-        runner = threading.Thread(target=drain, args=(process, plan), daemon=True)
-        runner.start()
-        wait_until(lambda: server.say("levels 0.1")[OUTPUT] > 0.4, 30.0)
-        process.process.kill()
-        took = time_to_zero(server)
-        runner.join(10)
-    return took
+class Trial:
+    """One server, and one kill after the other."""
 
+    def __init__(self, server: NiServer, output: str, rig: Rig, plan: SinePlan, how: argparse.Namespace) -> None:
+        self.server, self.output, self.rig, self.plan, self.how = server, output, rig, plan, how
+        self.signal = signal.SIGSTOP if how.freeze else signal.SIGKILL
 
-def kill_all(server: NiServer, rig: Rig, plan: SinePlan, folder: Path) -> float:
-    """The same, with the supervisor and the owner killed at once too."""
-    folder.mkdir()
-    (folder / "rig.json").write_text(rig.model_dump_json())
-    (folder / "plan.json").write_text(plan.model_dump_json())
-    command = [sys.executable, __file__, "--own", server.url, "--folder", str(folder)]
-    owner = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    try:
-        assert owner.stdout is not None
-        pids = json.loads(owner.stdout.readline())
-        wait_until(lambda: server.say("levels 0.1")[OUTPUT] > 0.4, 30.0)
-        for pid in (pids["supervisor"], owner.pid, pids["rig"]):
-            os.kill(pid, signal.SIGKILL)
-        took = time_to_zero(server)
-    finally:
-        owner.kill()
-        owner.communicate()
-    # Nobody was left to give the inputs back.
-    handle = open_output(server.url, rig)
-    assert handle is not None
-    handle.release()
-    handle.close()
-    return took
+    def once(self, folder: Path) -> float:
+        """Seconds from the kill until the output has been at 0 V for 10 ms; infinite if it never came there."""
+        return self.with_owner(folder) if self.how.group or self.how.also_supervisor else self.alone(folder)
+
+    def alone(self, folder: Path) -> float:
+        """The acquisition process is hit; its owner and the supervisor live."""
+        with RigProcess(self.server.url, self.rig, folder) as process:
+            _ = process.info
+            runner = threading.Thread(target=drain, args=(process, self.plan), daemon=True)
+            runner.start()
+            self.wait_for_volts()
+            assert process.process.pid is not None
+            os.kill(process.process.pid, self.signal)
+            took = self.time_to_zero()
+            os.kill(process.process.pid, signal.SIGKILL)
+            runner.join(10)
+        return took
+
+    def with_owner(self, folder: Path) -> float:
+        """The owner is hit too, and where that is asked for the supervisor."""
+        folder.mkdir()
+        (folder / "rig.json").write_text(self.rig.model_dump_json())
+        (folder / "plan.json").write_text(self.plan.model_dump_json())
+        command = [sys.executable, __file__, "--own", self.server.url, "--folder", str(folder)]
+        owner = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+        try:
+            assert owner.stdout is not None
+            pids = json.loads(owner.stdout.readline())
+            self.wait_for_volts()
+            if self.how.also_supervisor:
+                for pid in (pids["supervisor"], owner.pid, pids["rig"]):
+                    os.kill(pid, self.signal)
+            else:
+                os.killpg(owner.pid, self.signal)
+            took = self.time_to_zero()
+        finally:
+            os.killpg(owner.pid, signal.SIGKILL)
+            owner.communicate()
+        wait_until(lambda: not psutil.pid_exists(pids["supervisor"]) or self.how.also_supervisor, 60.0)
+        if self.how.also_supervisor:
+            self.give_back(pids["supervisor"])
+        return took
+
+    def give_back(self, supervisor: int) -> None:
+        """Nobody was left to do it."""
+        if psutil.pid_exists(supervisor):
+            os.kill(supervisor, signal.SIGKILL)
+        handle = open_output(self.server.url, self.rig)
+        assert handle is not None
+        handle.release()
+        handle.close()
+
+    def wait_for_volts(self) -> None:
+        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 30.0)
+        # Anywhere in a period.
+        time.sleep(np.random.default_rng().uniform(0.0, 0.1))
+
+    def time_to_zero(self) -> float:
+        # However long a burst takes: one that is late is counted as late.
+        began = time.monotonic()
+        while self.server.say("levels 0.01")[self.output] != 0.0:
+            if self.how.local and time.monotonic() - began > HELD_S:
+                return float("inf")
+            time.sleep(0.002)
+        return time.monotonic() - began - 0.01
 
 
 def own(url: str, folder: Path) -> None:
-    """What the owner does that is killed: run the plan, and say whom else to kill."""
+    """What the owner does that is hit: run the plan, and say who else is there."""
     rig = Rig.model_validate_json((folder / "rig.json").read_text())
     plan = SinePlan.model_validate_json((folder / "plan.json").read_text())
     with RigProcess(url, rig, folder / "data") as process:
         assert process.supervisor is not None
         print(json.dumps({"supervisor": process.supervisor.process.pid, "rig": process.process.pid}), flush=True)
         drain(process, plan)
-
-
-def time_to_zero(server: NiServer) -> float:
-    # However long it takes: one that is late is counted as late.
-    began = time.monotonic()
-    while server.say("levels 0.01")[OUTPUT] != 0.0:
-        time.sleep(0.002)
-    return time.monotonic() - began - 0.01
 
 
 def drain(process: RigProcess, plan: SinePlan) -> None:
@@ -121,46 +159,64 @@ def wait_until(happened, patience_s: float) -> None:
         time.sleep(0.002)
 
 
+def excitation_of(how: argparse.Namespace) -> Excitation | None:
+    if how.no_watchdog:
+        return Excitation(watchdog_waived=WAIVED) if how.local else None
+    return Excitation(watchdog_s=how.watchdog_s) if how.also_supervisor or how.local else None
+
+
+def limit_of(how: argparse.Namespace) -> float:
+    if how.also_supervisor:
+        return how.burst_s if how.no_watchdog else how.watchdog_s + WATCHDOG_MARGIN_S
+    return LIMIT_S
+
+
+def report(took: list[float], how: argparse.Namespace) -> int:
+    limit, reached = limit_of(how), [t for t in took if np.isfinite(t)]
+    good = sum(t <= limit for t in took)
+    word = "a freeze" if how.freeze else "kill -9"
+    times = f"median {np.median(reached):.3f} s, longest {max(reached):.3f} s" if reached else "never"
+    held = f"; {len(took) - len(reached)} held their last value for good" if len(reached) < len(took) else ""
+    print(f"{good} of {len(took)} at 0 V within {limit:g} s of {word}; {times}{held}")
+    return 0 if good == len(took) else 1
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--group", action="store_true", help="the whole process group of the owner")
     parser.add_argument("--also-supervisor", action="store_true")
+    parser.add_argument("--freeze", action="store_true", help="stop it (SIGSTOP), do not kill it")
+    parser.add_argument("--local", action="store_true", help="as with the driver on one's own machine")
     parser.add_argument("--watchdog-s", type=float, default=0.4, help="of the device, where it is what is left")
     parser.add_argument("--no-watchdog", action="store_true")
     parser.add_argument("--burst-s", type=float, default=59.9)
     parser.add_argument("--own", default="", help=argparse.SUPPRESS)
     parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.own:
-        own(arguments.own, arguments.folder)
+    how = parser.parse_args()
+    if how.own:
+        own(how.own, how.folder)
         return 0
     rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
-    if arguments.also_supervisor and not arguments.no_watchdog:
-        rig = rig.model_copy(update={"excitation": Excitation(watchdog_s=arguments.watchdog_s)})
-    plan = long_burst(arguments.burst_s)
-    with NiServer(rig, "9215", "--pace", virtual=False) as server, tempfile.TemporaryDirectory() as folder:
+    rig = rig.model_copy(update={"excitation": excitation_of(how)})
+    # A device without a watchdog, where one may do without.
+    system = "6211" if how.local and how.no_watchdog else "9215"
+    options = ["--pace", *(["--local"] if how.local else [])]
+    with NiServer(rig, system, *options, virtual=False) as server, tempfile.TemporaryDirectory() as folder:
         server.say("preamplifiers sine")
-        once = kill_all if arguments.also_supervisor else kill_once
+        trial = Trial(server, OUTPUTS[system], rig, long_burst(how.burst_s), how)
         took: list[float] = []
-        for n in range(2 * arguments.kills):
-            if len(took) == arguments.kills:
+        for n in range(2 * how.kills):
+            if len(took) == how.kills:
                 break
             try:
-                took.append(once(server, rig, plan, Path(folder) / str(n)))
+                took.append(trial.once(Path(folder) / str(n)))
             except TimeoutError as error:
                 # A machine so busy that a guard ended the burst before anybody was killed says nothing on kills.
                 print(f"not counted, no burst to be killed in: {error}", flush=True)
             else:
                 print(f"{len(took)}: {took[-1]:.3f} s", flush=True)
-    limit = arguments.burst_s if arguments.no_watchdog else LIMIT_S
-    if arguments.also_supervisor and not arguments.no_watchdog:
-        limit = arguments.watchdog_s + WATCHDOG_MARGIN_S
-    good = sum(t <= limit for t in took)
-    print(
-        f"{good} of {len(took)} at 0 V within {limit} s of kill -9;"
-        f" median {np.median(took):.3f} s, longest {max(took):.3f} s"
-    )
-    return 0 if good == len(took) else 1
+    return report(took, how)
 
 
 if __name__ == "__main__":

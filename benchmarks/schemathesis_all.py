@@ -2,13 +2,14 @@
 
 The service has campaigns, a run with its model, one that an example began, and jobs; a rig's process is behind it.
 
-    python benchmarks/schemathesis_all.py --max-examples 100
+    python benchmarks/schemathesis_all.py --max-examples 50 --database postgresql
 """
 
 import argparse
 import re
 import sys
 import tempfile
+from contextlib import ExitStack
 from importlib.resources import files
 from pathlib import Path
 
@@ -17,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 from asked import ask
 from furnished import furnish
 from lab import TOKEN, Lab
+from postgresql_server import postgresql_server
 
 from modallab.formats.rig.rig_file import parse_rig
 
@@ -37,9 +39,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--max-examples", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--database", choices=["sqlite", "postgresql"], default="sqlite")
     arguments = parser.parse_args()
     rig = parse_rig((files("modallab.cli") / "link_rig.yaml").read_text(encoding="utf-8"), "the demo's rig")
-    with tempfile.TemporaryDirectory() as name, furnish(Path(name) / "data", rig) as lab:
+    with ExitStack() as stack:
+        name = stack.enter_context(tempfile.TemporaryDirectory())
+        postgresql = arguments.database == "postgresql"
+        url = stack.enter_context(postgresql_server()).new_database() if postgresql else None
+        lab = stack.enter_context(furnish(Path(name) / "data", rig, url))
         good = [
             ask_all(lab, Path(name) / part, token, arguments.max_examples, arguments.seed)
             for part, token in (("without", None), ("with", TOKEN))

@@ -3,6 +3,7 @@
 Only what every openDAQ device has is used: channels with a signal, a rate, and a stream reader.
 """
 
+import re
 import time
 from collections.abc import Sequence
 from math import isfinite
@@ -57,7 +58,7 @@ def find_devices(address: str) -> list[Found]:
 
 
 class OpenDaqBench:
-    """Inputs of one openDAQ device, one channel of it for each of the rig, in order."""
+    """Inputs of one openDAQ device: for each channel of the rig the one it names, or else the next in order."""
 
     def __init__(self, url: str, rig: Rig, opendaq: Any) -> None:
         self._url, self._rig, self._opendaq = url, rig, opendaq
@@ -184,18 +185,33 @@ class OpenDaqBench:
         self._reader = None
 
     def _fitting_channels(self) -> Sequence[Any]:
-        needed = len(self._rig.channels)
+        wanted = self._rig.channels
+        needed = max(len(wanted), *(_place_of(channel.input) for channel in wanted))
         if self._device.has_property(_COUNT) and int(self._device.get_property_value(_COUNT)) < needed:
             # The reference device has as many channels as one asks for.
             self._device.set_property_value(_COUNT, needed)
-        channels = list(self._device.channels_recursive)
-        if len(channels) < needed:
+        channels: list[Any] = list(self._device.channels_recursive)
+        if len(channels) < len(wanted):
             raise ConfigurationError(
-                f"channels: the rig has {needed}, the device {len(channels)}",
+                f"channels: the rig has {len(wanted)}, the device {len(channels)}",
                 where=self._url,
                 remedy="leave channels of the rig file out, or use a larger device",
             )
-        return channels[:needed]
+        named = {channel.input: self._named(channel, channels) for channel in wanted if channel.input}
+        taken = {str(device.global_id) for device in named.values()}
+        free = iter([device for device in channels if str(device.global_id) not in taken])
+        return [named[channel.input] if channel.input else next(free) for channel in wanted]
+
+    def _named(self, channel: Channel, channels: Sequence[Any]) -> Any:
+        for device in channels:
+            if channel.input in _names_of(device):
+                return device
+        listed = ", ".join(str(device.name) for device in channels)
+        raise ConfigurationError(
+            f"channels[{channel.index}].input: found {channel.input!r}; allowed: {listed}",
+            where=self._url,
+            remedy="mend this field of the rig file",
+        )
 
     def _unit(self, channel: Channel, device: Any) -> str:
         unit = device.signals[0].descriptor.unit
@@ -215,3 +231,14 @@ class OpenDaqBench:
     def _known(self) -> str:
         found = ", ".join(str(device.connection_string) for device in self._instance.available_devices)
         return f"openDAQ sees: {found or 'none'}"
+
+
+def _names_of(device: Any) -> tuple[str, ...]:
+    """What a rig file may call a channel: its name, its id in part or in whole, or its signal's name."""
+    signal = device.signals[0]
+    return (str(device.name), str(device.local_id), str(device.global_id), str(signal.name), str(signal.local_id))
+
+
+def _place_of(name: str) -> int:
+    digits = re.search(r"\d+$", name)
+    return int(digits.group()) + 1 if digits else 0

@@ -5,7 +5,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Limits
 
@@ -64,14 +64,54 @@ def _over_limits(burst: Burst, limits: Limits) -> list[str]:
     return [f"{n}: {v:.4g} {u}; allowed: {most:g} {u}" for n, v, most, u in found if v > most * (1 + 1e-9)]
 
 
-def burst_samples(burst: Burst, rate_hz: float) -> NDArray[np.float64]:
-    """The burst as (n,) volts at an output's rate: a sine under a cosine taper, its first and last sample exactly 0."""
-    count = int(np.ceil(burst.duration_s * rate_hz)) + 1
-    t = np.arange(count) / rate_hz
-    wave = burst.amplitude_v * np.sin(2 * np.pi * burst.frequency_hz * t)
+def burst_volts(burst: Burst, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The burst in V at times since its start: a sine under a cosine taper, exactly 0 from its end on."""
+    wave = burst.amplitude_v * np.sin(2 * np.pi * burst.frequency_hz * times_s)
     if burst.ramp_s > 0:
-        edge = np.clip(np.minimum(t, burst.duration_s - t) / burst.ramp_s, 0, 1)
+        edge = np.clip(np.minimum(times_s, burst.duration_s - times_s) / burst.ramp_s, 0, 1)
         wave *= (1 - np.cos(np.pi * edge)) / 2
-    wave[t >= burst.duration_s] = 0.0
+    wave[times_s >= burst.duration_s] = 0.0
+    return wave
+
+
+def burst_samples(burst: Burst, rate_hz: float) -> NDArray[np.float64]:
+    """The burst as (n,) volts at an output's rate, its first and last sample exactly 0."""
+    count = int(np.ceil(burst.duration_s * rate_hz)) + 1
+    wave = burst_volts(burst, np.arange(count) / rate_hz)
     wave[-1] = 0.0
     return wave
+
+
+def require_wave(wave: Waveform, range_v: float, limits: Limits | None, where: str) -> None:
+    """Reject a wave the output or the rig's limits do not allow, or that does not begin and end at 0 V.
+
+    Raises:
+        ConfigurationError: names every field that is wrong, and the field of the rig file where it is a limit.
+    """
+    samples = wave.samples
+    if samples.ndim != 1 or len(samples) < 2 or not np.isfinite(samples).all() or samples[0] != 0 or samples[-1] != 0:
+        raise ConfigurationError(
+            f"a wave of {samples.shape} samples that are not all finite, or not 0 V at both ends",
+            where=where,
+            remedy="let it begin and end at 0 V",
+        )
+    peak = float(np.abs(samples).max())
+    found = [("the output's range", peak, range_v, "V")]
+    if limits is not None:
+        slew = float(np.abs(np.diff(samples)).max() * wave.rate_hz)
+        found += [
+            ("limits.drive_v", peak, limits.drive_v, "V"),
+            ("limits.slew_v_per_s", slew, limits.slew_v_per_s, "V/s"),
+            ("limits.max_burst_s", wave.duration_s, limits.max_burst_s, "s"),
+        ]
+    over = [f"{n}: {v:.4g} {u}; allowed: {most:g} {u}" for n, v, most, u in found if v > most * (1 + 1e-9)]
+    if over:
+        raise ConfigurationError("; ".join(over), where=where, remedy="change the plan or the rig file's limits")
+
+
+def wave_samples(wave: Waveform, rate_hz: float) -> NDArray[np.float64]:
+    """The wave as (n,) volts at an output's rate, its first and last sample exactly 0."""
+    count = int(np.ceil(wave.duration_s * rate_hz)) + 1
+    samples = wave.at(np.arange(count) / rate_hz)
+    samples[0] = samples[-1] = 0.0
+    return samples

@@ -19,11 +19,24 @@ DEAD_LINE = "dead-line"
 WARNING = "warning"
 STATUS = "status"
 INVALID = "invalid-task"
+COERCED = "coerced-set-point"
+FRONT_PANEL = "front-panel"
+POWER_CYCLE = "power-cycle"
+STAYS_ON = "stays-on"
+SLOW = "slow-answers"
+LATE = "late-answer"
+ECHO = "echo"
+GARBAGE = "garbage"
+CUT_OFF = "cut-off-answers"
+TERMINATOR = "wrong-terminator"
 
 DAQ_FAULTS = (
     SAMPLES_LOST, TIME_OUT, PARTIAL, UNPLUGGED, PLUGGED, RESERVED, RELEASED, DEAD_LINE, WARNING, STATUS, INVALID,
 )  # fmt: skip
-GENERATOR_FAULTS = (CLIPPED, DEAD_LINE, UNPLUGGED, TIME_OUT)
+GENERATOR_FAULTS = (
+    CLIPPED, DEAD_LINE, UNPLUGGED, TIME_OUT, COERCED, FRONT_PANEL, POWER_CYCLE, STAYS_ON, SLOW, LATE, ECHO, GARBAGE,
+    CUT_OFF, TERMINATOR,
+)  # fmt: skip
 
 
 @dataclass(slots=True)

@@ -27,7 +27,7 @@ def rows(
 
 
 def kinds(events: list[Event]) -> list[str]:
-    return [e.state if e.kind == "state" else e.kind for e in events if e.kind != "progress"]
+    return [e.state if e.kind == "state" else e.kind for e in events if e.kind not in ("progress", "waiting_for_rest")]
 
 
 def test_names_points_and_order_are_those_of_the_campaign_format(store: Store) -> None:
@@ -110,6 +110,9 @@ def test_a_bad_hit_is_kept_with_its_reason_and_asked_for_again(store: Store, str
     assert bad.note.reason.startswith(reason)
     (rejected,) = [e for e in events if e.kind == "hit_rejected"]
     assert rejected.reason == bad.note.reason
+    for event, block in zip([e for e in events if e.kind == "block"], (bad, good), strict=True):
+        assert (event.drive_point, event.facts["peak_n"]) == (1, block.note.facts["peak_n"])
+        assert {"second_ratio", "drop_db", "contact_s"} <= event.facts.keys()
     assert [b.name for b in store.blocks(run)] == ["impact_p01_1"]
 
 

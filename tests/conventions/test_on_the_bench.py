@@ -16,7 +16,7 @@ from modallab.core.units import STANDARD_GRAVITY
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.identification import Options
 from modallab.pipelines.identify import identify_campaign
-from modallab.service.campaigns.live_frf import live_frf
+from modallab.service.campaigns.live_frf import LiveFrfs
 from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store
 
@@ -81,6 +81,6 @@ def test_the_live_frf_is_the_same(recorded: list[Campaign], folders: tuple[Path,
     found = []
     for folder in folders:
         with Store(folder) as store:
-            found.append(live_frf(store, store.catalogue.runs()[0].id))
+            found.append(LiveFrfs(store).frf(store.catalogue.runs()[0].id))
     a, b = (f.values[np.argsort(f.outputs), 0] for f in found)
     assert np.linalg.norm(b - a) < 0.05 * np.linalg.norm(a)

@@ -10,7 +10,7 @@ from ni_server import NiServer
 
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Burst, Request
-from modallab.core.errors import ConfigurationError, DeviceGoneError
+from modallab.core.errors import ConfigurationError, DeviceGoneError, OutputLostError
 from modallab.core.hardware import Excitation
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.dialects import LANGUAGES
@@ -196,6 +196,9 @@ def test_the_generator_drives_the_bench_that_ni_devices_listen_to(rig: Rig):
         assert handle is not None
         handle.zero()
         handle.close()
+        # Its owner finds the output switched off.
+        with pytest.raises(OutputLostError, match="output: ON was set, the generator now says OFF"):
+            bench.read(200, 5.0)
         bench.read(200, 5.0)
         assert server.say("levels")["generator"] == 0.0
         bench.close()

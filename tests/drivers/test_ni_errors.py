@@ -65,7 +65,7 @@ def test_lost_samples_end_the_stretch_and_are_never_spliced(bench: Bench, ni_ser
 
 
 def test_a_buffer_that_is_not_read_in_time_overflows(rig: Rig, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("modallab_drivers.ni_daqmx.inputs.BUFFER_S", 0.1)
+    monkeypatch.setattr("modallab_drivers.ni_daqmx.input_task.BUFFER_S", 0.1)
     with NiServer(rig, "9215", "--cables", "--pace", virtual=False) as server:
         bench = open_bench(server.url, rig)
         bench.configure(Request("impact", 50_000.0))

@@ -83,7 +83,7 @@ def test_a_sensor_that_says_another_sensitivity_is_bad(rig: Rig):
     with NiServer(iepe, "9234") as server:
         believed = changed(iepe, 3, sensitivity_v_per_unit=0.02)
         bench = open_bench(server.url, believed)
-        found = verdicts(check_idle(bench, believed, 0.5), "sensitivity")
+        found = verdicts(check_idle(bench, believed, 0.5), "sensor")
         bench.close()
     assert found.pop("a03") == "bad"
     assert set(found.values()) == {"good"}
@@ -117,13 +117,22 @@ def test_what_was_not_turned_shaken_or_coupled_is_rejected():
 
 
 def test_a_calibration_is_dated_in_the_rigs_history_and_survives_the_file(rig: Rig, tmp_path: Path):
-    new = calibrate.entered(rig, rig.channels[4], "turnover", (0.0123, 1e-5), date(2026, 3, 4), "new cable")
+    one = changed(rig, 4, sensitivity_v_per_unit=0.01)
+    new = calibrate.entered(one, one.channels[4], "turnover", (0.0123, 1e-5), date(2026, 3, 4), "new cable")
     write_rig(new, tmp_path / "rig.yaml")
     read = read_rig(tmp_path / "rig.yaml")
     assert read == new
     assert read.channels[4].sensitivity("sine") == 0.0123
     assert read.channels[4].calibrated_on == date(2026, 3, 4)
     assert read.history[0].channel == "a04"
+
+
+def test_a_calibration_leaves_the_other_tests_sensitivity_and_the_sign_alone(rig: Rig):
+    turned = changed(rig, 0, sensitivity_v_per_unit={"impact": -0.02, "sine": -0.5})
+    new = calibrate.entered(turned, turned.channels[0], "rigid-mass", (0.0201, 1e-5), date(2026, 3, 4))
+    assert new.channels[0].sensitivity_v_per_unit == {"impact": -0.0201, "sine": -0.5}
+    assert new.history[0].sensitivity_v_per_unit == -0.0201
+    assert new.history[0].test == "impact"
 
 
 def test_the_commands_say_what_they_found(rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -158,3 +167,36 @@ def test_devices_of_a_server_are_listed_with_their_addresses(ni_server: NiServer
     assert "NI 9215" in out
     with pytest.raises(ConfigurationError):
         find_devices("nowhere://")
+
+
+def fed(rig: Rig) -> Rig:
+    """The rig with every sensor on an IEPE input of +-5 V, the force too."""
+    assert rig.converter is not None
+    channels = tuple(c.model_copy(update={"coupling": "IEPE", "range_v": 5.0}) for c in rig.channels)
+    return rig.model_copy(update={"converter": rig.converter.model_copy(update={"range_v": 5.0}), "channels": channels})
+
+
+@pytest.mark.parametrize("system", ["9234", "4431"])
+def test_cold_sensors_are_waited_for_and_then_good(rig: Rig, system: str):
+    # 4.9 V of bias fade to the noise; the USB device has DC as its default and would read 10 V for ever.
+    iepe = fed(rig)
+    if system == "4431":
+        assert iepe.limits is not None
+        limits = iepe.limits.model_copy(update={"drive_v": 3.0})
+        iepe = iepe.model_copy(update={"channels": iepe.channels[:4], "limits": limits})
+    with NiServer(iepe, system) as server:
+        bench = open_bench(server.url, iepe)
+        findings = check_idle(bench, iepe, 1.0)
+        bench.close()
+    waited = verdicts(findings, "supply")
+    assert len(waited) == len(iepe.channels)
+    assert {f.verdict for f in findings if f.what in ("supply", "noise", "offset", "overload")} == {"good"}
+
+
+def test_a_supply_the_device_does_not_have_is_rejected_with_those_it_has(rig: Rig):
+    iepe = fed(rig)
+    with (
+        NiServer(iepe, "9234") as server,
+        pytest.raises(ConfigurationError, match=r"excitation_a: found 0\.004"),
+    ):
+        open_bench(server.url, changed(iepe, 2, excitation_a=0.004))

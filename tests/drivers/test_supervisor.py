@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from ni_server import NiServer
 
-from modallab.acquisition.process.output_supervisor import BEAT_S, TIMEOUT_S
+from modallab.acquisition.process.output_watch import BEAT_S, TIMEOUT_S
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import Trip, TrippedError
 from modallab.bench.loader import open_bench, open_output
 from modallab.bench.protocol import Burst, Request
-from modallab.core.errors import DeviceBusyError, ModallabError, OutputLostError
+from modallab.core.errors import DeviceBusyError, ModallabError, OutputLostError, SamplesLostError
 from modallab.core.hardware import Excitation
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
@@ -192,13 +192,17 @@ def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(
     bench.close()
 
 
-def test_a_watchdog_that_expired_before_the_burst_watches_again_from_its_start(paced: NiServer, rig: Rig):
+def test_a_watchdog_that_expired_before_the_burst_wants_a_new_start_and_watches_again(paced: NiServer, rig: Rig):
     guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=WATCHDOG_S)})
     bench = open_bench(paced.url, guarded)
     bench.configure(Request("sine", 1000.0))
     bench.start()
     # Nobody reads for so long that it expires.
     time.sleep(1.5 * WATCHDOG_S)
+    # From then on nothing goes on the chassis until it is reset, which the next start does.
+    with pytest.raises(SamplesLostError, match="the watchdog has expired"):
+        bench.play(Burst(20.0, 0.5, 0.1, 20.0))
+    bench.start()
     bench.play(Burst(20.0, 0.5, 0.1, 20.0))
     began = time.monotonic()
     while time.monotonic() - began < 0.6 + 1.5 * WATCHDOG_S:

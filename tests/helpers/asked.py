@@ -32,7 +32,7 @@ request-timeout = 60
 
 [checks.negative_data_rejection]
 # Besides what is common: an ETag, and a body, may be rejected before anyone looks into it.
-expected-statuses = [401, 403, 404, 405, 409, 412, 413, 422, 428]
+expected-statuses = [401, 403, 404, 405, 409, 412, 413, 415, 422, 428]
 
 [[operations]]
 include-path = "/api/v1/events/stream"

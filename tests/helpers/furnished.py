@@ -1,5 +1,6 @@
 """A service that has something of everything: campaigns, a run with blocks, its model, a job that waits."""
 
+import time
 from pathlib import Path
 
 from lab import RIG, Lab
@@ -13,12 +14,18 @@ from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
 from modallab.service.campaigns.begin import begin
 from modallab.service.jobs.campaign_jobs import order
+from modallab.storage.address import name_database
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 
 
-def furnish(folder: Path, rig: Rig) -> Lab:
-    """Open a service on `folder` and fill it: a run of three points with its model, a job that waits."""
+def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
+    """Open a service on `folder` and fill it: a run of three points with its model, a job that waits.
+
+    With a database the catalogue is there.
+    """
+    if database is not None:
+        name_database(folder, database)
     lab = Lab(folder, rig, URL)
     try:
         lab.wait_until_idle()
@@ -40,7 +47,9 @@ def furnish(folder: Path, rig: Rig) -> Lab:
 def _compute(lab: Lab) -> None:
     """What waits is computed here, as a runner and its worker would."""
     known = {kind.name: kind for kind in kinds(campaigns_of(lab.store), lab.store.folder)}
-    lab.wait_for(lambda event: event.kind == "state" and event.content["state"] == "done")
+    # Ordered by itself after the run's end.
+    while not lab.service.jobs.list().jobs:
+        time.sleep(0.02)
     leases = Leases(lab.service.engine, "furnisher")
     for taken in leases.take(known, 10):
         kind: Kind = known[taken.job.kind]

@@ -20,7 +20,7 @@ from modallab.jobs import Jobs
 from modallab.service.api.app import create_app
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
-from modallab.service.process.supervisor import bound
+from modallab.service.process.ports import bound
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller
@@ -40,10 +40,10 @@ class Lab:
         boot = secrets.token_hex(4)
         self.store = Store(folder)
         engine = self.store.catalogue.engine
-        diary = self.diary = Diary(self.store, EventLog(engine))
+        diary = self.diary = Diary(self.store, EventLog(engine, self._new_events))
         after = AfterRun(self.store, Jobs(engine))
         # On a busy machine the rig's process takes minutes to open its bench.
-        self.controller = Controller(Bench(RIG, rig, url, folder), diary, after, self._show, begin_s=240.0)
+        self.controller = Controller(Bench(RIG, rig, url, folder), diary, after, begin_s=240.0)
         self.controllers = Controllers([self.controller], Leases(engine, boot))
         self.service: Service = open_service(folder, self.controllers, boot)
         self.app = create_app(self.service, Settings(data=folder, body_bytes=4096), TOKEN)
@@ -55,9 +55,9 @@ class Lab:
         self._serving = Thread(target=self._server.run, kwargs={"sockets": [listener]}, daemon=True)
         self._serving.start()
 
-    def _show(self, content: bytes) -> None:
+    def _new_events(self) -> None:
         if hasattr(self, "app"):
-            self.app.state.live.show(content)
+            self.app.state.feed.look()
 
     def client(self, token: str | None = TOKEN) -> httpx.Client:
         """Who asks over HTTP; to be entered as a context."""
@@ -106,6 +106,7 @@ class Lab:
         self._server.should_exit = True
         self._serving.join(10)
         self.controllers.close()
+        self.diary.close()
         self.service.close()
         self.store.close()
 

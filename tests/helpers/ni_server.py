@@ -28,7 +28,8 @@ class NiServer:
         self.generator: str = reported.get("generator", "")
         self.target = f"127.0.0.1:{self.port}"
         name = device or ("Dev1" if system in ("6211", "4431") else "cDAQ1")
-        self.url = f"nidaqmx+grpc://{self.target}/{name}" + ("?virtual_time=1" if virtual else "")
+        said = [*(["virtual_time=1"] if virtual else []), *(["local=1"] if "--local" in options else [])]
+        self.url = f"nidaqmx+grpc://{self.target}/{name}" + (f"?{'&'.join(said)}" if said else "")
 
     def say(self, line: str) -> dict[str, Any]:
         """What the operator types, and what comes back."""

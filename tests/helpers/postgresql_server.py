@@ -3,11 +3,12 @@
 import os
 import secrets
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,10 +21,22 @@ OPTIONS = ("unix_socket_directories=", "listen_addresses=127.0.0.1", "max_connec
 
 
 class Server:
-    """A running server; `new_database` gives the address of a database nobody else uses."""
+    """A server; `new_database` gives the address of a database nobody else uses."""
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, begin: "Callable[[], subprocess.Popen[bytes]]", log: Path) -> None:
         self._base = f"postgresql+psycopg://tester@127.0.0.1:{port}"
+        self._begin, self._log = begin, log
+        self.start()
+
+    def start(self) -> None:
+        """Begin, and wait until it answers."""
+        self._process = self._begin()
+        self._wait()
+
+    def stop(self) -> None:
+        """End it at once, with all its connections."""
+        self._process.send_signal(signal.SIGINT)
+        self._process.wait(30)
 
     def new_database(self) -> str:
         name = f"t_{secrets.token_hex(6)}"
@@ -33,7 +46,7 @@ class Server:
         engine.dispose()
         return f"{self._base}/{name}"
 
-    def wait(self, process: "subprocess.Popen[bytes]", log: Path) -> None:
+    def _wait(self) -> None:
         engine = create_engine(f"{self._base}/postgres")
         deadline = time.monotonic() + 60
         try:
@@ -42,8 +55,8 @@ class Server:
                     engine.connect().close()
                     return
                 except OperationalError:
-                    assert process.poll() is None, log.read_text()
-                    assert time.monotonic() < deadline, log.read_text()
+                    assert self._process.poll() is None, self._log.read_text()
+                    assert time.monotonic() < deadline, self._log.read_text()
                     time.sleep(0.1)
         finally:
             engine.dispose()
@@ -79,21 +92,17 @@ def postgresql_server(fsync: str = "off") -> Iterator[Server]:
         subprocess.run(init, check=True, capture_output=True, cwd=folder, timeout=120, **other)
         port = _free_port()
         options = [part for option in (*OPTIONS, f"fsync={fsync}") for part in ("-c", option)]
-        with log.open("wb") as written:
-            process = subprocess.Popen(
-                [programs / "postgres", "-D", data, "-p", str(port), *options],
-                cwd=folder,
-                stdout=written,
-                stderr=written,
-                **other,
-            )
+        command = [programs / "postgres", "-D", data, "-p", str(port), *options]
+
+        def begin() -> "subprocess.Popen[bytes]":
+            with log.open("ab") as written:
+                return subprocess.Popen(command, cwd=folder, stdout=written, stderr=written, **other)
+
+        server = Server(port, begin, log)
         try:
-            server = Server(port)
-            server.wait(process, log)
             yield server
         finally:
-            process.terminate()
-            process.wait(30)
+            server.stop()
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

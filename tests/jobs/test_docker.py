@@ -8,12 +8,15 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import httpx
+import jsonschema_rs
 import pytest
 import yaml
 from kinds_for_tests import kinds
@@ -28,6 +31,12 @@ ROOT = Path(__file__).parents[2]
 DOCKER = ROOT / "docker"
 PROGRAMS = Path(sys.executable).parent
 HERE = str(Path(__file__).parent)
+COMMAND = """#!{}
+import sys
+from modallab.cli import main
+if __name__ == "__main__":
+    sys.exit(main())
+"""
 
 
 def instructions() -> list[tuple[str, str]]:
@@ -104,13 +113,97 @@ def test_only_this_machine_reaches_the_service_and_nothing_secret_stands_in_the_
     published = [port for service in services().values() for port in service.get("ports", ())]
     assert published
     assert all(port.startswith("127.0.0.1:") for port in published)
-    assert compose()["secrets"] == {"database_password": {"environment": "DATABASE_PASSWORD"}}
+    assert compose()["secrets"] == {name: {"file": f"secrets/{name}"} for name in ("database_password", "token")}
     text = (DOCKER / "compose.yaml").read_text(encoding="utf-8")
-    assert not re.search(r"://\w+:\w+@|PASSWORD: |TOKEN", text)
+    assert not re.search(r"://\w+:\w+@|PASSWORD: |TOKEN: ", text)
     for name, service in services().items():
         if service["image"] == "modallab":
             assert service["read_only"] is True, name
             assert service["cap_drop"] == ["ALL"], name
+
+
+def test_the_file_is_one_by_the_specifications_own_schema() -> None:
+    schema = json.loads((ROOT / "tests" / "data" / "compose_spec" / "compose-spec.json").read_text(encoding="utf-8"))
+    wrong = list(jsonschema_rs.validator_for(schema).iter_errors(compose()))
+    assert wrong == []
+    assert not jsonschema_rs.validator_for(schema).is_valid(compose() | {"services": {"service": {"imagine": "x"}}})
+
+
+def test_the_image_is_built_of_what_it_copies_and_of_nothing_else() -> None:
+    lines = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
+    assert lines[1] == "*"
+    let_in = {line.removeprefix("!") for line in lines if line.startswith("!")}
+    assert let_in == {part for rest in of("COPY") if "--from" not in rest for part in rest.split()[:-1]}
+
+
+def test_every_part_ends_in_good_order_and_no_secret_needs_a_container_that_can_be_written() -> None:
+    for name, service in services().items():
+        assert "stop_grace_period" in service, name
+        assert service["image"] != "modallab" or service["init"] is True, name
+
+
+def test_secrets_are_made_once_behind_a_folder_that_is_closed(tmp_path: Path) -> None:
+    shutil.copy(DOCKER / "prepare.sh", tmp_path)
+    made: list[dict[str, str]] = []
+    for _ in range(2):
+        subprocess.run(["sh", tmp_path / "prepare.sh"], check=True)
+        made.append({path.name: path.read_text() for path in (tmp_path / "secrets").iterdir()})
+    assert made[0] == made[1]
+    assert set(made[0]) == set(compose()["secrets"])
+    assert all(len(text.strip()) >= 16 for text in made[0].values())
+    assert stat.S_IMODE((tmp_path / "secrets").stat().st_mode) == 0o700
+
+
+def as_its_user() -> dict[str, int]:
+    """The image's user, where we may become it and it may run our Python."""
+    (user,) = of("USER")
+    number, group = (int(part) for part in user.split(":"))
+    who = {"user": number, "group": group}
+    try:
+        done = subprocess.run([sys.executable, "-c", "import modallab"], cwd="/", check=False, **who)
+    except PermissionError:
+        return {}
+    return who if done.returncode == 0 else {}
+
+
+@pytest.fixture
+def place() -> Iterator[Path]:
+    """A folder of the image's user; pytest's own let nobody else in."""
+    folder = Path(tempfile.mkdtemp(prefix="modallab-image-"))
+    who = as_its_user()
+    if who:
+        os.chown(folder, who["user"], who["group"])
+    yield folder
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_the_images_own_command_begins_outside_an_engine_with_the_secret_token(place: Path) -> None:
+    """Entry, command, environment and user of the image and of compose; other ports, no database and no cluster."""
+    (command,) = of("CMD")
+    shutil.copy(DOCKER / "entry.sh", place)
+    # The command as it was installed may be for its owner only.
+    program = place / "modallab"
+    program.write_text(COMMAND.format(sys.executable), encoding="utf-8")
+    program.chmod(0o755)
+    (place / "token").write_text("a token as secret\n", encoding="ascii")
+    own = {"MODALLAB_DATA": str(place / "data"), "MODALLAB_TOKEN_FILE": str(place / "token")}
+    own |= {"PATH": f"{place}:{os.environ['PATH']}", "HOME": str(place), "PYTHONUNBUFFERED": "1"}
+    own["MODALLAB_HOSTS"] = services()["service"]["environment"]["MODALLAB_HOSTS"]
+    arguments = [*json.loads(command), "--port", "0", "--stop-port", "0", "--no-jobs"]
+    with subprocess.Popen(
+        ["sh", place / "entry.sh", *arguments], env=own, cwd=place, stdout=subprocess.PIPE, text=True, **as_its_user()
+    ) as process:
+        assert process.stdout is not None
+        said = process.stdout.readline()
+        found = re.search(r"http://0\.0\.0\.0:(\d+)/", said)
+        assert found is not None, said
+        url = f"http://127.0.0.1:{found[1]}"
+        headers = {"Authorization": "Bearer a token as secret"}
+        rigs = httpx.get(f"{url}/api/v1/rigs", headers=headers, timeout=120.0)
+        assert rigs.status_code == 200
+        assert httpx.get(f"{url}/health", timeout=60.0).status_code == 200
+        process.terminate()
+        assert process.wait(30) == 0
 
 
 def test_services_wait_for_what_they_need_and_every_volume_is_declared() -> None:
@@ -141,6 +234,18 @@ def test_the_entry_names_the_database_to_the_data_folder_without_its_password(tm
     plain = {key: value for key, value in os.environ.items() if not key.startswith("DATABASE")}
     done = subprocess.run(["sh", DOCKER / "entry.sh", "echo", "begun"], env=plain, capture_output=True, check=True)
     assert done.stdout == b"begun\n"
+
+
+def test_a_certificate_that_ends_soon_is_made_anew(tmp_path: Path) -> None:
+    first = _certificates(tmp_path)
+    short = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-subj"]
+    short += ["/CN=short", "-days", "20", "-keyout", tmp_path / "key.pem", "-out", tmp_path / "cert.pem"]
+    subprocess.run(short, check=True, capture_output=True)
+    again = _certificates(tmp_path)
+    assert set(again) == {"ca.pem", "cert.pem", "key.pem"}
+    assert again["ca.pem"] != first["ca.pem"]
+    check = ["openssl", "verify", "-CAfile", tmp_path / "ca.pem", tmp_path / "cert.pem"]
+    subprocess.run(check, check=True, capture_output=True)
 
 
 def test_certificates_are_made_once_and_for_their_owner(tmp_path: Path) -> None:

@@ -2,13 +2,16 @@
 
 import threading
 import time
+from pathlib import Path
 
 import pytest
-from sqlalchemy import Engine
+from sqlalchemy import Engine, text
 
 from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs import Jobs
 from modallab.jobs.leases import MAX_ATTEMPTS, Leases, Taken
+from modallab.jobs.table import make_table
+from modallab.storage.engine import open_engine
 
 KINDS = ("identify",)
 
@@ -185,3 +188,40 @@ def test_a_job_whose_runners_die_again_and_again_is_given_up(jobs: Jobs, engine:
         assert jobs.release("one") == 1
     assert Leases(engine, "one").take(KINDS, 1) == []
     assert "given up after 3 attempts, the last one because its runner ended" in str(jobs.get(job.id).error)
+
+
+def test_what_somebody_waits_for_goes_before_what_is_done_by_itself(jobs: Jobs, engine: Engine) -> None:
+    automatic = [jobs.submit("identify", {"n": n}, ["run"], automatic=True) for n in range(3)]
+    ordered = jobs.submit("report", {}, ["run"])
+    # Who orders what waits already waits for it, too.
+    assert jobs.submit("identify", {"n": 2}, ["run"]).id == automatic[2].id
+    taken = Leases(engine, "one").take(("identify", "report"), 10)
+    assert [one.job.id for one in taken] == [automatic[2].id, ordered.id, automatic[0].id, automatic[1].id]
+
+
+def test_a_newer_automatic_job_makes_those_idle_that_do_less(jobs: Jobs) -> None:
+    first = jobs.submit("identify", {}, ["a"], automatic=True)
+    ordered = jobs.submit("identify", {"x": 1}, ["a"])
+    other = jobs.submit("identify", {}, ["b"], automatic=True)
+    newer = jobs.submit("identify", {}, ["a", "c"], automatic=True)
+    assert jobs.supersede(newer) == 1
+    states = {job.id: job.state for job in jobs.list().jobs}
+    assert states == {first.id: "cancelled", ordered.id: "queued", other.id: "queued", newer.id: "queued"}
+    assert newer.id in str(jobs.get(first.id).error)
+
+
+def test_lists_come_without_results(jobs: Jobs, engine: Engine) -> None:
+    job = jobs.submit("identify", {}, ["run"])
+    assert Leases(engine, "one").done(_take(engine), {"modes": 3})
+    assert [(one.id, one.state, one.result) for one in jobs.list().jobs] == [(job.id, "done", None)]
+    assert jobs.get(job.id).result == {"modes": 3}
+
+
+def test_a_table_of_an_older_program_gets_what_it_lacks(tmp_path: Path) -> None:
+    engine = open_engine(f"sqlite:///{tmp_path / 'old.sqlite'}")
+    make_table(engine)
+    with engine.begin() as connection:
+        connection.execute(text("ALTER TABLE jobs DROP COLUMN priority"))
+    jobs = Jobs(engine)
+    assert jobs.submit("identify", {}, ["run"]).state == "queued"
+    assert len(Leases(engine, "one").take(KINDS, 1)) == 1

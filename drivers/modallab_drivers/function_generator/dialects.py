@@ -1,13 +1,21 @@
-"""How each maker's generator is spoken to: a table a dialect, and no other difference in the code."""
+"""How each maker's generator is spoken to: a table a dialect, and no other difference in the code.
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from math import inf, isinf
+Sources: the makers' programming guides, 33500 Series Operating and Service Guide, 33210A User's Guide, DG1000Z
+Programming Guide (PGB09102), SDG Series Programming Guide (PG02).
+"""
+
+from dataclasses import dataclass, field
 from typing import Literal
 
+from modallab_drivers.function_generator.values import pairs
+
 Name = Literal[
-    "function", "frequency", "amplitude", "unit", "offset", "load", "output", "burst", "mode", "cycles", "source"
-]
+    "function", "frequency", "amplitude", "unit", "offset", "load", "output", "burst", "mode", "cycles", "source",
+    "phase",
+]  # fmt: skip
+
+DANGEROUS: tuple[Name, ...] = ("output", "amplitude", "burst", "frequency", "function", "offset", "load", "cycles")
+"""What the shaker feels at once when it changes: looked at before all else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,20 +33,17 @@ class Setting:
     key: str = ""
 
     def read(self, answer: str) -> str:
-        """The value in an answer, without its unit.
+        """The value in an answer.
 
         Raises:
             ValueError: it is not in there.
         """
         if not self.key:
-            return answer.strip()
-        words = answer.partition(" ")[2].split(",")
-        if self.key == "0":
-            return words[0]
-        pairs = dict(zip(words[0::2], words[1::2], strict=False)) | dict(zip(words[1::2], words[2::2], strict=False))
-        if self.key not in pairs:
+            return answer
+        found = pairs(answer)
+        if self.key not in found:
             raise ValueError(f"no {self.key} in {answer!r}")
-        return pairs[self.key].removesuffix("HZ" if self.key == "FRQ" else "V").removesuffix("S")
+        return found[self.key]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +54,21 @@ class Language:
         makers: one of these begins the answer to `*IDN?`.
         models: one of these is in it.
         settings: by name.
-        words: the values of the words, by name.
+        constants: what is set once and never changes, in the order in which it must be set.
         trigger: starts a burst.
         lowest_vpp: smallest amplitude into an open end.
         highest_v: largest amplitude into an open end.
+        errors: asks for the oldest error; empty: it has no queue that can be read, and only what is read back counts.
     """
 
     makers: tuple[str, ...]
     models: tuple[str, ...]
     settings: dict[Name, Setting]
-    words: dict[Name, str]
-    trigger: str
+    constants: dict[Name, str] = field(default_factory=dict[Name, str])
+    trigger: str = "*TRG"
     lowest_vpp: float = 0.002
     highest_v: float = 10.0
+    errors: str = "SYST:ERR?"
 
 
 def _plain(prefix: str, outputs: str, source: str) -> dict[Name, Setting]:
@@ -79,53 +86,57 @@ def _plain(prefix: str, outputs: str, source: str) -> dict[Name, Setting]:
         "burst": one(f"{prefix}BURS:STAT"),
         "mode": one(f"{prefix}BURS:MODE"),
         "cycles": one(f"{prefix}BURS:NCYC"),
+        "phase": one(f"{prefix}BURS:PHAS"),
         "source": one(source),
     }
 
 
-def _words(source: str) -> dict[Name, str]:
-    return {"function": "SIN", "unit": "VPP", "load": "INF", "burst": "ON", "mode": "TRIG", "source": source}
+def _siglent() -> dict[Name, Setting]:
+    # While bursts are on, the sine is their carrier: BSWV would end the burst mode, and the output would run on.
+    def burst(key: str) -> Setting:
+        return Setting(f"C1:BTWV {key},{{}}", "C1:BTWV?", key)
+
+    def carrier(key: str) -> Setting:
+        return Setting(f"C1:BTWV CARR,{key},{{}}", "C1:BTWV?", f"CARR.{key}")
+
+    return {
+        "function": carrier("WVTP"),
+        "frequency": carrier("FRQ"),
+        "amplitude": carrier("AMP"),
+        "offset": carrier("OFST"),
+        "load": Setting("C1:OUTP LOAD,{}", "C1:OUTP?", "LOAD"),
+        "output": Setting("C1:OUTP {}", "C1:OUTP?", "STATE"),
+        "burst": burst("STATE"),
+        "mode": burst("GATE_NCYC"),
+        "cycles": burst("TIME"),
+        "phase": burst("STPS"),
+        "source": burst("TRSR"),
+    }
+
+
+def _constants(source: str) -> dict[Name, str]:
+    # The load comes first: it changes what an amplitude means.
+    return {
+        "load": "INF", "function": "SIN", "unit": "VPP", "burst": "ON", "mode": "TRIG", "source": source, "phase": "0",
+        "offset": "0",
+    }  # fmt: skip
 
 
 LANGUAGES: dict[str, Language] = {
     "keysight-33500": Language(
-        ("Agilent", "Keysight"), ("335", "336"), _plain("SOUR1:", "OUTP1", "TRIG1:SOUR"),
-        _words("BUS"), "*TRG",
+        ("Agilent", "Keysight"), ("335", "336"), _plain("SOUR1:", "OUTP1", "TRIG1:SOUR"), _constants("BUS"),
     ),
     "keysight-33210": Language(
-        ("Agilent", "Keysight"), ("33210", "33220", "33250"), _plain("", "OUTP", "TRIG:SOUR"),
-        _words("BUS"), "*TRG",
+        ("Agilent", "Keysight"), ("33210", "33220", "33250"), _plain("", "OUTP", "TRIG:SOUR"), _constants("BUS"),
+        lowest_vpp=0.02,
     ),
     "rigol-dg1000": Language(
-        ("Rigol",), ("DG10", "DG8", "DG9"), _plain(":SOUR1:", ":OUTP1", ":SOUR1:BURS:TRIG:SOUR"),
-        _words("MAN"), ":SOUR1:BURS:TRIG",
+        ("Rigol",), ("DG10", "DG8", "DG9"), _plain(":SOUR1:", ":OUTP1", ":SOUR1:BURS:TRIG:SOUR"), _constants("MAN"),
+        trigger=":SOUR1:BURS:TRIG",
     ),
     "siglent-sdg": Language(
-        ("Siglent",), ("SDG",),
-        {
-            "function": Setting("C1:BSWV WVTP,{}", "C1:BSWV?", "WVTP"),
-            "frequency": Setting("C1:BSWV FRQ,{}", "C1:BSWV?", "FRQ"),
-            "amplitude": Setting("C1:BSWV AMP,{}", "C1:BSWV?", "AMP"),
-            "offset": Setting("C1:BSWV OFST,{}", "C1:BSWV?", "OFST"),
-            "load": Setting("C1:OUTP LOAD,{}", "C1:OUTP?", "LOAD"),
-            "output": Setting("C1:OUTP {}", "C1:OUTP?", "0"),
-            "burst": Setting("C1:BTWV STATE,{}", "C1:BTWV?", "STATE"),
-            "mode": Setting("C1:BTWV GATE_NCYC,{}", "C1:BTWV?", "GATE_NCYC"),
-            "cycles": Setting("C1:BTWV TIME,{}", "C1:BTWV?", "TIME"),
-            "source": Setting("C1:BTWV TRSR,{}", "C1:BTWV?", "TRSR"),
-        },
-        {"function": "SINE", "load": "HZ", "burst": "ON", "mode": "NCYC", "source": "MAN"}, "C1:BTWV MTRIG",
+        ("Siglent",), ("SDG",), _siglent(),
+        {"load": "HZ", "burst": "ON", "function": "SINE", "mode": "NCYC", "source": "MAN", "phase": "0", "offset": "0"},
+        trigger="C1:BTWV MTRIG", lowest_vpp=0.004, errors="",
     ),
 }  # fmt: skip
-
-_SAME = {"1": "ON", "0": "OFF", "SINE": "SIN", "9.9E+37": "INF", "+9.9E+37": "INF", "HZ": "INF"}
-
-number: Callable[[str], float] = lambda text: inf if _SAME.get(text.upper()) == "INF" else float(text)  # noqa: E731
-
-
-def agrees(set_value: float | str, found: str) -> bool:
-    """Whether what is read back is what was set, in whatever form."""
-    if isinstance(set_value, str):
-        return _SAME.get(set_value.upper(), set_value.upper()) == _SAME.get(found.upper(), found.upper())
-    value = number(found)
-    return not isinf(value) and abs(value - set_value) <= 1e-6 * abs(set_value) + 1e-9

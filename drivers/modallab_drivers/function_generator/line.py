@@ -1,61 +1,139 @@
-"""A serial line of text, question by question."""
+"""Lines of text to an instrument and back, question by question, each answer to its own question."""
 
-import serial
+import time
 
-from modallab.core.errors import DeviceGoneError
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError
+from modallab_drivers.function_generator.transports import open_transport
 
 TIMEOUT_S = 1.0
-_REMEDY = "look at the cable, the port, the baud rate and the instrument's remote setting"
+SPENT_S = 0.02
+"""Nothing more came for so long: no late answer is on its way."""
+
+_REMEDY = "look at the cable, the address or port, the baud rate and the instrument's remote setting"
 
 
-class SerialLine:
-    """One open port."""
+class Line:
+    """One open way to an instrument.
 
-    def __init__(self, port: str, baud: int) -> None:
+    An instrument answers in order. So after an answer that did not come in time it is asked who it is, which nothing
+    else answers alike, and all that comes before its name is dropped.
+    """
+
+    def __init__(self, address: str, baud: int) -> None:
         """Open it.
 
         Raises:
-            DeviceGoneError: there is no such port, or it is taken.
+            DeviceGoneError: there is no such address, or it is taken.
         """
-        self.port = port
+        self.address = address
+        self.identity = ""
+        self._behind = False
+        self._held = ""
         try:
-            self._serial = serial.Serial(port, baud, timeout=TIMEOUT_S, write_timeout=TIMEOUT_S)
-        except (serial.SerialException, ValueError) as error:
-            raise DeviceGoneError(f"the port cannot be opened: {error}", where=self._where, remedy=_REMEDY) from error
+            self._transport = open_transport(address, baud, TIMEOUT_S)
+        except (OSError, ValueError) as error:
+            raise DeviceGoneError(f"it cannot be opened: {error}", where=self.where, remedy=_REMEDY) from error
 
     @property
-    def _where(self) -> str:
-        return f"generator on {self.port} (rig file field excitation.output)"
+    def where(self) -> str:
+        """For messages."""
+        return f"generator on {self.address} (rig file field excitation.output)"
+
+    def identify(self) -> str:
+        """Ask who it is.
+
+        Raises:
+            BenchError: nobody answers, or nothing that can be read.
+        """
+        self.identity = self.ask("*IDN?")
+        return self.identity
+
+    def hold(self, text: str) -> None:
+        """Keep a line back: it goes out together with the next question.
+
+        In a network two short messages in a row wait for each other; one with both does not.
+        """
+        self._held += f"{text}\n"
 
     def send(self, text: str) -> None:
-        """Send a line.
+        """Send a line, and before it what was kept back.
 
         Raises:
             DeviceGoneError: the line is dead.
         """
+        self.hold(text)
+        self.flush()
+
+    def flush(self) -> None:
+        """Send what was kept back.
+
+        Raises:
+            DeviceGoneError: the line is dead.
+        """
+        lines, self._held = self._held, ""
         try:
-            self._serial.write(f"{text}\n".encode("ascii"))
-        except (serial.SerialException, OSError) as error:
-            raise self._gone(text, str(error)) from error
+            self._transport.write(lines.encode("ascii"))
+        except OSError as error:
+            raise self._gone(lines.strip(), str(error)) from error
 
     def ask(self, text: str) -> str:
-        """Send a line and wait for the answer.
+        """Send a line and wait for its answer.
 
         Raises:
             DeviceGoneError: the line is dead, or nothing came in time.
+            ConfigurationError: what came is the question itself, or no text.
         """
-        self.send(text)
+        if self._behind:
+            self._catch_up()
         try:
-            answer = self._serial.read_until(b"\n")
-        except (serial.SerialException, OSError) as error:
+            self._transport.drop()
+        except OSError as error:
             raise self._gone(text, str(error)) from error
-        if not answer.endswith(b"\n"):
-            raise self._gone(text, f"no answer within {TIMEOUT_S:g} s")
-        return answer.decode("ascii", "replace").strip()
+        self.send(text)
+        answer = self._read(text, TIMEOUT_S)
+        if self.identity and answer == self.identity and text != "*IDN?":
+            answer = self._read(text, TIMEOUT_S)
+        if answer == text:
+            raise self._unreadable(f"{text!r} is echoed", "switch its echo off")
+        return answer
 
     def close(self) -> None:
-        """Let go of the port."""
-        self._serial.close()
+        """Let go of it."""
+        self._transport.close()
+
+    def _read(self, text: str, timeout_s: float) -> str:
+        try:
+            line, complete = self._transport.read(timeout_s)
+        except OSError as error:
+            raise self._gone(text, str(error)) from error
+        if not complete:
+            self._behind = bool(self.identity)
+            came = f"only {line[:40]!r} without a line feed came" if line else "no answer"
+            raise self._gone(text, f"{came} within {timeout_s:g} s")
+        try:
+            return line.decode("ascii").strip()
+        except UnicodeDecodeError as error:
+            raise self._unreadable(f"{line[:20]!r} answers {text!r}, which is no text", "set the same baud rate and "
+                                   "framing at both ends (excitation.baud)") from error  # fmt: skip
+
+    def _catch_up(self) -> None:
+        held, self._held = self._held, ""
+        self.send("*IDN?")
+        until = time.monotonic() + TIMEOUT_S
+        while self._read("*IDN?", max(until - time.monotonic(), SPENT_S)) != self.identity:
+            if time.monotonic() > until:
+                raise self._gone("*IDN?", "another instrument answers")
+        self._behind = False
+        try:
+            while self._transport.read(SPENT_S)[1]:
+                pass
+        except OSError as error:
+            raise self._gone("*IDN?", str(error)) from error
+        self._held = held
 
     def _gone(self, text: str, why: str) -> DeviceGoneError:
-        return DeviceGoneError(f"{text!r}: {why}", where=self._where, remedy=_REMEDY)
+        return DeviceGoneError(f"{text!r}: {why}", where=self.where, remedy=_REMEDY)
+
+    def _unreadable(self, what: str, remedy: str) -> BenchError:
+        self._behind = bool(self.identity)
+        return ConfigurationError(what, where=self.where, remedy=remedy)

@@ -1,16 +1,22 @@
-"""The shaker on an analog output: finite bursts that end at exactly 0 V by themselves."""
+"""The shaker on an analog output: finite bursts that end at exactly 0 V by themselves, or by a fall when stopped."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 import nidaqmx.errors
-from nidaqmx.constants import AcquisitionType, RegenerationMode
+import numpy as np
+from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior, RegenerationMode, TaskMode
+from numpy.typing import NDArray
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
-from modallab_drivers.ni_daqmx.errors import translated, typed
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated, typed
+from modallab_drivers.ni_daqmx.guards import after_expiry
+from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, SHAPED, Played, fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
-from modallab_drivers.order import burst_samples
+from modallab_drivers.ni_daqmx.zero_volts import write_zero
+from modallab_drivers.order import burst_samples, wave_samples
 
 MIN_RATE_HZ = 5000.0
 SAMPLES_A_CYCLE = 25.0
@@ -24,8 +30,14 @@ def task_name(physical: str) -> str:
 class AnalogOutput:
     """One analog output. A task on it exists while a burst is on; else it is a plain 0 V."""
 
-    def __init__(self, route: Route, physical: str, range_v: float) -> None:
+    def __init__(self, route: Route, physical: str, range_v: float, *, guarded: bool = True) -> None:
         """Take the output and bring it to 0 V.
+
+        Args:
+            route: to the device.
+            physical: the output.
+            range_v: the largest amplitude it can give.
+            guarded: whether something else brings it to 0 V should this process or machine die.
 
         Raises:
             DeviceBusyError: another program holds it.
@@ -33,7 +45,11 @@ class AnalogOutput:
         self._route, self._physical, self._range_v = route, physical, range_v
         self._where = f"{route.address.url}, output {physical}"
         self._task: Any = None
-        patiently(self.zero)
+        self._wave: NDArray[np.float64] = np.zeros(1)
+        # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
+        behaviour = AOIdleOutputBehavior
+        self._idle = behaviour.MAINTAIN_EXISTING_VALUE if guarded else behaviour.ZERO_VOLTS
+        patiently(lambda: after_expiry(route, self._write_zero))
 
     @property
     def range_v(self) -> float:
@@ -47,25 +63,40 @@ class AnalogOutput:
 
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
         """Write the whole burst to the device and start it: from here on it ends without us."""
+        requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
+        self._start(requested, lambda rate: burst_samples(burst, rate), lambda rate: Played(burst, rate).described())
+
+    def play_wave(self, wave: Waveform) -> None:
+        """Write the whole wave to the device and start it: from here on it ends without us."""
+        self._start(wave.rate_hz, lambda rate: wave_samples(wave, rate), lambda _rate: SHAPED)
+
+    def _start(
+        self,
+        requested: float,
+        samples_at: Callable[[float], NDArray[np.float64]],
+        described_at: Callable[[float], str],
+    ) -> None:
         self._drop()
         with translated(self._where):
             task = patiently(lambda: self._new(task_name(self._physical)))
             try:
-                requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-                count = len(burst_samples(burst, requested))
+                count = len(samples_at(requested))
                 task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
-                wave = burst_samples(burst, float(task.timing.samp_clk_rate))
+                wave = samples_at(float(task.timing.samp_clk_rate))
                 if len(wave) != count:
                     task.timing.cfg_samp_clk_timing(
                         requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
+                self._describe(task, described_at(float(task.timing.samp_clk_rate)))
                 task.write(wave, auto_start=False)
+                # Committed, so that a stop keeps the output and the count of what was generated.
+                task.control(TaskMode.TASK_COMMIT)
                 task.start()
             except BaseException:
                 task.close()
                 raise
-        self._task = task
+        self._task, self._wave = task, wave
 
     def next_event(self) -> int | None:
         """A burst needs nothing while it is on."""
@@ -91,11 +122,18 @@ class AnalogOutput:
     def zero(self) -> None:
         """End a burst and put 0 V on the output.
 
-        A stopped output holds its last value, so 0 V is written after the stop.
+        A stopped output holds its last value, so it falls from there, and 0 V is written after that in any case.
         """
+        if self._task is not None:
+            # Where the device does not answer, or nobody knows what the output has come to, only a step is left.
+            with suppress(Exception):
+                rate_hz = float(self._task.timing.samp_clk_rate)
+                fall_to_zero(self._task._interpreter, self._task._handle, self._physical, (self._wave, rate_hz))
         self._drop()
         # A supervisor may be doing the same at this moment, and holds the output meanwhile.
-        patiently(self._write_zero, ZERO_WAIT_S)
+        # And an expired watchdog holds it at 0 V.
+        with suppress(WatchdogExpiredError):
+            patiently(self._write_zero, ZERO_WAIT_S)
 
     def close(self) -> None:
         """Bring it to 0 V and let go of it."""
@@ -106,12 +144,12 @@ class AnalogOutput:
         self._task = None
 
     def _write_zero(self) -> None:
-        with translated(self._where):
-            task = self._new("")
-            try:
-                task.write(0.0, auto_start=True)
-            finally:
-                task.close()
+        task = self._new("")
+        try:
+            with translated(self._where):
+                write_zero(task._interpreter, task._handle)
+        finally:
+            task.close()
 
     def _done(self) -> bool:
         try:
@@ -129,6 +167,13 @@ class AnalogOutput:
                 task.close()
                 raise
             return task
+
+    def _describe(self, task: Any, described: str) -> None:
+        interpreter, handle = task._interpreter, task._handle
+        interpreter.set_chan_attribute_string(handle, self._physical, DESCRIPTION, described)
+        with suppress(nidaqmx.errors.DaqError):
+            # Few devices have it.
+            interpreter.set_chan_attribute_int32(handle, self._physical, IDLE, self._idle.value)
 
     def _drop(self) -> None:
         task, self._task = self._task, None

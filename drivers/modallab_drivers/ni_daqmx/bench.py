@@ -8,15 +8,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request
-from modallab.core.errors import ConfigurationError, DeviceGoneError, SamplesLostError
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, ReferenceTrigger, Request, SyncState, Waveform
+from modallab.core.errors import BenchError, ConfigurationError, DeviceGoneError, SamplesLostError
 from modallab.core.rig import Rig
 from modallab_drivers.ni_daqmx.address import parse
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError
 from modallab_drivers.ni_daqmx.inputs import Inputs
 from modallab_drivers.ni_daqmx.plugs import Plug, plugs_of
 from modallab_drivers.ni_daqmx.route import Route, patiently
 from modallab_drivers.ni_daqmx.shaker import Shaker
-from modallab_drivers.ni_daqmx.teds import teds_sensitivities
+from modallab_drivers.ni_daqmx.teds import teds_sensitivities, teds_serials
 from modallab_drivers.ni_daqmx.triggered import TriggeredRecord
 from modallab_drivers.order import require, require_count
 
@@ -29,7 +30,7 @@ FULL_SCALE = 1 - 1e-6
 
 
 class NiBench:
-    """Inputs of one device or chassis, and what drives the shaker: an output of it, or a generator."""
+    """Inputs of one device or chassis or of several, and what drives the shaker: an output of it, or a generator."""
 
     def __init__(self, url: str, rig: Rig) -> None:
         """Find the devices, check the rig against them, and bring the output to 0 V."""
@@ -50,7 +51,9 @@ class NiBench:
             can_drive=self._shaker.can_drive,
             real_time=not self._address.virtual_time,
             facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
-            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {}),
+            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {})
+            | ({"generator": self._shaker.identity} if self._shaker.identity else {}),
+            streams_bursts=self._shaker.streams,
         )
 
     @property
@@ -80,7 +83,7 @@ class NiBench:
             request.rate_hz,
             inputs.rate_hz,
             inputs.rate_hz,
-            np.dtype(np.float64),
+            np.dtype(np.float32),
             inputs.volts_per_unit.copy(),
             ("V",) * len(self._plugs),
         )
@@ -93,13 +96,18 @@ class NiBench:
         if self._state in ("lost", "gone"):
             self._reconnect()
             self._drop_inputs()
+        if self._shaker.has_watchdog:
+            # It comes before anything that is reserved on its chassis, and inputs that feed sensors are.
+            self._drop_inputs()
+        self._shaker.watch(self._route)
         inputs = self._inputs or self._make_inputs()
         try:
             patiently(inputs.start)
-        except DeviceGoneError:
-            self._gone()
+        except BenchError as error:
+            self._shaker.unwatch()
+            if isinstance(error, DeviceGoneError):
+                self._gone()
             raise
-        self._shaker.watch(self._route)
         self._position = 0
         self._state = "running"
 
@@ -109,7 +117,7 @@ class NiBench:
         require_count(count, self._url)
         assert self._inputs is not None
         first = self._position
-        pieces: list[NDArray[np.float64]] = []
+        pieces: list[NDArray[np.float32]] = []
         with self._losses():
             while (left := first + count - self._position) > 0:
                 piece = self._shaker.up_to_event(self._position, left)
@@ -153,18 +161,50 @@ class NiBench:
         """Start a burst; the place of its rise counts the converter's own delay."""
         self._require("running", to="play")
         assert self._inputs is not None
-        self._shaker.play(burst, self._position, self._inputs.rate_hz)
+        with self._losses():
+            self._shaker.play(burst, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave; the place of its beginning counts the converter's own delay."""
+        self._require("running", to="play")
+        assert self._inputs is not None
+        with self._losses():
+            self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
+        start = max(self._inputs.acquired(), self._position)
+        return start + round(self._inputs.delay_s * self._inputs.rate_hz)
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What the generator took, looked at now."""
+        return self._shaker.output_facts()
 
     def prompt_hit(self, point: int) -> None:
         """Whoever strikes is notified by the page; the point must be one of the rig."""
         self._rig.x_of(point)
 
+    def fed_channels(self) -> tuple[str, ...]:
+        """Channels of the rig whose sensors the inputs feed with a current."""
+        return tuple(plug.channel.name for plug in self._plugs if plug.supply_a)
+
+    def synchronisation(self) -> SyncState:
+        """How several devices sample as one, and how far each has counted."""
+        self._require("configured", "running", "stopped", to="ask for the synchronisation")
+        return (self._inputs or self._make_inputs()).synchronisation(running=self._state == "running")
+
     def sensed_sensitivities(self) -> dict[str, float]:
-        """V per SI unit of the accelerometers that carry a TEDS, by channel."""
-        self._require("open", "configured", "stopped", to="ask sensors")
+        """V per SI unit of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
         return teds_sensitivities(self._route, self._plugs)
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        return self._inputs.open_unseen() if self._inputs is not None else ()
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number of the sensors that carry a TEDS, by channel."""
+        self._require("open", "configured", "stopped", "lost", to="ask sensors")
+        return teds_serials(self._route, self._plugs)
 
     def zero(self) -> None:
         """Bring the output to 0 V now."""
@@ -188,8 +228,7 @@ class NiBench:
         if self._state == "closed":
             return
         try:
-            if self._state != "gone":
-                self._shaker.let_go()
+            self._shaker.let_go(reachable=self._state != "gone")
         finally:
             self._shaker.unwatch()
             self._drop_inputs()
@@ -207,6 +246,11 @@ class NiBench:
         except SamplesLostError:
             self._state = "lost"
             raise
+        except WatchdogExpiredError as error:
+            self._state = "lost"
+            if self._shaker.driving(self._position):
+                raise
+            raise SamplesLostError(error.what, where=error.where, remedy=error.remedy) from error
         except DeviceGoneError:
             self._gone()
             raise
@@ -215,13 +259,16 @@ class NiBench:
         request = self._request
         assert request is not None
         try:
-            self._inputs = patiently(lambda: Inputs(self._route, self._plugs, request.test, request.rate_hz, reference))
+            self._inputs = patiently(lambda: self._inputs_for(request, reference))
         except DeviceGoneError:
             self._gone()
             raise
         return self._inputs
 
-    def _at_full_scale(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _inputs_for(self, request: Request, reference: ReferenceTrigger | None) -> Inputs:
+        return Inputs(self._route, self._plugs, request.test, request.rate_hz, reference, self._rig.synchronisation)
+
+    def _at_full_scale(self, samples: NDArray[np.float32]) -> NDArray[np.bool_]:
         # Clipping is looked for here, before anything resamples; in volts, whatever the unit.
         assert self._inputs is not None
         peak = np.maximum(samples.max(axis=1), -samples.min(axis=1)) * self._inputs.volts_per_unit

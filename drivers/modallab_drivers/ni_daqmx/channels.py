@@ -16,7 +16,6 @@ from modallab.core.units import STANDARD_GRAVITY, Test, si_factor
 from modallab_drivers.ni_daqmx.errors import translated
 from modallab_drivers.ni_daqmx.plugs import Plug
 
-IEPE_A = 0.002
 BRIDGE_V = 5.0
 
 
@@ -34,6 +33,9 @@ def add_channel(task: Any, plug: Plug, test: Test, where: str) -> float:
             _add_iepe(task, plug, volts)
         elif channel.coupling == "IEPE" and channel.quantity == "force":
             _add_force(task, plug, volts)
+        elif channel.coupling == "IEPE":
+            _add_fed_voltage(task, plug)
+            return 1.0
         elif channel.coupling == "bridge" and channel.quantity == "acceleration":
             _add_bridge(task, plug, volts)
         elif channel.coupling in ("DC", "AC"):
@@ -43,7 +45,7 @@ def add_channel(task: Any, plug: Plug, test: Test, where: str) -> float:
             raise ConfigurationError(
                 f"coupling {channel.coupling} is not possible for a channel of {channel.quantity}",
                 where=where,
-                remedy="use DC or AC with a preamplifier, IEPE for acceleration or force, bridge for acceleration",
+                remedy="use DC or AC with a preamplifier, IEPE for a sensor that is fed, bridge for acceleration",
             )
     return volts
 
@@ -56,7 +58,7 @@ def _add_voltage(task: Any, plug: Plug) -> None:
 
 def _add_iepe(task: Any, plug: Plug, volts: float) -> None:
     most = plug.range_v / volts
-    task.ai_channels.add_ai_accel_chan(
+    added = task.ai_channels.add_ai_accel_chan(
         plug.physical,
         min_val=-most,
         max_val=most,
@@ -64,13 +66,14 @@ def _add_iepe(task: Any, plug: Plug, volts: float) -> None:
         sensitivity=1e3 * volts * STANDARD_GRAVITY,
         sensitivity_units=AccelSensitivityUnits.MILLIVOLTS_PER_G,
         current_excit_source=ExcitationSource.INTERNAL,
-        current_excit_val=plug.channel.excitation_a or IEPE_A,
+        current_excit_val=plug.supply_a,
     )
+    _without_bias(added)
 
 
 def _add_force(task: Any, plug: Plug, volts: float) -> None:
     most = plug.range_v / volts
-    task.ai_channels.add_ai_force_iepe_chan(
+    added = task.ai_channels.add_ai_force_iepe_chan(
         plug.physical,
         units=ForceUnits.NEWTONS,
         min_val=-most,
@@ -78,8 +81,22 @@ def _add_force(task: Any, plug: Plug, volts: float) -> None:
         sensitivity=1e3 * volts,
         sensitivity_units=ForceIEPESensorSensitivityUnits.MILLIVOLTS_PER_NEWTON,
         current_excit_source=ExcitationSource.INTERNAL,
-        current_excit_val=plug.channel.excitation_a or IEPE_A,
+        current_excit_val=plug.supply_a,
     )
+    _without_bias(added)
+
+
+def _add_fed_voltage(task: Any, plug: Plug) -> None:
+    # The package has no IEPE channel for velocity or displacement.
+    added = task.ai_channels.add_ai_voltage_chan(plug.physical, min_val=-plug.range_v, max_val=plug.range_v)
+    added.ai_excit_src = ExcitationSource.INTERNAL
+    added.ai_excit_val = plug.supply_a
+    _without_bias(added)
+
+
+def _without_bias(added: Any) -> None:
+    # A device may have DC as its default, and would then read the sensor's bias of some 10 V.
+    added.ai_coupling = Coupling.AC
 
 
 def _add_bridge(task: Any, plug: Plug, volts: float) -> None:

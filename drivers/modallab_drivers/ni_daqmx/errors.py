@@ -22,16 +22,28 @@ HANDLE_DEAD = -200088
 RESERVED = -50103
 DUPLICATE = -200089
 UNSUPPORTED_HERE = -200452
+CHASSIS_EXPIRED = -201478
 
 _LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
 _CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
+_TOGETHER = "see how the devices are connected: rig file field synchronisation"
 _BUSY = (
     "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
     " is given back by: modallab devices ADDRESS --release"
 )
 _LOG = "look at the server's log"
+_EXPIRED = "allow it longer (excitation.watchdog_s), or use a less busy machine; the next start resets the chassis"
+_NO_WATCHDOG = "this device has no watchdog: leave excitation.watchdog_s out, and say why in excitation.watchdog_waived"
 _OUTPUT = "the output was brought to 0 V; play a shorter burst or use a faster link"
+
+
+EXPIRED = "the watchdog has expired, since nothing was read for longer than it allows; the output is held at 0 V"
+
+
+class WatchdogExpiredError(OutputLostError):
+    """The chassis' watchdog has expired: its outputs are at 0 V, and nothing goes on it until it is reset."""
+
 
 TABLE: dict[int, tuple[type[BenchError], str]] = {
     NOT_YET: (BenchTimeoutError, "wait longer; what had come is kept"),
@@ -54,6 +66,21 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
     -200265: (ConfigurationError, _CONFIGURATION),
     -89120: (ConfigurationError, _CONFIGURATION),
     UNSUPPORTED_HERE: (ConfigurationError, _CONFIGURATION),
+    CHASSIS_EXPIRED: (WatchdogExpiredError, _EXPIRED),
+    -200678: (WatchdogExpiredError, _EXPIRED),
+    -200644: (WatchdogExpiredError, _EXPIRED),
+    -201477: (DeviceBusyError, _BUSY),
+    -200662: (ConfigurationError, _NO_WATCHDOG),
+    -200558: (ConfigurationError, _TOGETHER),
+    -200852: (ConfigurationError, _TOGETHER),
+    -200853: (ConfigurationError, _TOGETHER),
+    -200854: (ConfigurationError, _TOGETHER),
+    -201090: (ConfigurationError, _TOGETHER),
+    -201207: (ConfigurationError, _TOGETHER),
+    -201346: (ConfigurationError, _TOGETHER),
+    -201347: (ConfigurationError, _TOGETHER),
+    -201361: (ConfigurationError, _TOGETHER),
+    -209882: (ConfigurationError, _TOGETHER),
     -200290: (OutputLostError, _OUTPUT),
     -200621: (OutputLostError, _OUTPUT),
     -200018: (OutputLostError, _OUTPUT),
@@ -65,6 +92,8 @@ def typed(error: Exception, where: str) -> BenchError:
     """The typed error for what the package raised."""
     if isinstance(error, nidaqmx.errors.DaqError):
         return of_code(int(error.error_code), str(error), where)
+    if isinstance(error, nidaqmx.errors.RpcError) and error.rpc_code == grpc.StatusCode.ALREADY_EXISTS:
+        return DeviceBusyError(f"the device server: {error}", where=where, remedy=_BUSY)
     if isinstance(error, nidaqmx.errors.RpcError):
         gone = error.rpc_code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED)
         kind = DeviceGoneError if gone else BenchError
@@ -88,6 +117,8 @@ def of_code(code: int, text: str, where: str) -> BenchError:
     """The typed error for a status."""
     kind, remedy = TABLE.get(code, (BenchError, "look the status up in NI's documentation; report it if it recurs"))
     said = " ".join(line.strip() for line in text.splitlines() if line.strip())
+    if kind is WatchdogExpiredError:
+        said = f"{EXPIRED}: {said}"
     return kind(f"{said}" if str(code) in said else f"{said} ({code})", where=where, remedy=remedy)
 
 

@@ -1,66 +1,96 @@
 """What watches from the device's side: a chassis' watchdog, and a line that toggles for an external relay."""
 
 import time
+from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 import nidaqmx.errors
 from nidaqmx.constants import WatchdogAOExpirState
 from nidaqmx.system.watchdog import WatchdogTask
 from nidaqmx.types import AOExpirationState
 
-from modallab.core.errors import OutputLostError
 from modallab.core.hardware import Excitation
-from modallab_drivers.ni_daqmx.errors import translated
-from modallab_drivers.ni_daqmx.route import Route
+from modallab_drivers.ni_daqmx.errors import CHASSIS_EXPIRED, WatchdogExpiredError, of_code, translated
+from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+
+T = TypeVar("T")
 
 BEAT_S = 0.02
+
+
+def watchdog_name(device: str) -> str:
+    """Name under which a server knows a chassis' watchdog, so that a second handle finds it."""
+    return f"modallab-{device}-watchdog"
+
+
+def heartbeat_name(device: str) -> str:
+    """Name under which a server knows the task of the heartbeat line: left behind, it would keep a watchdog off."""
+    return f"modallab-{device}-heartbeat"
+
+
+def after_expiry(route: Route, call: Callable[[], T]) -> T:
+    """Make a call; where the chassis' watchdog has expired, reset the chassis first.
+
+    The vendor's rule: after an expiry nothing goes on a chassis until it is reset, and to clear the watchdog's task is
+    not enough. A reset ends every task on the chassis and brings its outputs to their power-up state, 0 V.
+
+    Raises:
+        BenchError: of the call.
+    """
+    try:
+        return call()
+    except WatchdogExpiredError:
+        with translated(f"{route.address.url}, reset after its watchdog expired"):
+            route.device(route.address.device).reset_device()
+        return call()
 
 
 class Watchdog:
     """Brings the output to 0 V when nobody resets it in time, whatever became of us."""
 
     def __init__(self, route: Route, device: str, output: str, timeout_s: float) -> None:
-        """Start it.
+        """Start it. Nothing else may be reserved on the chassis: it comes before all other tasks.
 
         Raises:
             ConfigurationError: the device has none.
+            DeviceBusyError: something else goes on on the chassis.
         """
         self._where = f"{route.address.url}, rig file field excitation.watchdog_s"
+        self._task = self._made(route, device, timeout_s)
+        try:
+            with translated(self._where):
+                self._task.cfg_watchdog_ao_expir_states([AOExpirationState(output, 0.0, WatchdogAOExpirState.VOLTAGE)])
+                self._task.start()
+        except BaseException:
+            self.close()
+            raise
+
+    def _made(self, route: Route, device: str, timeout_s: float) -> Any:
+        name = watchdog_name(device)
+        # The package says int and takes parts of a second.
+        make: Any = WatchdogTask
         with translated(self._where):
-            # The package says int and takes parts of a second.
-            make: Any = WatchdogTask
-            self._task: Any = make(device, timeout=timeout_s, grpc_options=route.options())
-            self._task.cfg_watchdog_ao_expir_states([AOExpirationState(output, 0.0, WatchdogAOExpirState.VOLTAGE)])
-            self._task.start()
+            return make(device, task_name=name, timeout=timeout_s, grpc_options=route.options(name))
 
     def beat(self) -> None:
         """Reset its timer.
 
         Raises:
-            OutputLostError: it has expired, so that the device holds the output at 0 V, whatever is written to it.
+            WatchdogExpiredError: the device holds the output at 0 V, whatever is written to it, until it is reset.
         """
         with translated(self._where):
             if self._task.expired:
-                raise OutputLostError(
-                    "the watchdog has expired: nothing was read for longer than it allows; the output is held at 0 V",
-                    where=self._where,
-                    remedy="allow it longer, or use a less busy machine",
-                )
-            self._task.reset_timer()
-
-    def ready(self) -> None:
-        """Before a burst: where it has expired while nothing was driven, let it watch anew."""
-        with translated(self._where):
-            if self._task.expired:
-                self._task.clear_expiration()
+                raise of_code(CHASSIS_EXPIRED, "", self._where)
             self._task.reset_timer()
 
     def close(self) -> None:
         """Stop it."""
-        with suppress(nidaqmx.errors.Error):
-            self._task.stop()
-            self._task.close()
+        for step in (self._task.stop, self._task.close):
+            with suppress(nidaqmx.errors.Error):
+                step()
+        # A reset of the chassis has ended it already.
+        self._task._close_on_exit = False
 
 
 class HeartbeatLine:
@@ -75,7 +105,7 @@ class HeartbeatLine:
         self._where = f"{route.address.url}, rig file field excitation.heartbeat_line"
         self._level = False
         with translated(self._where):
-            self._task: Any = route.task()
+            self._task: Any = route.task(heartbeat_name(route.address.device))
             self._task.do_channels.add_do_chan(line)
 
     def beat(self) -> None:
@@ -83,9 +113,6 @@ class HeartbeatLine:
         self._level = not self._level
         with translated(self._where):
             self._task.write(self._level, auto_start=True)
-
-    def ready(self) -> None:
-        """Nothing to do."""
 
     def close(self) -> None:
         """Let go of the line: it stands still."""
@@ -103,30 +130,22 @@ class Guards:
             return
         if excitation.watchdog_s is not None and output is not None:
             device = route.address.device
-            self._guards.append(Watchdog(route, device, output, excitation.watchdog_s))
+            timeout_s = excitation.watchdog_s
+            self._guards.append(patiently(lambda: Watchdog(route, device, output, timeout_s), ZERO_WAIT_S))
         if excitation.heartbeat_line:
             self._guards.append(HeartbeatLine(route, excitation.heartbeat_line))
 
-    def beat(self, *, driving: bool) -> None:
-        """All is well.
+    def beat(self, *, now: bool = False) -> None:
+        """All is well; `now` even if it was said a moment ago.
 
         Raises:
-            OutputLostError: while a burst is on, a watchdog has ended it.
+            WatchdogExpiredError: a watchdog has ended whatever was on.
         """
-        if not self._guards or time.monotonic() - self._beaten_s < BEAT_S:
+        if not self._guards or (time.monotonic() - self._beaten_s < BEAT_S and not now):
             return
         self._beaten_s = time.monotonic()
         for guard in self._guards:
-            try:
-                guard.beat()
-            except OutputLostError:
-                if driving:
-                    raise
-
-    def ready(self) -> None:
-        """A burst comes: all guards must watch."""
-        for guard in self._guards:
-            guard.ready()
+            guard.beat()
 
     def close(self) -> None:
         """Stop watching."""

@@ -1,39 +1,34 @@
-"""The input task: made from the rig, read by a stream reader into arrays of our own."""
+"""All inputs of a bench, from one task or from several that one clock drives."""
 
 import time
-import warnings
 from collections.abc import Sequence
-from math import ceil
-from typing import Any
 
-import nidaqmx.errors
 import numpy as np
-from nidaqmx.constants import AcquisitionType, Slope
-from nidaqmx.stream_readers import AnalogMultiChannelReader
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import ReferenceTrigger
-from modallab.core.errors import BenchError, BenchTimeoutError, ConfigurationError
+from modallab.bench.protocol import ReferenceTrigger, SyncState
+from modallab.core.errors import BenchTimeoutError, ConfigurationError
+from modallab.core.hardware import Synchronisation
 from modallab.core.units import Test
-from modallab_drivers.ni_daqmx.channels import add_channel
-from modallab_drivers.ni_daqmx.errors import NEVER, NOT_YET, UNSUPPORTED_HERE, of_code, translated, typed
+from modallab_drivers.ni_daqmx.errors import NOT_YET
+from modallab_drivers.ni_daqmx.input_faults import InputFaults
 from modallab_drivers.ni_daqmx.plugs import Plug
 from modallab_drivers.ni_daqmx.route import Route
+from modallab_drivers.ni_daqmx.synchronise import made_tasks
 
-BUFFER_S = 10.0
-FAULT_POLL_S = 1.0
-
-_UNSUPPORTED = (UNSUPPORTED_HERE, -200077, -200197)
-"""What a device says that has no such flag."""
-
-
-def session_name(device: str) -> str:
-    """Name under which a server knows the input task: what a killed client leaves behind is recognised by it."""
-    return f"modallab-inputs-{device}"
+DELAY_PART = 0.1
+"""Channels may lag each other by so many samples."""
 
 
 class Inputs:
-    """A configured input task. It keeps what a timed-out read had brought."""
+    """The inputs, in the order of the plugs. It keeps what a timed-out read had brought.
+
+    Attributes:
+        rate_hz: that the devices give.
+        volts_per_unit: (channels,) as delivered.
+        delay_s: by how much the samples lag what the sensors felt.
+        synchronised_by: in words; empty where one device samples all.
+    """
 
     def __init__(
         self,
@@ -42,75 +37,57 @@ class Inputs:
         test: Test,
         rate_hz: float,
         reference: ReferenceTrigger | None = None,
+        synchronisation: Synchronisation | None = None,
     ) -> None:
-        """Make the task, set its clock, and see which rate the device gives; with a trigger for one finite record.
+        """Make the tasks, set their clock, and see which rate the devices give.
 
         Raises:
-            ConfigurationError: a channel or the rate can't be had.
+            ConfigurationError: a channel, the rate or a common clock can't be had.
+            DeviceBusyError: another program holds an input.
         """
-        self._plugs = tuple(plugs)
         self._where = route.address.url
-        self.warnings: list[str] = []
-        with translated(self._where):
-            self._task = route.task(session_name(route.address.device))
+        made = made_tasks(route, plugs, test, rate_hz, reference, synchronisation or Synchronisation())
+        self.tasks, self.synchronised_by = made.tasks, made.synchronised_by
+        self._rows = [[plugs.index(plug) for plug in task.plugs] for task in self.tasks]
+        self._faults = [InputFaults(task.task, task.plugs, self._where) for task in self.tasks]
+        self._channels = len(plugs)
+        self.rate_hz = self.tasks[0].rate_hz
+        self.volts_per_unit = np.empty(self._channels)
+        for rows, task in zip(self._rows, self.tasks, strict=True):
+            self.volts_per_unit[rows] = task.volts_per_unit
         try:
-            self.volts_per_unit = np.array([add_channel(self._task, plug, test, self._where) for plug in plugs])
-            with translated(f"{self._where}, rate_hz {rate_hz:g}"):
-                self._set_clock(rate_hz, reference)
-                self.rate_hz = float(self._task.timing.samp_clk_rate)
-                if reference is None:
-                    self._task.in_stream.input_buf_size = max(ceil(BUFFER_S * self.rate_hz), 1000)
+            self.delay_s = self._filter_delay(plugs)
+            for task in self.tasks:
+                task.feed()
         except BaseException:
             self.close()
             raise
-        self.delay_s = self._filter_delay()
-        self._reader = AnalogMultiChannelReader(self._task.in_stream)
-        # Checking the shape would cost a call a read.
-        self._reader.verify_array_shape = False
-        self._part = np.zeros((len(plugs), 0))
-        self._flags = True
-        self._polls_faults = any(plug.channel.coupling in ("IEPE", "bridge") for plug in plugs)
-        self._polled_s = 0.0
 
-    def _set_clock(self, rate_hz: float, reference: ReferenceTrigger | None) -> None:
-        timing = self._task.timing
-        if reference is None:
-            timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.CONTINUOUS)
-            return
-        timing.cfg_samp_clk_timing(rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=reference.count)
-        trigger = self._task.triggers.reference_trigger
-        trigger.cfg_anlg_edge_ref_trig(
-            self._plugs[reference.channel].physical,
-            reference.pre_trigger,
-            trigger_slope=Slope.RISING if reference.level > 0 else Slope.FALLING,
-            trigger_level=reference.level,
-        )
-        trigger.anlg_edge_hyst = reference.hysteresis
+    @property
+    def warnings(self) -> list[str]:
+        """What the driver warned of."""
+        return [warning for task in self.tasks for warning in task.warnings]
 
     def start(self) -> None:
-        """Begin to sample."""
-        self._part = np.zeros((len(self._plugs), 0))
-        with translated(self._where):
-            self._task.start()
+        """Begin to sample: the first task last, since the others wait for its start."""
+        for task in reversed(self.tasks):
+            task.start()
 
     def stop(self) -> None:
         """Stop sampling."""
-        with translated(self._where):
-            self._task.stop()
+        for task in self.tasks:
+            task.stop()
 
     def close(self) -> None:
-        """Let go of the task; a device that is gone has let go already."""
-        try:
-            self._task.close()
-        except nidaqmx.errors.Error as error:
-            self.warnings.append(str(typed(error, self._where)))
+        """Let go of the tasks."""
+        for task in self.tasks:
+            task.close()
 
     def acquired(self) -> int:
-        """Samples per channel the device has acquired since the start."""
-        with translated(self._where):
-            return int(self._task.in_stream.total_samp_per_chan_acquired)
+        """Samples per channel the devices have acquired since the start."""
+        return min(task.acquired() for task in self.tasks)
 
-    def read(self, count: int, timeout_s: float) -> NDArray[np.float64]:
+    def read(self, count: int, timeout_s: float) -> NDArray[np.float32]:
         """The next (channels, count) values.
 
         Raises:
@@ -118,56 +95,26 @@ class Inputs:
             SamplesLostError: the device lost samples.
             DeviceGoneError: it is gone.
         """
-        missing = count - self._part.shape[1]
-        if missing <= 0:
-            taken, self._part = self._part[:, :count], self._part[:, count:]
-            return taken
-        fresh = np.empty((len(self._plugs), missing))
-        came = self._fill(fresh, missing, timeout_s)
-        whole = np.concatenate([self._part, fresh[:, :came]], axis=1) if self._part.size or came < missing else fresh
-        if came < missing:
-            self._part = whole
+        deadline = time.monotonic() + timeout_s
+        came = min(task.fill(count, max(0.0, deadline - time.monotonic())) for task in self.tasks)
+        if came < count:
             raise BenchTimeoutError(
-                f"{whole.shape[1]} of {count} samples came within {timeout_s:g} s ({NOT_YET})",
+                f"{came} of {count} samples came within {timeout_s:g} s ({NOT_YET})",
                 where=self._where,
                 remedy="wait longer; what came is kept",
             )
-        self._part = whole[:, :0]
+        if len(self.tasks) == 1:
+            return self.tasks[0].take(count)
+        whole = np.empty((self._channels, count), dtype=np.float32)
+        for rows, task in zip(self._rows, self.tasks, strict=True):
+            whole[rows] = task.take(count)
         return whole
 
-    def _fill(self, fresh: NDArray[np.float64], count: int, timeout_s: float) -> int:
-        try:
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", nidaqmx.errors.DaqWarning)
-                came = int(self._reader.read_many_sample(fresh, count, timeout=timeout_s))
-            self.warnings += [str(warning.message) for warning in caught]
-        except nidaqmx.errors.DaqReadError as error:
-            if int(error.error_code) != NOT_YET:
-                raise self._ended(error) from error
-            came = int(error.samps_per_chan_read)
-        except nidaqmx.errors.Error as error:
-            raise typed(error, self._where) from error
-        return came
-
-    def _ended(self, error: Any) -> BenchError:
-        kept = self._part.shape[1]
-        text = f"{error}" if int(error.error_code) != NEVER else f"{error} {kept} samples had come before"
-        return of_code(int(error.error_code), text, self._where)
-
     def overloaded(self) -> NDArray[np.bool_]:
-        """(channels,) whether the device saw a channel beyond its range since it was last asked."""
-        flags = np.zeros(len(self._plugs), dtype=np.bool_)
-        if not self._flags:
-            return flags
-        try:
-            # Asking whether clears the flags, and must come before asking which.
-            if self._task.in_stream.overloaded_chans_exist:
-                names = set(self._task.in_stream.overloaded_chans)
-                flags |= np.array([plug.physical in names for plug in self._plugs])
-        except nidaqmx.errors.DaqError as error:
-            if int(error.error_code) not in _UNSUPPORTED:
-                raise typed(error, self._where) from error
-            self._flags = False
+        """(channels,) whether a device saw a channel beyond its range since it was last asked."""
+        flags = np.zeros(self._channels, dtype=np.bool_)
+        for rows, faults in zip(self._rows, self._faults, strict=True):
+            flags[rows] = faults.overloaded()
         return flags
 
     def require_sensors(self) -> None:
@@ -176,49 +123,31 @@ class Inputs:
         Raises:
             BenchError: names the channels.
         """
-        if not self._polls_faults or time.monotonic() - self._polled_s < FAULT_POLL_S:
-            return
-        self._polled_s = time.monotonic()
-        stream = self._task.in_stream
-        for what, exist, which in (
-            ("open: no sensor is connected", "open_chans_exist", "open_chans"),
-            ("without excitation: a short, or no power", "excit_fault_chans_exist", "excit_fault_chans"),
-        ):
-            try:
-                found = list(getattr(stream, which)) if getattr(stream, exist) else []
-            except nidaqmx.errors.DaqError as error:
-                if int(error.error_code) not in _UNSUPPORTED:
-                    raise typed(error, self._where) from error
-                continue
-            if found:
-                names = [plug.channel.name for plug in self._plugs if plug.physical in found]
-                raise BenchError(
-                    f"channel {', '.join(names)} is {what}", where=self._where, remedy="look at its cable and sensor"
-                )
+        for faults in self._faults:
+            faults.require_sensors()
 
-    def convert_rate_hz(self) -> float | None:
-        """Rate at which a multiplexer steps from channel to channel; None where every channel has its own converter."""
-        try:
-            return float(self._task.timing.ai_conv_rate)
-        except nidaqmx.errors.DaqError:
-            return None
+    def open_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there."""
+        return tuple(name for faults in self._faults for name in faults.open_unseen())
 
-    def _filter_delay(self) -> float:
-        delays: list[float] = []
-        for plug in self._plugs:
-            try:
-                delays.append(float(self._channel(plug).ai_filter_delay))
-            except nidaqmx.errors.DaqError:
-                delays.append(0.0)
-        if max(delays) - min(delays) > 0.1 / self.rate_hz:
-            listed = ", ".join(f"{p.channel.name} {1e3 * d:.3g} ms" for p, d in zip(self._plugs, delays, strict=True))
-            self.close()
+    def synchronisation(self, *, running: bool) -> SyncState:
+        """What keeps the tasks together, and while they run how far each has counted."""
+        if not running:
+            return SyncState(self.synchronised_by, {}, ())
+        counts = {task.plugs[0].unit: task.acquired() for task in self.tasks}
+        return SyncState(self.synchronised_by, counts, tuple(n for faults in self._faults for n in faults.unlocked()))
+
+    def _filter_delay(self, plugs: Sequence[Plug]) -> float:
+        # What the rig file states as a channel's own delay is undone in the spectra, so only the rest must agree.
+        delays = {
+            p.channel.name: d for task in self.tasks for p, d in zip(task.plugs, task.filter_delays_s(), strict=True)
+        }
+        rest = [delays[plug.channel.name] - plug.channel.delay_s for plug in plugs]
+        if max(rest) - min(rest) > DELAY_PART / self.rate_hz:
+            listed = ", ".join(f"{name} {1e3 * delay:.4g} ms" for name, delay in delays.items())
             raise ConfigurationError(
-                f"modules of different delay in one task: {listed}",
+                f"modules of different delay in one test: {listed}",
                 where=f"{self._where}, rig file field channels[].input",
-                remedy="put all channels on modules of one kind",
+                remedy="put all channels on modules of one kind, or state these delays as channels[].delay_s",
             )
-        return max(delays)
-
-    def _channel(self, plug: Plug) -> Any:
-        return self._task.ai_channels[plug.physical]
+        return max(delays.values())

@@ -7,6 +7,10 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Channel, Rig
 from modallab_drivers.ni_daqmx.route import DeviceInfo
 
+USUAL_SUPPLY_A = 0.002
+SUPPLY_PART = 1e-3
+"""A stated current is one of the device's if it differs by no more."""
+
 
 @dataclass(frozen=True, slots=True)
 class Plug:
@@ -16,11 +20,15 @@ class Plug:
         channel: of the rig.
         physical: of the device.
         range_v: to set.
+        unit: device or chassis whose clock it has.
+        supply_a: current that feeds an IEPE sensor; 0 where none is fed.
     """
 
     channel: Channel
     physical: str
     range_v: float
+    unit: str = ""
+    supply_a: float = 0.0
 
 
 def plugs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[Plug, ...]:
@@ -29,7 +37,8 @@ def plugs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[Plug,
     Raises:
         ConfigurationError: one message with every field of the rig file that does not fit.
     """
-    ranges = {name: device.input_range_v for device in devices for name in device.inputs}
+    owners = {name: device for device in devices for name in device.inputs}
+    ranges = {name: device.input_range_v for name, device in owners.items()}
     named = {channel.input for channel in rig.channels if channel.input}
     free = [name for name in ranges if name not in named]
     problems: list[str] = []
@@ -42,18 +51,35 @@ def plugs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[Plug,
         if physical not in ranges:
             problems.append(f"channels[{place}].input: found {physical!r}; allowed: {_listed(list(ranges))}")
             continue
-        plugs.append(_plug(rig, channel, physical, ranges[physical], problems))
+        plugs.append(_plug(rig, channel, physical, owners[physical], problems))
     if problems:
         raise ConfigurationError("; ".join(problems), where=where, remedy="mend these fields of the rig file")
     return tuple(plugs)
 
 
-def _plug(rig: Rig, channel: Channel, physical: str, most_v: float, problems: list[str]) -> Plug:
+def _plug(rig: Rig, channel: Channel, physical: str, device: DeviceInfo, problems: list[str]) -> Plug:
+    most_v = device.input_range_v
     own = f"channels[{channel.index}].range_v" if channel.range_v else "converter.range_v"
     range_v = channel.range_v or (rig.converter.range_v if rig.converter else most_v)
     if range_v > most_v * (1 + 1e-9):
         problems.append(f"{own}: found {range_v:g} V for {physical}; allowed: up to {most_v:g} V")
-    return Plug(channel, physical, range_v)
+    return Plug(channel, physical, range_v, device.unit, _supply(channel, device, problems))
+
+
+def _supply(channel: Channel, device: DeviceInfo, problems: list[str]) -> float:
+    if channel.coupling != "IEPE":
+        return 0.0
+    stated, listed = channel.excitation_a, device.supplies_a
+    if not listed:
+        # What the device does not list it may still have; it says so itself when the channel is made.
+        return stated or USUAL_SUPPLY_A
+    if stated is None:
+        return min(listed)
+    nearest = min(listed, key=lambda current: abs(current - stated))
+    if abs(nearest - stated) > SUPPLY_PART * stated:
+        allowed = f"{device.product} {device.name} has {', '.join(f'{current:g}' for current in listed)} A"
+        problems.append(f"channels[{channel.index}].excitation_a: found {stated:g} A; {allowed}")
+    return nearest
 
 
 def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str, float] | None:

@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 
 import grpc
 import nidaqmx
-from nidaqmx.system import Device, System
+import nidaqmx.errors
+from nidaqmx.system import Device, PhysicalChannel, System
 
 from modallab.bench.protocol import Found
 from modallab.core.errors import ConfigurationError, DeviceBusyError
@@ -44,6 +45,8 @@ class DeviceInfo:
         outputs: physical channels.
         input_range_v: largest of its ranges; 0 without inputs.
         output_range_v: largest of its ranges; 0 without outputs.
+        unit: the chassis it sits in and whose clock it has, else itself.
+        supplies_a: currents it can feed an IEPE sensor with; empty where it lists none.
     """
 
     name: str
@@ -53,6 +56,8 @@ class DeviceInfo:
     outputs: tuple[str, ...]
     input_range_v: float
     output_range_v: float
+    unit: str = ""
+    supplies_a: tuple[float, ...] = ()
 
 
 class Route:
@@ -71,9 +76,9 @@ class Route:
         options = nidaqmx.GrpcSessionOptions(self._channel, name, initialization_behavior=chosen)
         return nidaqmx.Task(name, grpc_options=options)
 
-    def options(self) -> Any:
-        """What other objects of the package need to go the same way; None on this machine."""
-        return None if self._channel is None else nidaqmx.GrpcSessionOptions(self._channel, "")
+    def options(self, name: str = "") -> Any:
+        """What other objects of the package need to go the same way, by the name of a session; None on this machine."""
+        return None if self._channel is None else nidaqmx.GrpcSessionOptions(self._channel, name)
 
     @property
     def remote(self) -> bool:
@@ -88,8 +93,14 @@ class Route:
         """A device by its name."""
         return Device(name, grpc_options=self.options()) if self._channel is not None else Device(name)
 
+    def physical_channel(self, name: str) -> Any:
+        """An input or output by its name."""
+        return (
+            PhysicalChannel(name, grpc_options=self.options()) if self._channel is not None else PhysicalChannel(name)
+        )
+
     def devices(self) -> tuple[DeviceInfo, ...]:
-        """The device of the address, or the modules of its chassis, in order.
+        """The devices of the address, or the modules of its chassis, in order.
 
         Raises:
             ConfigurationError: there is no such device.
@@ -97,17 +108,21 @@ class Route:
         """
         with translated(self.address.url):
             known = list(self.system().devices.device_names)
-            if self.address.device not in known:
+            named = (self.address.device, *self.address.others)
+            if missing := [name for name in named if name not in known]:
                 raise ConfigurationError(
-                    f"no device {self.address.device!r}; there are {', '.join(known) or 'none'}",
+                    f"no device {missing[0]!r}; there are {', '.join(known) or 'none'}",
                     where=f"{self.address.url} (rig file field bench)",
                     remedy="name one of them",
                 )
-            modules = [m.name for m in self.device(self.address.device).chassis_module_devices]
-            return tuple(self.describe(name) for name in modules or [self.address.device])
+            return tuple(info for name in named for info in self._parts_of(name))
 
-    def describe(self, name: str) -> DeviceInfo:
-        """What one device is."""
+    def _parts_of(self, name: str) -> list[DeviceInfo]:
+        modules = [module.name for module in self.device(name).chassis_module_devices]
+        return [self.describe(part, name) for part in modules or [name]]
+
+    def describe(self, name: str, unit: str = "") -> DeviceInfo:
+        """What one device is, of a chassis `unit` if it is a module."""
         device = self.device(name)
         inputs = tuple(device.ai_physical_chans.channel_names)
         outputs = tuple(device.ao_physical_chans.channel_names)
@@ -119,6 +134,8 @@ class Route:
             outputs,
             max(device.ai_voltage_rngs, default=0.0) if inputs else 0.0,
             max(device.ao_voltage_rngs, default=0.0) if outputs else 0.0,
+            unit or name,
+            _supplies(device) if inputs else (),
         )
 
     def close(self) -> None:
@@ -163,6 +180,14 @@ def found_devices(url: str) -> list[Found]:
     finally:
         route.close()
     return [Found(f"{base}{name}{query}", _said(device)) for name, device in found]
+
+
+def _supplies(device: Any) -> tuple[float, ...]:
+    try:
+        return tuple(sorted({float(current) for current in device.ai_current_int_excit_discrete_vals if current > 0}))
+    except nidaqmx.errors.DaqError:
+        # Many a device without a supply rejects the question.
+        return ()
 
 
 def _said(device: DeviceInfo) -> str:

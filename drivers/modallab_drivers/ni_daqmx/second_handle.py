@@ -4,25 +4,25 @@ from contextlib import suppress
 from typing import Any
 
 import nidaqmx.errors
-import numpy as np
 
-from modallab.core.errors import BenchError
+from modallab.core.errors import BenchError, DeviceBusyError
 from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import emergency_off
 from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
-from modallab_drivers.ni_daqmx.errors import translated
-from modallab_drivers.ni_daqmx.inputs import session_name
+from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
+from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
 from modallab_drivers.ni_daqmx.plugs import output_of
+from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
-
-GROUP_BY_CHANNEL = 0
+from modallab_drivers.ni_daqmx.synchronise import session_name
+from modallab_drivers.ni_daqmx.zero_volts import write_zero
 
 
 class SecondHandle:
     """Brings the output to 0 V, from another process than the one that drives.
 
-    All that can be made ready is: ending a burst then takes two calls.
+    All that can be made ready is: a burst whose task cannot be reached is ended by two calls.
     """
 
     def __init__(self, url: str, rig: Rig) -> None:
@@ -51,8 +51,14 @@ class SecondHandle:
             return
         failed: BenchError | None = None
         for way in (self._end, self._end_anew, self._end_by_reset):
+            if way == self._end_anew and isinstance(failed, DeviceBusyError) and self._route.address.streams:
+                # A process that holds the output for so long is frozen or drives on: to ask again is time lost.
+                continue
             try:
                 way()
+            except WatchdogExpiredError:
+                # The device holds it at 0 V, and whoever drives next resets the chassis.
+                return
             except BenchError as error:
                 failed = error
             else:
@@ -61,9 +67,17 @@ class SecondHandle:
         raise failed
 
     def _end(self) -> None:
+        self._fall()
         self._end_task(task_name(self._physical))
         # Its owner, or another handle, may be bringing it to 0 V at this moment: no reason to reset the device.
         patiently(self._write_zero, ZERO_WAIT_S)
+
+    def _fall(self) -> None:
+        """Ahead of the step: where the server keeps the burst's task, it falls from the value it has."""
+        if self._route.remote:
+            # Whatever goes wrong with a fall, the step must come.
+            with suppress(Exception):
+                fall_to_zero(self._ready._interpreter, self._named(task_name(self._physical)), self._physical)
 
     def _end_anew(self) -> None:
         # Our own task may be gone, when the device was reset or came back.
@@ -83,7 +97,10 @@ class SecondHandle:
             BenchError: the output could not be brought to 0 V first.
         """
         self.zero()
-        self._end_task(session_name(self._route.address.device))
+        for device in (self._route.address.device, *self._route.address.others):
+            self._end_task(session_name(device))
+            self._end_task(watchdog_name(device))
+            self._end_task(heartbeat_name(device))
 
     def close(self) -> None:
         """Let go."""
@@ -101,17 +118,18 @@ class SecondHandle:
     def _end_task(self, name: str) -> None:
         if not self._route.remote:
             return
-        # Ending the session itself by its name, not our share of it, and without asking about it first.
-        handle = type(self._ready._handle)(name=name)
         with suppress(nidaqmx.errors.DaqError):
-            self._ready._interpreter.clear_task(handle)
+            self._ready._interpreter.clear_task(self._named(name))
+
+    def _named(self, name: str) -> Any:
+        # The session itself by its name, not our share of it, and without asking about it first.
+        return type(self._ready._handle)(name=name)
 
     def _write_zero(self) -> None:
-        # Past `Task.write`, which asks three times what it writes to.
         ready = self._ready
         with translated(self._where):
             try:
-                ready._interpreter.write_analog_f64(ready._handle, 1, True, 1.0, GROUP_BY_CHANNEL, np.zeros(1))
+                write_zero(ready._interpreter, ready._handle)
             finally:
                 # Not to hold it a moment longer than needed, whatever came of it.
                 with suppress(nidaqmx.errors.DaqError):

@@ -2,16 +2,20 @@
 
 from collections.abc import Sequence
 
-from modallab.bench.protocol import Burst
+from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, ConfigurationError, DeviceBusyError, UnsupportedError
+from modallab.core.hardware import require_guarded
 from modallab.core.rig import Rig
-from modallab_drivers.function_generator.generator import open_generator
+from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
-from modallab_drivers.ni_daqmx.guards import Guards
+from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, after_expiry
 from modallab_drivers.ni_daqmx.plugs import output_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
-from modallab_drivers.order import require_burst
+from modallab_drivers.order import require_burst, require_wave
 from modallab_drivers.output import Output
+
+PROBE_S = 10.0
+"""Of a watchdog that is made only to see whether there is one."""
 
 
 class Shaker:
@@ -30,16 +34,20 @@ class Shaker:
         self._rig, self._where = rig, where
         self._burst_end = 0
         self._output: Output | None = None
+        self._guards = Guards(route, None, None)
         chosen = output_of(rig, devices, where)
         self.physical = chosen[0] if chosen is not None else None
+        self._streams = chosen is not None and route.address.streams
+        self._guarded = not self._streams or (rig.excitation is not None and rig.excitation.watchdog_s is not None)
         if chosen is not None:
-            self._output = AnalogOutput(route, *chosen)
+            self._output = AnalogOutput(route, *chosen, guarded=self._guarded)
         elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
             self._output = open_generator(rig)
         try:
             # Made once to see that the rig's fields are right; they watch from start to stop.
-            self._guards = Guards(route, rig.excitation, self.physical)
-            self._guards.close()
+            self.watch(route)
+            self.unwatch()
+            self._require_no_needless_waiver(route)
         except BenchError:
             self.let_go()
             raise
@@ -49,9 +57,25 @@ class Shaker:
         """Whether there is an output."""
         return self._output is not None
 
+    @property
+    def streams(self) -> bool:
+        """Whether a burst ends midway, and the output holds its last value, when this process dies."""
+        return self._streams
+
+    @property
+    def has_watchdog(self) -> bool:
+        """Whether the device's watchdog is used."""
+        excitation = self._rig.excitation
+        return self.physical is not None and excitation is not None and excitation.watchdog_s is not None
+
+    def driving(self, now: int) -> bool:
+        """Whether a burst may be on at sample `now`."""
+        return now < self._burst_end
+
     def watch(self, route: Route) -> None:
-        """Streaming begins: no burst is on, and the guards watch."""
-        self._guards = Guards(route, self._rig.excitation, self.physical)
+        """Streaming is about to begin: no burst is on, and the guards watch, before any other task is started."""
+        self._guards.close()
+        self._guards = after_expiry(route, lambda: Guards(route, self._rig.excitation, self.physical))
         self._burst_end = 0
 
     def unwatch(self) -> None:
@@ -65,6 +89,7 @@ class Shaker:
             UnsupportedError: there is no output.
             ConfigurationError: a burst is still on.
             BenchError: beyond the rig's limits or the output's range.
+            WatchdogExpiredError: the device must be reset first.
         """
         if self._output is None:
             raise UnsupportedError(
@@ -73,11 +98,34 @@ class Shaker:
                 remedy="give the rig a shaker_point and an excitation",
             )
         require_burst(burst, rate_hz, self._output.range_v, self._rig.limits, self._where)
-        if self._output.busy:
-            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
-        self._guards.ready()
+        self._require_ready(self._output)
         self._output.play(burst, now, rate_hz)
         self._burst_end = now + round(burst.duration_s * rate_hz)
+
+    def play_wave(self, wave: Waveform, now: int, rate_hz: float) -> None:
+        """Start a wave at sample `now`.
+
+        Raises:
+            UnsupportedError: there is no analog output.
+            ConfigurationError: something is still on, or the wave is beyond the rig's limits or the output's range.
+        """
+        if not isinstance(self._output, AnalogOutput):
+            raise UnsupportedError(
+                "there is no analog output, and a sine generator plays no waves",
+                where=self._where,
+                remedy="drive by an analog output of the device, or run a sine test",
+            )
+        require_wave(wave, self._output.range_v, self._rig.limits, self._where)
+        self._require_ready(self._output)
+        self._output.play_wave(wave)
+        self._burst_end = now + round(wave.duration_s * rate_hz)
+
+    def _require_ready(self, output: Output) -> None:
+        if output.busy:
+            raise ConfigurationError("a burst is still on", where=self._where, remedy="wait for its end, or zero()")
+        if self._streams:
+            require_guarded(self._rig.excitation, self._where)
+        self._guards.beat(now=True)
 
     def up_to_event(self, now: int, count: int) -> int:
         """So many of the next `count` samples may be read before it must be looked after."""
@@ -86,15 +134,25 @@ class Shaker:
 
     def look_after(self, now: int) -> None:
         """Between pieces of what is read."""
-        self._guards.beat(driving=now < self._burst_end)
+        self._guards.beat()
         if self._output is not None:
             self._output.tick(now)
 
     def zero(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V now; of a device that is gone, forget the burst."""
         self._burst_end = 0
-        if self._output is not None and reachable:
+        # A generator has a line of its own, which lives on without the device.
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             self._output.zero()
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What a generator took of what it was set to, looked at now; raises as its `facts`."""
+        return self._output.facts() if isinstance(self._output, Generator) else {}
+
+    @property
+    def identity(self) -> str:
+        """The generator's own name; empty where an analog output drives."""
+        return self._output.identity if isinstance(self._output, Generator) else ""
 
     def gone(self) -> None:
         """The device is gone: whatever is on its output ends by itself, or by the supervisor's handle."""
@@ -105,13 +163,30 @@ class Shaker:
         """The device is back: take its output anew."""
         chosen = output_of(self._rig, devices, self._where)
         if chosen is not None:
-            self._output = AnalogOutput(route, *chosen)
+            self._output = AnalogOutput(route, *chosen, guarded=self._guarded)
 
-    def let_go(self) -> None:
+    def let_go(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V and let go of it."""
-        if self._output is not None:
+        if self._output is not None and (reachable or isinstance(self._output, Generator)):
             try:
                 self._output.close()
             except DeviceBusyError:
                 # Nothing of ours is on it any more: whoever took it answers for it.
                 return
+
+    def _require_no_needless_waiver(self, route: Route) -> None:
+        if (
+            self._guarded
+            or self.physical is None
+            or not (self._rig.excitation and self._rig.excitation.watchdog_waived)
+        ):
+            return
+        try:
+            Watchdog(route, route.address.device, self.physical, PROBE_S).close()
+        except ConfigurationError:
+            return
+        raise ConfigurationError(
+            "the rig file goes without a watchdog, and this device has one",
+            where=f"{self._where}, rig file field excitation.watchdog_waived",
+            remedy="set excitation.watchdog_s, such as 0.4, and leave watchdog_waived out",
+        )

@@ -16,7 +16,7 @@ class TriggeredRecord:
     def __init__(self, inputs: Inputs, trigger: ReferenceTrigger, *, virtual_time: bool) -> None:
         """Wait with `inputs`, which were made with the same trigger and started."""
         self._inputs, self._trigger, self._virtual_time = inputs, trigger, virtual_time
-        self._early: NDArray[np.float64] | None = None
+        self._early: NDArray[np.float32] | None = None
 
     def is_armed(self) -> bool:
         """Whether the pre-trigger is full."""
@@ -26,7 +26,7 @@ class TriggeredRecord:
                 self._early = self._inputs.read(self._trigger.count, 0.0)
         return self._early is not None or self._inputs.acquired() >= self._trigger.pre_trigger
 
-    def take(self, timeout_s: float) -> NDArray[np.float64]:
+    def take(self, timeout_s: float) -> NDArray[np.float32]:
         """The (channels, count) values of the record.
 
         Raises:

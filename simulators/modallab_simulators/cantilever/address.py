@@ -28,6 +28,8 @@ class Settings:
         place_m: standard deviation of the place of a hit about its point.
         peak_n: between which forces the operator's hits peak, before what the sensors bear is known.
         reaction_s: between which times after the prompt the operator strikes.
+        operator: port on which a script says when and where the hammer strikes; 0: the bench strikes when asked.
+        speed: with `pace`, how many times faster than real time reads go.
         effects: what else is wrong with the bench; the parameter `effect` may occur many times.
         tolerances: how well it is put together: "none" is ideally, "usual" as in a lab, "stated" as its rig file says.
     """
@@ -41,6 +43,8 @@ class Settings:
     place_m: float = 0.0
     peak_n: tuple[float, float] = PEAK_N
     reaction_s: tuple[float, float] = REACTION_S
+    operator: int = 0
+    speed: float = 1.0
     effects: tuple[Effect, ...] = ()
     tolerances: str = "none"
 
@@ -118,6 +122,11 @@ def _seed(text: str) -> int:
     return int(text)
 
 
+def _port(text: str) -> int:
+    port = _seed(text)
+    return port if 1024 <= port <= 65535 else int(_reject(text))
+
+
 def _flag(text: str) -> bool:
     return {"0": False, "1": True}[text] if text in ("0", "1") else _reject(text)
 
@@ -155,6 +164,8 @@ _READERS: dict[str, tuple[Callable[[str], object], str]] = {
     "n_per_v": (_number(0.0, 1e4, above=True), "newton per volt of the generator, above 0 to 1e4"),
     "place_m": (_number(0.0, 0.1), "standard deviation of a hit's place in m, 0 to 0.1"),
     "peak_n": (_range, "lowest and highest peak of a hit in N, such as 50,150"),
+    "operator": (_port, "a port from 1024 to 65535"),
+    "speed": (_number(0.0, 100.0, above=True), "how many times faster than real time, above 0 to 100"),
     "tolerances": (_tolerances, ", ".join(TOLERANCES)),
     "reaction_s": (_range, "shortest and longest time to a hit in s, such as 0.5,1.5"),
 }

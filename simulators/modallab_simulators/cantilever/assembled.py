@@ -35,7 +35,7 @@ def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary
     if rotary_inertia_kg_m or changes.mass_waves:
         heavier = [(k, a * beam.mass_kg_m) for k, a in changes.mass_waves]
         bare = RotaryModes(bare, rotary_inertia_kg_m, heavier)
-    attachments = [*changes.attachments, *(changes.at_shaker if test == "sine" else ())]
+    attachments = [*changes.attachments, *(() if test == "impact" else changes.at_shaker)]
     root, hung = changes.root_n_m, changes.absorbers
     return AttachedModes(bare, attachments, root, hung) if attachments or hung or root != np.inf else bare
 

@@ -1,12 +1,13 @@
 """The simulated bench behind the bench protocol."""
 
 import time
+from collections.abc import Callable
 from math import ceil, isfinite
 from typing import Literal
 
 import numpy as np
 
-from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import BenchInfo, Burst, Chunk, Delivery, Request, Waveform
 from modallab.core.errors import BenchTimeoutError, ConfigurationError, UnsupportedError
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.address import Settings
@@ -15,12 +16,14 @@ from modallab_simulators.cantilever.circumstances import EVERYDAY, Circumstances
 from modallab_simulators.cantilever.draw import Stream, generator
 from modallab_simulators.cantilever.excitation import Excitation
 from modallab_simulators.cantilever.hammer import Hit
-from modallab_simulators.cantilever.loads import BLOCK
+from modallab_simulators.cantilever.loads import BLOCK, Moving
+from modallab_simulators.cantilever.operator_line import OperatorLine, Strike
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.stream import SampleStream
 from modallab_simulators.cantilever.swing import Swing, draw_swing
 from modallab_simulators.cantilever.truth import Truth, draw_truth
+from modallab_simulators.cantilever.wave_emission import WaveEmission
 
 RATES_HZ = (100.0, 10_000.0)
 OUTPUT_RANGE_V = 10.0
@@ -58,6 +61,8 @@ class CantileverBench:
         self._state: State = "open"
         self._starts = self._swings = circumstances.first_start
         self._circumstances = circumstances
+        self._operator = OperatorLine(settings.operator) if settings.operator else None
+        self._held_to_s = 0.0
         self._hit_s = 0.0
         self._age_s = 0.0
 
@@ -113,14 +118,14 @@ class CantileverBench:
             self._truth.effects.altered.excitation.harmonics,
         )
         self._stream = SampleStream(
-            lambda block: site.age(began_s + block * BLOCK / site.rate_hz),
+            lambda block: self._structure_at(site, began_s, block * BLOCK / site.rate_hz),
             site.chain_of_start(self._starts),
             self._excitation,
             site.rate_hz,
             generator(self._settings.seed, Stream.NOISE, self._starts),
             generator(self._settings.seed, Stream.FLAWS, self._starts),
         )
-        self._began_s = time.monotonic()
+        self._began_s, self._held_to_s = time.monotonic(), 0.0
         self._state = "running"
 
     def read(self, count: int, timeout_s: float) -> Chunk:
@@ -130,27 +135,48 @@ class CantileverBench:
             raise ConfigurationError(f"a read of {count} samples", where=self._info.url, remedy="read 1 or more")
         if self._settings.pace:
             self._wait(count, timeout_s)
+        if self._operator is not None:
+            self._act(self._operator)
         first = self._stream.position
         samples = self._stream.take(count)
         return Chunk(first, samples, self._site.chain.overload(samples))
 
     def play(self, burst: Burst, later_s: float = 0.0) -> int:
         """Start a burst a few samples from now, or by some of a sample later than on one."""
+        self._require_ready()
+        _check(burst, self._rate)
+        straight = self._circumstances.straight_ramp
+        return self._emit(lambda start_s: Emission(burst, start_s + later_s, self._clock, straight=straight))
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave a few samples from now."""
+        self._require_ready()
+        if not np.abs(wave.samples).max() <= OUTPUT_RANGE_V or wave.samples[0] != 0 or wave.samples[-1] != 0:
+            raise ConfigurationError(
+                f"a wave up to {np.abs(wave.samples).max():g} V, from {wave.samples[0]:g} to {wave.samples[-1]:g} V",
+                where=self._info.url,
+                remedy=f"let it begin and end at 0 V and stay within {OUTPUT_RANGE_V:g} V",
+            )
+        return self._emit(lambda start_s: WaveEmission(wave, start_s, self._clock))
+
+    def _require_ready(self) -> None:
         self._require("running", to="play")
         if self._shaker_x is None:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
-        _check(burst, self._rate)
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
+
+    def _emit(self, made: Callable[[float], Emission | WaveEmission]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        start_s = start / self._site.rate_hz + later_s
-        self._excitation.emit(Emission(burst, start_s, self._clock, straight=self._circumstances.straight_ramp))
+        self._excitation.emit(made(start / self._site.rate_hz))
         self._stream.changed()
         return start + self._site.structure.latency
 
     def prompt_hit(self, point: int) -> None:
         """The virtual operator will strike `point` after a reaction time; a newer prompt replaces an older one."""
         self._require("running", to="prompt a hit")
+        if self._operator is not None:
+            return
         x_m = self._rig.x_of(point)
         self._swings += 1
         swing = self._drawn_swing()
@@ -163,11 +189,12 @@ class CantileverBench:
             # What does not fall square gives the beam more or less than the transducer feels.
             hits.append(hits[0].knock(own_gain * changes.gain_scatter))
         self._hit_s = hits[0].start_s
-        self._excitation.strike(hits, self._now_s)
+        self._excitation.give_up(self._now_s)
+        self._excitation.strike(hits)
         self._stream.changed()
 
     def zero(self) -> None:
-        """Bring the output to 0 V; the amplifier follows within 4 ms."""
+        """Bring the output to 0 V: after CUT_S it falls from the value it has then."""
         if self._state == "running":
             self._excitation.cut(self._now_s + CUT_S)
             self._stream.changed()
@@ -183,6 +210,23 @@ class CantileverBench:
         """Release the bench."""
         self.stop()
         self._state = "closed"
+        if self._operator is not None:
+            self._operator.close()
+
+    def _structure_at(self, site: Site, began_s: float, at_s: float) -> Moving:
+        return site.held if at_s < self._held_to_s else site.age(began_s + at_s)
+
+    def _act(self, operator: OperatorLine) -> None:
+        """Do what the operator has asked for; without a new act nothing changes."""
+        for act in operator.acts():
+            if isinstance(act, Strike):
+                self._swings += 1
+                rng = generator(self._settings.seed, Stream.HITS, self._swings)
+                beside_m = act.beside_m + self._settings.place_m * rng.standard_normal()
+                self._excitation.strike(act.hits(self._now_s, self._on_beam(self._rig.x_of(act.point) + beside_m)))
+                self._stream.changed()
+            else:
+                self._held_to_s = self._now_s + act.seconds
 
     @property
     def _now_s(self) -> float:
@@ -221,7 +265,8 @@ class CantileverBench:
             )
 
     def _wait(self, count: int, timeout_s: float) -> None:
-        due_s = self._began_s + (self._stream.position + count) / self._site.rate_hz - time.monotonic()
+        elapsed_s = (self._stream.position + count) / self._site.rate_hz / self._settings.speed
+        due_s = self._began_s + elapsed_s - time.monotonic()
         if due_s > timeout_s:
             time.sleep(max(timeout_s, 0.0))
             raise BenchTimeoutError(

@@ -6,6 +6,7 @@ from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Hit
 from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.shaker import Emission
+from modallab_simulators.cantilever.wave_emission import WaveEmission
 
 AMPLIFIER_V = 5.0
 """Voltage to which the overtones of a power amplifier are related."""
@@ -22,15 +23,18 @@ class Excitation:
         self._floor = floor
         self._harmonics = harmonics
         self._hits: list[Hit] = []
-        self._emissions: list[Emission] = []
+        self._emissions: list[Emission | WaveEmission] = []
 
-    def strike(self, hits: list[Hit], now_s: float) -> None:
-        """Schedule hits; those that were meant but not yet struck are given up for them."""
+    def give_up(self, now_s: float) -> None:
+        """Hits that were meant but not yet struck are not."""
         self._hits = [b for b in self._hits if b.start_s <= now_s]
+
+    def strike(self, hits: list[Hit]) -> None:
+        """Schedule hits."""
         self._hits += hits
 
-    def emit(self, emission: Emission) -> None:
-        """Put a burst on the shaker."""
+    def emit(self, emission: Emission | WaveEmission) -> None:
+        """Put a burst or a wave on the shaker."""
         self._emissions.append(emission)
 
     def running(self, now_s: float) -> bool:

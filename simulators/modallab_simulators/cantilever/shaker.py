@@ -5,10 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.bench.fall import fall_s, fall_volts
 from modallab.bench.protocol import Burst
-
-FADE_S = 0.003
-"""How long the amplifier takes to fall to nothing when its input is cut."""
 
 Floats = NDArray[np.float64]
 
@@ -35,19 +33,28 @@ class Emission:
     def end_s(self) -> float:
         """From here on the output is exactly 0 V."""
         whole = self.start_s + self.burst.duration_s / (1 + self.clock)
-        return whole if self.cut_s is None else min(whole, self.cut_s + FADE_S)
+        if self.cut_s is None or self.cut_s >= whole:
+            return whole
+        return self.cut_s + fall_s(self._at(self.cut_s), self.burst.amplitude_v)
 
     def cut(self, at_s: float) -> "Emission":
         """The same, brought to zero at `at_s` unless it was before."""
         return self if self.cut_s is not None else replace(self, cut_s=at_s)
 
     def volts(self, times_s: Floats) -> Floats:
-        """Output in V: a sine under its taper, exactly 0 outside the burst."""
-        own = (times_s - self.start_s) * (1 + self.clock)
-        wave = self.burst.amplitude_v * np.sin(2 * np.pi * self.burst.frequency_hz * own) * self._taper(own)
+        """Output in V: a sine under its taper, or what falls from it; exactly 0 outside the burst."""
+        wave = self._wave(times_s)
         if self.cut_s is not None:
-            wave *= (1 + np.cos(np.pi * np.clip((times_s - self.cut_s) / FADE_S, 0, 1))) / 2
+            falling = fall_volts(times_s - self.cut_s, self._at(self.cut_s), self.burst.amplitude_v)
+            wave = np.where(times_s < self.cut_s, wave, falling)
         return np.where((times_s > self.start_s) & (times_s < self.end_s), wave, 0.0)
+
+    def _at(self, time_s: float) -> float:
+        return float(self._wave(np.array([time_s]))[0])
+
+    def _wave(self, times_s: Floats) -> Floats:
+        own = (times_s - self.start_s) * (1 + self.clock)
+        return self.burst.amplitude_v * np.sin(2 * np.pi * self.burst.frequency_hz * own) * self._taper(own)
 
     def _taper(self, own_s: Floats) -> Floats:
         burst = self.burst

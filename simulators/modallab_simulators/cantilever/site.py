@@ -21,6 +21,8 @@ from modallab_simulators.cantilever.swing import PEAK_N, WIDTH_S
 from modallab_simulators.cantilever.truth import Truth, oversampling
 
 DRIFT_STEP = 1 / 200
+HELD_ZETA = 0.15
+"""Damping ratio of every mode while a hand lies on the beam."""
 _HEADROOM = 0.8
 
 
@@ -49,6 +51,11 @@ class Site:
         if progress != self._progress and (exactly or abs(progress - self._progress) >= DRIFT_STEP):
             self._progress, self.structure = progress, self._built(self._truth, progress)
         return self.structure
+
+    @cached_property
+    def held(self) -> Moving:
+        """The structure with a hand on the beam."""
+        return self._built(replace(self._truth, zeta=(HELD_ZETA,)), self._progress)
 
     def chain_of_start(self, start: int) -> Chain:
         """The chain with the mains at the phase of this start."""

@@ -16,9 +16,11 @@ from modallab.core.rig import Rig
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
-from modallab_simulators.ni_daqmx_server.modules import SYSTEMS
+from modallab_simulators.ni_daqmx_server.max_config import Saved, read
 from modallab_simulators.ni_daqmx_server.plant import CablePlant, CantileverPlant, Plant
 from modallab_simulators.ni_daqmx_server.rpc import serve
+from modallab_simulators.ni_daqmx_server.signals import Pulses
+from modallab_simulators.ni_daqmx_server.systems import SYSTEMS
 from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator
 
 
@@ -36,7 +38,7 @@ def main() -> int:
         )  # fmt: skip
         generator = PtyGenerator(device)
         started["generator"] = generator.port
-    server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls))
+    server, started["port"] = serve(system, arguments.port, _credentials(arguments.tls), local=arguments.local)
     print(json.dumps(started), flush=True)
     for line in sys.stdin:
         print(json.dumps(obey(system, generator, line.strip())), flush=True)
@@ -47,15 +49,15 @@ def main() -> int:
 def build(arguments: argparse.Namespace) -> SimulatedSystem:
     """The system that the command line asks for."""
     rig = Rig.model_validate(yaml.safe_load(arguments.rig.read_text(encoding="utf-8")))
-    chassis, modules = SYSTEMS[arguments.system]
-    inputs = [m for m in modules if m.inputs]
+    layout, saved = read(arguments.devices) if arguments.devices else (SYSTEMS[arguments.system], Saved())
+    inputs = [m for m in layout.modules if m.inputs]
     range_v, bits = min(m.input_range_v for m in inputs), max(m.bits for m in inputs)
     plant: Plant
     if arguments.cables:
         plant = CablePlant(sum(m.inputs for m in inputs), range_v)
     else:
         plant = CantileverPlant(arguments.bench, rig, range_v, min(bits, arguments.bits))
-    return SimulatedSystem(BenchClock(arguments.pace), chassis, modules, plant, rig)
+    return SimulatedSystem(BenchClock(arguments.pace), layout, plant, rig, saved)
 
 
 def obey(system: SimulatedSystem, generator: PtyGenerator | None, line: str) -> dict[str, object]:
@@ -76,12 +78,18 @@ def _obey(system: SimulatedSystem, word: str, rest: str) -> dict[str, object]:
         return dict(system.levels(float(rest) if rest else 0.05))
     if word == "time":
         return {"bench_s": system.clock.now()}
+    if word == "trace":
+        over_s, rate_hz = map(float, rest.split())
+        return {"volts": system.trace(over_s, rate_hz)}
     if word == "truth":
         return dict(system.plant.facts)
     if word == "strike":
         system.plant.strike(int(rest), system.clock.now())
     elif word == "preamplifiers" and rest in ("impact", "sine"):
         system.plant.set_preamplifiers(rest)  # pyright: ignore[reportArgumentType]  # just compared
+    elif word == "signal":
+        terminal, frequency_hz = rest.split()
+        system.connected[f"/{terminal}"] = Pulses(0.0, float(frequency_hz))
     elif word == "fault":
         system.fault(rest)
     elif word == "reset-keeps-outputs":
@@ -105,10 +113,14 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="modallab_simulators.ni_daqmx_server", description=__doc__)
     parser.add_argument("--rig", type=Path, required=True, help="what truly stands on the bench, JSON or YAML")
     parser.add_argument("--system", choices=sorted(SYSTEMS), default="9215")
+    parser.add_argument(
+        "--devices", type=Path, action="append", help="the vendor's file of devices, in place of --system"
+    )
     parser.add_argument("--port", type=int, default=0)
     parser.add_argument("--bench", default="sim://cantilever?seed=1&bad_hits=0", help="the bench behind the devices")
     parser.add_argument("--bits", type=int, default=24, help="at most so many of the converters")
     parser.add_argument("--pace", action="store_true", help="run as the clock on the wall does")
+    parser.add_argument("--local", action="store_true", help="bursts die with their client, as with its own driver")
     parser.add_argument("--cables", action="store_true", help="every input on the output by a cable, no beam")
     parser.add_argument("--generator", choices=sorted(SINE_DIALECTS), help="a serial generator on the same bench")
     parser.add_argument("--tls", type=Path, help="folder with server.crt, server.key; clients.crt: who may ask")

@@ -3,20 +3,29 @@
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from modallab.core.rig import Rig
 from modallab_simulators import faults
 from modallab_simulators.ni_daqmx_server import status
+from modallab_simulators.ni_daqmx_server.breakages import arm
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
+from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
-from modallab_simulators.ni_daqmx_server.modules import CHASSIS, Module
-from modallab_simulators.ni_daqmx_server.output_task import LineTask, OutputTask, WatchdogTask
+from modallab_simulators.ni_daqmx_server.max_config import Saved
+from modallab_simulators.ni_daqmx_server.modules import Module
+from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S, Plant
+from modallab_simulators.ni_daqmx_server.shared_plant import SharedPlant
+from modallab_simulators.ni_daqmx_server.signals import TIMEBASES, Pulses
+from modallab_simulators.ni_daqmx_server.sources import channel_sources
+from modallab_simulators.ni_daqmx_server.starting import pulses_of, start
 from modallab_simulators.ni_daqmx_server.status import StatusError
+from modallab_simulators.ni_daqmx_server.synchronization import NETWORKED, Clocks
+from modallab_simulators.ni_daqmx_server.systems import Layout, domain
 from modallab_simulators.ni_daqmx_server.tasks import Reservations, Task
 
 T = TypeVar("T", bound=Task)
@@ -31,27 +40,45 @@ class SimulatedSystem:
         lock: taken by whoever looks or changes.
         clock: of the bench.
         modules: devices by name.
-        chassis: product type of the chassis, or "".
+        chassis: chassis that are devices of their own, by name.
+        clocks: whose rate and phase each task has.
+        saved: scales, channels and tasks that the system keeps.
+        connected: what an operator has connected to terminals.
+        levels_of_lines: what was last put on digital lines.
+        sheets: electronic data sheets that were assigned to channels.
+        notes: of those who calibrate, by device.
+        excited: since when IEPE excitation is on, by physical channel.
         plant: behind inputs and outputs.
         rig: what truly stands there.
         lines: analog outputs by physical channel.
         tasks: by name.
         faults: armed.
+        expired: chassis whose watchdog has expired: nothing goes on them until they are reset.
     """
 
-    def __init__(self, clock: BenchClock, chassis: str, modules: tuple[Module, ...], plant: Plant, rig: Rig) -> None:
+    def __init__(self, clock: BenchClock, layout: Layout, plant: Plant, rig: Rig, saved: Saved | None = None) -> None:
         self.lock = threading.RLock()
         self.clock = clock
-        self.chassis = chassis
-        self.modules = {module.name: module for module in modules}
-        self.plant = plant
+        self.chassis = {chassis.name: chassis for chassis in layout.chassis}
+        self.modules = {module.name: module for module in layout.modules}
+        several = len({domain(m) for m in layout.modules if m.inputs and not m.simulated}) > 1
+        networked = frozenset(c.name for c in layout.chassis if c.product in NETWORKED)
+        self.clocks = Clocks(several, networked)
+        self.plant: Plant = SharedPlant(plant) if several else plant
         self.rig = rig
-        self.lines = {name: OutputLine() for module in modules for name in module.output_names()}
+        self.saved = saved or Saved()
+        self.connected: dict[str, Pulses] = {}
+        self.sheets: dict[str, bytes] = {}
+        self.notes: dict[str, str] = {}
+        self.levels_of_lines: dict[str, bool] = {}
+        self.excited: dict[str, float] = {}
+        self.lines = {name: OutputLine() for module in layout.modules for name in module.output_names()}
         self.generator_line: OutputLine | None = None
         self.tasks: dict[str, Task] = {}
         self.reserved = Reservations()
         self.faults = faults.FaultPlan()
         self.reset_keeps_outputs = False
+        self.expired: set[str] = set()
         self._numbers = 0
 
     @property
@@ -77,6 +104,17 @@ class SimulatedSystem:
         if name not in self.modules:
             raise StatusError(status.NO_SUCH_DEVICE, f"Device Specified: {name}")
         return self.modules[name]
+
+    def require_device(self, name: str) -> None:
+        """Reject the name of what is neither a device nor a chassis, or is gone.
+
+        Raises:
+            StatusError: there is no such device.
+        """
+        if name in self.reserved.gone:
+            raise StatusError(self.reserved.gone[name], f"Device: {name}")
+        if name not in self.chassis:
+            self.module_of(name)
 
     def row_of(self, physical: str) -> int:
         """The rig's channel that is plugged into a physical channel: the one that names it, or the one in order."""
@@ -114,42 +152,103 @@ class SimulatedSystem:
 
     def start(self, task: Task) -> None:
         """Start a task: reserve, then run."""
+        self.require_unexpired(task)
+        if isinstance(task, WatchdogTask):
+            self._require_alone(task)
         self.reserved.take(task)
-        if isinstance(task, InputTask):
-            task.start(self.plant, self.shaker_line, self.clock)
-        elif isinstance(task, OutputTask):
-            task.start(self.clock)
-            self.changed()
-        else:
+        task.committed = True
+        if isinstance(task, WatchdogTask):
             task.running = True
-            if isinstance(task, WatchdogTask):
-                self.let_go(task)
-                task.kick(time.monotonic())
+            task.kick(time.monotonic())
+        else:
+            start(self, task)
+
+    def require_unexpired(self, task: Task) -> None:
+        """Raise if the watchdog of the task's chassis has expired.
+
+        Raises:
+            StatusError: it has.
+        """
+        if self.expired and self._chassis_of(task) & self.expired:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Task Name: {task.name}")
+
+    def _chassis_of(self, task: Task) -> set[str]:
+        if isinstance(task, WatchdogTask):
+            return {task.device}
+        return {self.modules[name].chassis for name in task.devices if name in self.modules} - {""}
+
+    def _require_alone(self, watchdog: WatchdogTask) -> None:
+        # The vendor's order: a watchdog before any other task on its chassis.
+        others = [
+            t.name
+            for t in self.tasks.values()
+            if t is not watchdog and (t.running or t.kept) and watchdog.device in self._chassis_of(t)
+        ]
+        if others:
+            raise StatusError(status.OTHERS_RESERVED, f"Task Name: {watchdog.name}\nOther tasks: {', '.join(others)}")
+
+    def sample(self, task: InputTask, at_s: float, rate_hz: float) -> None:
+        """Let an input task sample from a bench time on; `rate_hz` is that of a clock it was given, or 0."""
+        true_hz = (rate_hz or task.rate_hz) * (1 + self.clocks.ppm(task) * 1e-6)
+        first_s = at_s if rate_hz else at_s + self.clocks.phase(task) / true_hz
+        task.sample(first_s, true_hz, lambda hz, from_s: channel_sources(self, task, hz, from_s))
+        task.triggered_s = at_s
+
+    def pulses(self, source: str) -> Pulses | None:
+        """What is on a terminal now."""
+        if source in self.connected:
+            return self.connected[source]
+        last = source.rpartition("/")[2]
+        if last in TIMEBASES:
+            return Pulses(0.0, TIMEBASES[last])
+        for task in self.tasks.values():
+            found = pulses_of(task, source)
+            if found is not None:
+                return found
+        return None
+
+    def level(self, line: str, at_s: float) -> bool:
+        """What stands on a digital line at a bench time."""
+        for task in self.tasks.values():
+            if isinstance(task, LineTask) and task.running and line in task.lines:
+                return task.level(line, at_s)
+        return self.levels_of_lines.get(line, False)
 
     def stop(self, task: Task) -> None:
         """Stop a task and give back what it held."""
         if isinstance(task, OutputTask):
-            task.stop(self.clock)
+            for output in (task, *task.others):
+                output.stop(self.clock)
             self.changed()
-        if isinstance(task, WatchdogTask):
+        elif isinstance(task, LineTask):
+            task.stop()
+        elif isinstance(task, WatchdogTask) and task.device not in self.expired:
             self.let_go(task)
-        task.running = False
-        self.reserved.release(task)
+        task.running = task.waiting = False
+        if not task.kept:
+            self.reserved.release(task)
 
     def clear(self, name: str) -> None:
         """Stop a task and forget it."""
         task = self.tasks.pop(name, None)
         if task is None:
             raise StatusError(status.INVALID_TASK, f"Task Name: {name}")
+        task.kept = False
         self.stop(task)
 
     def reset(self, device: str) -> None:
         """Abort all tasks of a device; most series then have their outputs at 0 V, some leave them."""
-        if device not in self.modules and device != CHASSIS:
+        if device not in self.modules and device not in self.chassis:
             raise StatusError(status.NO_SUCH_DEVICE, f"Device Specified: {device}")
-        hit = {m for m in self.modules if m == device or device == CHASSIS}
+        if device in self.modules and self.modules[device].chassis in self.expired:
+            raise StatusError(status.CHASSIS_EXPIRED, f"Device: {device}")
+        self.expired.discard(device)
+        hit = {name for name, module in self.modules.items() if device in (name, module.chassis)}
+        self.excited = {name: at_s for name, at_s in self.excited.items() if name.partition("/")[0] not in hit}
         for task in [t for t in self.tasks.values() if t.devices & hit]:
             self.clear(task.name)
+        for watchdog in [t for t in self.tasks.values() if isinstance(t, WatchdogTask) and t.device == device]:
+            self.clear(watchdog.name)
         for name, line in self.lines.items():
             if name.partition("/")[0] in hit and not self.reset_keeps_outputs:
                 line.held = False
@@ -175,6 +274,8 @@ class SimulatedSystem:
         if time.monotonic() < task.due_s:
             return
         task.expired = True
+        if task.device in self.chassis:
+            self.expired.add(task.device)
         for name, volts in task.states.items():
             self.lines[name].expire(self.clock.now() + LATENCY_S, volts)
         self.changed()
@@ -191,45 +292,17 @@ class SimulatedSystem:
         Raises:
             ValueError: the simulated devices cannot have it.
         """
-        kind, words = faults.parse(line, faults.DAQ_FAULTS)
-        arguments: dict[str, Any] = {
-            faults.SAMPLES_LOST: ("ReadAnalogF64", status.NO_LONGER_AVAILABLE),
-            faults.TIME_OUT: ("ReadAnalogF64", 0),
-            faults.PARTIAL: ("ReadAnalogF64", 0),
-            faults.WARNING: ("ReadAnalogF64", 0),
-        }
-        if kind in arguments:
-            call, code = arguments[kind]
-            self.faults.arm(faults.Armed(call, code, kind, int(words[0]) if words else 1))
-        elif kind == faults.STATUS:
-            self.faults.arm(faults.Armed(words[0], int(words[1]), kind, int(words[2]) if len(words) > 2 else 1))
-        else:
-            self._break(kind, words)
+        arm(self, line)
 
-    def _break(  # a table of faults reads as one
-        self, kind: str, words: list[str]
-    ) -> None:
-        inputs = [task for task in self.tasks.values() if isinstance(task, InputTask)]
-        if kind == faults.UNPLUGGED:
-            code = int(words[0]) if words else status.DEVICE_GONE
-            self.reserved.gone = dict.fromkeys([*self.modules, CHASSIS], code)
-        elif kind == faults.PLUGGED:
-            # A device that comes back has forgotten its tasks.
-            self.reserved.gone = {}
-            self._forget(list(self.tasks.values()))
-        elif kind == faults.RESERVED:
-            self.reserved.hold(words[0], words[1] if len(words) > 1 else "another program")
-        elif kind == faults.RELEASED:
-            self.reserved.drop(words[0])
-        elif kind == faults.INVALID:
-            self._forget(inputs)
-        elif kind == faults.DEAD_LINE:
-            for task in inputs:
-                task.dead.add(int(words[0]))
-
-    def _forget(self, tasks: Sequence[Task]) -> None:
+    def forget(self, tasks: Sequence[Task]) -> None:
+        """Clear tasks."""
         for task in tasks:
             self.clear(task.name)
+
+    def trace(self, over_s: float, rate_hz: float) -> list[float]:
+        """What stood on the shaker's line over the last `over_s`, oldest first."""
+        now = self.clock.now()
+        return self.shaker_line.volts(now - np.arange(round(over_s * rate_hz))[::-1] / rate_hz).tolist()
 
     def levels(self, over_s: float = 0.05) -> dict[str, float]:
         """Largest magnitude on every output over the last `over_s`, and the lines' last changes."""

@@ -40,6 +40,7 @@ class Samples:
         data: (n,) in V.
         again: whether they are played again and again; else the last one stays.
         before_v: what stood there before.
+        held: whether each sample stands until the next one, in place of the straight lines.
     """
 
     start_s: float
@@ -47,6 +48,7 @@ class Samples:
     data: Floats
     again: bool
     before_v: float = 0.0
+    held: bool = False
 
     @property
     def end_s(self) -> float:
@@ -56,6 +58,8 @@ class Samples:
     def volts(self, times_s: Floats) -> Floats:
         """In V."""
         place = (times_s - self.start_s) * self.rate_hz
+        if self.held:
+            return self._held(np.floor(place + 1e-6).astype(np.int64))
         if self.again:
             first = np.floor(place).astype(np.int64)
             part = place - first
@@ -63,6 +67,11 @@ class Samples:
             return np.where(place < 0, self.before_v, one + (other - one) * part)
         known = np.arange(-1, len(self.data))
         return np.interp(place, known, np.concatenate([[self.before_v], self.data]))
+
+    def _held(self, step: NDArray[np.int64]) -> Floats:
+        count = len(self.data)
+        inside = step % count if self.again else np.clip(step, 0, count - 1)
+        return np.where(step < 0, self.before_v, self.data[inside])
 
 
 class OutputLine:

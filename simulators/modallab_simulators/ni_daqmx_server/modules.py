@@ -1,6 +1,6 @@
-"""The devices that can be simulated, each with what its manual says of rates, ranges and delays."""
+"""A device: its channels, rates, ranges and delays, and the rate it gives for a requested one."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import floor, isfinite
 from typing import Literal
 
@@ -8,8 +8,8 @@ from modallab_simulators.ni_daqmx_server.status import INVALID_VALUE, StatusErro
 
 Clock = Literal["divided", "timebase", "fine"]
 
-_DIVIDED_HZ = 13.1072e6 / 256
-_TIMEBASE_HZ = 80e6
+_OVERSAMPLING = 256
+_MOST_DIVIDED = 31
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,17 +22,29 @@ class Module:
         serial: serial number.
         inputs: analog inputs.
         outputs: analog outputs.
-        input_range_v: of the inputs.
+        input_range_v: the widest of the inputs.
         output_range_v: of the outputs.
         bits: of the input converter.
-        clock: `divided`: 13.1072 MHz / 256 / n, n to 31; `timebase`: 80 MHz / n; `fine`: as asked for.
+        clock: `divided`: the timebase / 256 / n, n to 31; `timebase`: it / n; `fine`: as asked for.
+        timebase_hz: what the sample clock is divided from.
         max_rate_hz: per channel, or of all channels together where they share a converter.
         min_rate_hz: where the clock itself sets none.
         delay_samples: of the converter's digital filter.
         multiplexed: whether channels share one converter.
-        iepe: whether inputs feed IEPE sensors.
         bridge: whether inputs feed bridges.
-        lines: digital lines.
+        ports: digital lines of each port.
+        counters: counters that measure and generate pulses.
+        narrower_v: further ranges of the inputs.
+        currents_a: of the excitation of IEPE sensors, as the device lists them; empty: it has none.
+        max_output_hz: of the outputs.
+        delta_sigma: whether converters oversample, so that only a sync pulse aligns two devices.
+        measures: what the inputs can be asked to measure beyond voltage and IEPE, by the names of the channel calls.
+        bridge_ranges: of bridges, V/V.
+        category, bus: as the device names its family and what it is plugged into.
+        product_number: as the device gives it.
+        chassis: name of the chassis it is in, and the slot.
+        simulated: whether it is one of those that the driver itself makes up.
+        ppm: what its own clock is off by.
     """
 
     name: str
@@ -44,13 +56,44 @@ class Module:
     output_range_v: float = 10.0
     bits: int = 16
     clock: Clock = "timebase"
+    timebase_hz: float = 80e6
     max_rate_hz: float = 100_000.0
     min_rate_hz: float = 0.0
     delay_samples: int = 0
     multiplexed: bool = False
-    iepe: bool = False
     bridge: bool = False
-    lines: int = 0
+    ports: tuple[int, ...] = ()
+    counters: int = 0
+    narrower_v: tuple[float, ...] = ()
+    currents_a: tuple[float, ...] = ()
+    max_output_hz: float = 100_000.0
+    delta_sigma: bool = False
+    measures: tuple[str, ...] = ()
+    bridge_ranges: tuple[float, ...] = ()
+    category: int = 14658
+    bus: int = 14741
+    product_number: int = 0
+    chassis: str = ""
+    slot: int = 0
+    simulated: bool = False
+    ppm: float = 0.0
+
+    @property
+    def iepe(self) -> bool:
+        """Whether inputs feed IEPE sensors."""
+        return bool(self.currents_a)
+
+    def ranges_v(self) -> tuple[float, ...]:
+        """All ranges of the inputs, the narrowest first."""
+        return tuple(sorted({*self.narrower_v, self.input_range_v}))
+
+    def port_names(self) -> tuple[str, ...]:
+        """Digital ports."""
+        return tuple(f"{self.name}/port{n}" for n in range(len(self.ports)))
+
+    def counter_names(self) -> tuple[str, ...]:
+        """Counters."""
+        return tuple(f"{self.name}/ctr{n}" for n in range(self.counters))
 
     def input_names(self) -> tuple[str, ...]:
         """Physical channels of the inputs."""
@@ -62,7 +105,7 @@ class Module:
 
     def line_names(self) -> tuple[str, ...]:
         """Digital lines."""
-        return tuple(f"{self.name}/port0/line{n}" for n in range(self.lines))
+        return tuple(f"{self.name}/port{p}/line{n}" for p, lines in enumerate(self.ports) for n in range(lines))
 
     def convert_rate_hz(self, channels: int, rate_hz: float) -> float:
         """Rate at which a multiplexer steps through its channels: the fastest plus 10 us, if there is time for it."""
@@ -84,39 +127,12 @@ def coerced(modules: tuple[Module, ...], channels: int, rate_hz: float) -> float
         raise StatusError(
             INVALID_VALUE, f"Property: SampClk.Rate\nRequested Value: {rate_hz}\nMaximum Value: {highest}"
         )
-    if any(m.clock == "divided" for m in modules):
+    divided = [m for m in modules if m.clock == "divided"]
+    if divided:
         # Modules in one task share one timebase, and its grid.
-        return _DIVIDED_HZ / min(31, max(1, floor(_DIVIDED_HZ / rate_hz * (1 + 1e-12))))
+        grid_hz = divided[0].timebase_hz / _OVERSAMPLING
+        return grid_hz / min(_MOST_DIVIDED, max(1, floor(grid_hz / rate_hz * (1 + 1e-12))))
     if any(m.clock == "fine" for m in modules):
         return max(rate_hz, *(m.min_rate_hz for m in modules))
-    return _TIMEBASE_HZ / max(1, floor(_TIMEBASE_HZ / rate_hz * (1 + 1e-12)))
-
-
-_M9234 = Module("", "NI 9234", 0, inputs=4, input_range_v=5.0, bits=24, clock="divided", max_rate_hz=51_200.0,
-                delay_samples=38, iepe=True)  # fmt: skip
-_M9215 = Module("", "NI 9215", 0, inputs=4)
-_M9237 = Module("", "NI 9237", 0, inputs=4, bits=24, clock="divided", max_rate_hz=50_000.0, delay_samples=38,
-                bridge=True)  # fmt: skip
-_M9263 = Module("", "NI 9263", 0, outputs=4)
-_M9401 = Module("", "NI 9401", 0, lines=8)
-_M6211 = Module("", "USB-6211", 0, inputs=16, outputs=2, max_rate_hz=250_000.0, multiplexed=True, lines=4)
-_M4431 = Module("", "USB-4431", 0, inputs=4, outputs=1, bits=24, clock="fine", max_rate_hz=102_400.0,
-                min_rate_hz=1000.0, delay_samples=34, iepe=True)  # fmt: skip
-
-
-def _chassis(name: str, *kinds: Module) -> tuple[Module, ...]:
-    return tuple(replace(kind, name=f"{name}Mod{n}", serial=0x1A00 + n) for n, kind in enumerate(kinds, start=1))
-
-
-SYSTEMS: dict[str, tuple[str, tuple[Module, ...]]] = {
-    "9234": ("cDAQ-9178", _chassis("cDAQ1", _M9234, _M9234, _M9234, _M9263, _M9401)),
-    "9215": ("cDAQ-9178", _chassis("cDAQ1", _M9215, _M9215, _M9215, _M9263, _M9401)),
-    "9237": ("cDAQ-9178", _chassis("cDAQ1", _M9237, _M9237, _M9237, _M9263, _M9401)),
-    "mixed": ("cDAQ-9178", _chassis("cDAQ1", _M9234, _M9234, _M9215, _M9263, _M9401)),
-    "6211": ("", (replace(_M6211, name="Dev1", serial=0x2B01),)),
-    "4431": ("", (replace(_M4431, name="Dev1", serial=0x3C01),)),
-    "64": ("PXIe-1082", _chassis("cDAQ1", *(_M9234,) * 16, _M9263)),
-}
-"""Chassis (its product, or "" where there is none) and devices, by what they are named on the command line."""
-
-CHASSIS = "cDAQ1"
+    timebase_hz = modules[0].timebase_hz
+    return timebase_hz / max(1, floor(timebase_hz / rate_hz * (1 + 1e-12)))

@@ -1,56 +1,111 @@
-"""Analog output and digital lines: on demand, finite, or again and again until somebody stops it."""
+"""Analog output: on demand, finite, or again and again until somebody stops it."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.lines import Floats, Hold, OutputLine, Samples
 from modallab_simulators.ni_daqmx_server.plant import LATENCY_S
-from modallab_simulators.ni_daqmx_server.status import OUTPUT_UNDERFLOW, StatusError
-from modallab_simulators.ni_daqmx_server.tasks import Task
+from modallab_simulators.ni_daqmx_server.status import INVALID_VALUE, NOT_SUPPORTED_HERE, OUTPUT_UNDERFLOW, StatusError
+from modallab_simulators.ni_daqmx_server.tasks import Channel, Task
 
 _EMPTY = np.zeros(0)
+IDLE_HOLD = 12528
 
 
 @dataclass(slots=True)
 class OutputTask(Task):
-    """One analog output."""
+    """One analog output, with the `others` of its task, which do as it does.
+
+    Attributes:
+        held_steps: whether the converter holds each sample until the next one.
+        generated: samples generated before it was stopped.
+        starved: whether the samples did not come any more while it played.
+        needs_clock: whether its converter oversamples: it takes no value on demand, and can be set for when it is idle.
+        idle: what becomes of the output when nothing plays.
+    """
 
     physical: str = ""
     line: OutputLine = field(default_factory=OutputLine)
     rate_hz: float = 0.0
     finite: bool = False
+    samples: int = 0
     again: bool = True
     data: Floats = field(default_factory=lambda: _EMPTY)
     wave: Samples | None = None
+    channels: list[Channel] = field(default_factory=list[Channel])
+    others: list["OutputTask"] = field(default_factory=list["OutputTask"])
+    held_steps: bool = False
+    generated: int = 0
+    starved: bool = False
+    needs_clock: bool = False
+    idle: int = IDLE_HOLD
+
+    def all_channels(self) -> Sequence[Channel]:
+        """Its channels, in order."""
+        return self.channels
+
+    def set_idle(self, behaviour: int) -> None:
+        """What becomes of the output when nothing plays.
+
+        Raises:
+            StatusError: the device knows no such thing, or a task is playing.
+        """
+        if not self.needs_clock or self.running:
+            raise StatusError(NOT_SUPPORTED_HERE, f"Property: AO.IdleOutputBehavior\nTask Name: {self.name}")
+        self.idle = behaviour
 
     def write(self, values: Floats, clock: BenchClock) -> None:
         """Put values into the buffer, or on the output at once where there is no clock."""
+        if self.rate_hz == 0 and self.needs_clock:
+            raise StatusError(INVALID_VALUE, "Property: SampTimingType\nRequested Value: On Demand")
         if self.rate_hz == 0:
             self.line.put(clock.now() + LATENCY_S, Hold(float(values[-1])))
         elif self.running and self.wave is not None and not self.again:
             self.data = np.concatenate([self.data, values])
-            self.wave = Samples(self.wave.start_s, self.rate_hz, self.data, again=False, before_v=self.wave.before_v)
+            self.wave = Samples(
+                self.wave.start_s, self.rate_hz, self.data, again=False, before_v=self.wave.before_v,
+                held=self.held_steps,
+            )  # fmt: skip
             self.line.put(self.wave.start_s, self.wave)
         else:
             self.data = values.copy()
 
-    def start(self, clock: BenchClock) -> None:
-        """Begin to play the buffer."""
-        self.running = True
+    def start(self, clock: BenchClock, at_s: float | None = None) -> None:
+        """Begin to play the buffer, now or at the bench time that a trigger or clock gives."""
+        self.running, self.starved = True, False
         if self.rate_hz == 0:
             return
-        at_s = clock.now() + LATENCY_S
+        at_s = clock.now() + LATENCY_S if at_s is None else at_s
         again = not self.finite and self.again
-        self.wave = Samples(at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s))
+        self.wave = Samples(
+            at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps
+        )
         self.line.put(at_s, self.wave)
 
     def stop(self, clock: BenchClock) -> None:
-        """Stop playing: the last value stays."""
-        if self.running and self.wave is not None:
-            self.line.hold(clock.now() + LATENCY_S)
+        """Stop playing: the last value stays. A committed task knows how far it came, any other has forgotten it."""
+        if self.running and self.wave is not None and not self.starved:
+            at_s = clock.now() + LATENCY_S
+            if self.wave.again:
+                self.line.hold(at_s)
+            else:
+                self.generated = self._count(at_s)
+                held = replace(self.wave, data=self.data[: self.generated])
+                self.line.put(at_s, held if self.idle == IDLE_HOLD else Hold(0.0))
+        if not self.kept:
+            self.generated = 0
         self.running, self.wave = False, None
+
+    def starve(self, clock: BenchClock) -> None:
+        """Whoever streams the samples does so no more: the last value stays, and the task is in error."""
+        for output in (self, *self.others):
+            if output.running and output.wave is not None and clock.now() < output.wave.end_s:
+                now_v = output.line.at(clock.now()) if output.idle == IDLE_HOLD else 0.0
+                output.line.put(clock.now(), Hold(now_v))
+                output.starved = True
 
     def done(self, clock: BenchClock) -> bool:
         """Whether it has played all it had to.
@@ -58,9 +113,12 @@ class OutputTask(Task):
         Raises:
             StatusError: it ran out of samples that were to come.
         """
+        if self.starved:
+            raise StatusError(OUTPUT_UNDERFLOW, f"Task Name: {self.name}")
         if not self.running or self.rate_hz == 0:
             return True
-        assert self.wave is not None
+        if self.wave is None:
+            return False
         ended = not self.wave.again and clock.now() >= self.wave.end_s
         if ended and not self.finite:
             raise StatusError(OUTPUT_UNDERFLOW, f"Task Name: {self.name}")
@@ -68,27 +126,14 @@ class OutputTask(Task):
 
     def played(self, clock: BenchClock) -> int:
         """Samples generated so far."""
-        if self.wave is None:
-            return 0
-        count = max(0, int((clock.now() - self.wave.start_s) * self.rate_hz))
+        return self.generated if self.wave is None else self._count(clock.now())
+
+    def _count(self, at_s: float) -> int:
+        assert self.wave is not None
+        # The sample the output is on its way to, or holds, is its last if it is stopped now.
+        ahead = 1 if self.held_steps else 2
+        count = max(1, int((at_s - self.wave.start_s) * self.rate_hz) + ahead)
         return count if self.wave.again else min(count, len(self.data))
-
-
-@dataclass(slots=True)
-class LineTask(Task):
-    """Digital lines, of which the changes are counted."""
-
-    lines: tuple[str, ...] = ()
-    level: bool = False
-    changes: int = 0
-    last_change_s: float = 0.0
-
-    def write(self, level: bool, clock: BenchClock) -> None:
-        """Set the lines."""
-        if level != self.level:
-            self.changes += 1
-            self.last_change_s = clock.now()
-        self.level = level
 
 
 @dataclass(slots=True)

@@ -17,6 +17,28 @@ OUTPUT_UNDERFLOW = -200290
 NO_TEDS = -200709
 DUPLICATE_TASK = -200089
 NOT_FINISHED = -200560
+CHASSIS_EXPIRED = -201478
+OTHERS_RESERVED = -201477
+EXPIRED_NOT_RESET = -200644
+NO_WATCHDOG = -200662
+MULTI_DEVICES = -200558
+BUFFER_TOO_SMALL = -200229
+ATTRIBUTE_UNKNOWN = -200197
+NO_DEVICE_CONTEXT = -201118
+NOT_CAPABLE_WHEN_IDLE = -200983
+NO_CHANNELS = -200478
+NO_SUCH_SCALE = -200378
+NO_SUCH_TASK = -200485
+NO_SUCH_GLOBAL_CHANNEL = -200882
+BAD_TEDS = -200826
+TRIGGER_ON_DEMAND = -200262
+CANNOT_CONFIGURE_TEDS = -200791
+NO_SUCH_TASK_CHANNEL = -200461
+OTHER_SCALE = -200601
+NO_TIMESTAMP = -209842
+WRONG_CHANNELS = -200524
+WRONG_LINES = -200463
+NO_SUCH_DESTINATION = -89121
 
 _SAID = {
     NOT_YET_AVAILABLE: "Some or all of the samples requested have not yet been acquired.",
@@ -43,6 +65,30 @@ _SAID = {
     -200018: "DAC conversion attempted before data to be converted was available.",
     NO_TEDS: "TEDS sensor not detected on physical channel.",
     DUPLICATE_TASK: "Task name specified conflicts with an existing task name.",
+    MULTI_DEVICES: "Task contains physical channels on devices that cannot be in one task.",
+    BUFFER_TOO_SMALL: "Buffer is too small to fit read data.",
+    ATTRIBUTE_UNKNOWN: "Specified property is not supported by the device.",
+    NO_DEVICE_CONTEXT: "Operation does not support a device context.",
+    NO_CHANNELS: "The operation cannot be performed because there are no channels in the task.",
+    NO_SUCH_TASK: "Task specified is invalid because it does not exist in the data neighborhood.",
+    NO_SUCH_GLOBAL_CHANNEL: "Global channel specified is invalid.",
+    NO_TIMESTAMP: "Timestamp is not enabled for the event.",
+    WRONG_CHANNELS: "Write cannot be performed, because the number of channels in the data does not match the "
+    "number of channels in the task.",
+    WRONG_LINES: "Specified read or write operation failed, because the number of lines in the data for a channel does "
+    "not match the number of lines in the channel.",
+    OTHER_SCALE: "Specified property is not supported for the type of the scale.",
+    NO_SUCH_TASK_CHANNEL: "Specified channel name is not in the task.",
+    NOT_CAPABLE_WHEN_IDLE: "Property can only be read while the task is reserved, committed or running.",
+    TRIGGER_ON_DEMAND: "A trigger was configured, but the sample timing type is on demand.",
+    CANNOT_CONFIGURE_TEDS: "Channel cannot be configured for TEDS.",
+    BAD_TEDS: "TEDS sensor data is invalid or cannot be read.",
+    NO_SUCH_DESTINATION: "Destination terminal to be routed could not be found on the device.",
+    NO_SUCH_SCALE: "Custom scale specified does not exist.",
+    CHASSIS_EXPIRED: "The chassis' watchdog timer has expired. Reset the chassis.",
+    OTHERS_RESERVED: "The watchdog task cannot be reserved while other tasks on the chassis are reserved.",
+    EXPIRED_NOT_RESET: "The watchdog timer has expired and cannot be reset.",
+    NO_WATCHDOG: "The device does not support a watchdog timer.",
     NOT_FINISHED: "Wait Until Done did not indicate that the task was done within the specified timeout.",
 }
 
@@ -60,3 +106,11 @@ class StatusError(Exception):
         self.code = code
         self.samples = samples
         self.text = describe(code) + (f"\n\n{detail}" if detail else "")
+
+
+class SessionError(Exception):
+    """A session that is there and must not be, or the other way round: no status of the driver, one of the server."""
+
+    def __init__(self, text: str, *, exists: bool) -> None:
+        super().__init__(text)
+        self.text, self.exists = text, exists

@@ -1,8 +1,30 @@
 """What every task has: a name, a place among the others, and what it holds reserved."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any, Literal
 
-from modallab_simulators.ni_daqmx_server.status import BAD_ROUTE, DEVICE_GONE, RESERVED, StatusError
+from modallab_simulators.ni_daqmx_server.modules import Module
+from modallab_simulators.ni_daqmx_server.status import DEVICE_GONE, RESERVED, StatusError
+
+Timing = Literal["on-demand", "clocked", "implicit"]
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One channel of a task.
+
+    Attributes:
+        name: the task's name of it.
+        physical: its device's name of it; several lines, joined by commas, can make one channel.
+        module: it belongs to.
+        wave_order: of its lines in a waveform, where it is another one: ports begin with their last line.
+    """
+
+    name: str
+    physical: str
+    module: Module
+    wave_order: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -13,13 +35,43 @@ class Task:
         name: of the session.
         resources: what it needs for itself alone while it runs.
         running: whether it was started and not stopped.
-        attributes: what clients have set, by channel and attribute.
+        attributes: what clients have set, by channel and the attribute's name.
+        timing: what paces it.
+        waiting: whether it was started and waits for its start trigger or its clock.
+        committed: whether its resources are reserved and its settings are on the device.
+        kept: whether it was reserved or committed by itself: a stop leaves it so.
+        runs: how often it was started.
+        events: kinds of events that somebody has registered for.
     """
 
     name: str
     resources: set[str] = field(default_factory=set[str])
     running: bool = False
-    attributes: dict[tuple[str, int], object] = field(default_factory=dict[tuple[str, int], object])
+    attributes: dict[tuple[str, str], Any] = field(default_factory=dict[tuple[str, str], Any])
+    timing: Timing = "on-demand"
+    waiting: bool = False
+    committed: bool = False
+    kept: bool = False
+    runs: int = 0
+    events: dict[str, int] = field(default_factory=dict[str, int])
+
+    def all_channels(self) -> Sequence[Channel]:
+        """Its channels, in order."""
+        return ()
+
+    def get(self, attribute: str, default: Any = None, channel: str = "") -> Any:
+        """What was set, or a default."""
+        return self.attributes.get((channel, attribute), default)
+
+    def routed(self, attribute: str) -> str:
+        """A terminal that was set, in full."""
+        return terminal(str(self.get(attribute, "")), self.own_device)
+
+    @property
+    def own_device(self) -> str:
+        """The device whose terminals are meant where none is named: the chassis, or that of the first channel."""
+        channels = self.all_channels()
+        return (channels[0].module.chassis or channels[0].module.name) if channels else ""
 
     @property
     def devices(self) -> set[str]:
@@ -69,11 +121,6 @@ class Reservations:
             raise StatusError(self.gone.get(device, DEVICE_GONE), f"Device: {device}")
 
 
-def require_terminal(source: str) -> None:
-    """Reject a clock or trigger terminal that no simulated device has.
-
-    Raises:
-        StatusError: there is no such terminal.
-    """
-    if source and not source.endswith(("SampleClock", "OnboardClock", "StartTrigger")):
-        raise StatusError(BAD_ROUTE, f"Source Terminal: {source}")
+def terminal(source: str, device: str) -> str:
+    """The full name of a terminal: `/Dev1/PFI0` for `PFI0` of Dev1; "" stays."""
+    return source if not source or source.startswith("/") else f"/{device}/{source}"

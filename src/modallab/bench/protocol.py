@@ -20,6 +20,8 @@ class BenchInfo:
         can_drive: whether it has an excitation output.
         real_time: whether samples arrive at the pace of the clock on the wall.
         facts: what else is known, such as a simulator's seed and true parameters, as text.
+        streams_bursts: whether a burst ends midway, with the output at its last value, when this process or machine
+            dies; else it goes on to its own end at 0 V.
     """
 
     url: str
@@ -27,6 +29,7 @@ class BenchInfo:
     can_drive: bool
     real_time: bool
     facts: dict[str, str]
+    streams_bursts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,35 @@ class Burst:
         """From 0 V to 0 V."""
         return 2 * self.ramp_s + self.hold_s
 
+    def envelope(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Level at times since its start, 0 to 1: cosine tapers at both ends."""
+        if self.ramp_s == 0:
+            return ((times_s >= 0) & (times_s <= self.duration_s)).astype(float)
+        edge = np.clip(np.minimum(times_s, self.duration_s - times_s) / self.ramp_s, 0, 1)
+        return (1 - np.cos(np.pi * edge)) / 2
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Waveform:
+    """A finite drive of any shape.
+
+    Attributes:
+        samples: (n,) in V; the first and the last are exactly 0.
+        rate_hz: at which they follow each other; another rate of the output is met by straight lines between them.
+    """
+
+    samples: NDArray[np.float64]
+    rate_hz: float
+
+    @property
+    def duration_s(self) -> float:
+        """From 0 V to 0 V."""
+        return (len(self.samples) - 1) / self.rate_hz
+
+    def at(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In V at times since its beginning; exactly 0 outside."""
+        return np.interp(times_s * self.rate_hz, np.arange(len(self.samples)), self.samples, left=0.0, right=0.0)
+
 
 @runtime_checkable
 class Bench(Protocol):
@@ -113,7 +145,7 @@ class Bench(Protocol):
         ...
 
     def zero(self) -> None:
-        """Bring the output to 0 V now."""
+        """Bring the output to 0 V now, by a fall where a burst is on and the device answers (`bench.fall`)."""
         ...
 
     def stop(self) -> None:
@@ -194,11 +226,84 @@ class HardwareTriggered(Protocol):
 
 
 @runtime_checkable
+class WavePlaying(Protocol):
+    """A bench whose output plays more than sines."""
+
+    def play_wave(self, wave: Waveform) -> int:
+        """Start a wave; returns the sample count of its beginning. Raises UnsupportedError, ConfigurationError."""
+        ...
+
+
+@runtime_checkable
+class SelfReporting(Protocol):
+    """A bench whose excitation can be asked what it plays."""
+
+    def output_facts(self) -> dict[str, float | str]:
+        """What the excitation says it plays, asked now; empty if it cannot be asked.
+
+        Raises:
+            OutputLostError: it is not what was set; the output was brought to 0 V.
+        """
+        ...
+
+
+@runtime_checkable
 class SelfDescribing(Protocol):
     """A bench whose sensors may say themselves how sensitive they are (TEDS)."""
 
     def sensed_sensitivities(self) -> dict[str, float]:
         """V per SI unit by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@runtime_checkable
+class LooksForSensors(Protocol):
+    """A bench whose device feeds sensors, and may be able to say that one is missing."""
+
+    def open_sensors_unseen(self) -> tuple[str, ...]:
+        """Names of fed channels of which the device cannot say whether a sensor is there; known once it was read."""
+        ...
+
+
+@runtime_checkable
+class SelfNaming(Protocol):
+    """A bench whose sensors may say themselves which they are (TEDS)."""
+
+    def sensed_serials(self) -> dict[str, str]:
+        """Serial number by channel name, for those that say so; only while nothing streams."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SyncState:
+    """How several devices sample as one.
+
+    Attributes:
+        method: in words; empty where one device samples all.
+        acquired: samples each device has counted since the start.
+        unlocked: inputs whose clock has lost its reference.
+    """
+
+    method: str
+    acquired: dict[str, int]
+    unlocked: tuple[str, ...]
+
+
+@runtime_checkable
+class Synchronised(Protocol):
+    """A bench of several devices that sample as one."""
+
+    def synchronisation(self) -> SyncState:
+        """What the devices say of it, once configured."""
+        ...
+
+
+@runtime_checkable
+class FeedsSensors(Protocol):
+    """A bench whose inputs feed sensors: their bias must settle after the supply comes on."""
+
+    def fed_channels(self) -> tuple[str, ...]:
+        """Names of the channels that it feeds with a current."""
         ...
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from rich.console import Console
 
+from modallab.cli.bench_mode.keys import KeyMap, listening
+from modallab.cli.bench_mode.operator import Operator
 from modallab.cli.gap import read_plans
 from modallab.cli.identify import print_remarks, result_table
-from modallab.cli.progress import Display
 from modallab.core.block import Campaign
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan
@@ -44,11 +45,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _record(console: Console, rig: Rig, url: str, plans: list[Plan], arguments: argparse.Namespace) -> tuple[str, ...]:
+    keys = KeyMap.read(arguments.keys)
     operator = arguments.operator or getpass.getuser()
     with LocalCampaign(rig, url, arguments.data, arguments.name or rig.name, operator) as session:
         console.print(f"campaign {session.campaign.id} on {url}", markup=False, highlight=False)
-        with Display(console) as display:
-            return session.run_all(plans, display.notify)
+        at_bench = Operator(console, keys, session, mute=arguments.mute)
+        try:
+            with listening(keys, at_bench.pressed):
+                return session.run_all(plans, at_bench.notify, lambda: at_bench.left)
+        finally:
+            at_bench.close()
 
 
 def _identify(console: Console, store: Store, campaign: Campaign, runs: tuple[str, ...], report: Path | None) -> None:

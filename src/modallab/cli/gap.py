@@ -12,7 +12,7 @@ from rich.table import Table
 
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import Plan
 from modallab.core.versions import PREDICTION
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
@@ -22,6 +22,8 @@ from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import in_percent, sentence
 from modallab.reporting.gap_report import write_gap_report
+
+_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -107,7 +109,7 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def read_plans(path: Path) -> list[ImpactPlan | SinePlan]:
+def read_plans(path: Path) -> list[Plan]:
     """The tests of a plan file: one test, or a list of them.
 
     Raises:
@@ -121,6 +123,6 @@ def read_plans(path: Path) -> list[ImpactPlan | SinePlan]:
         content = cast("dict[str, Any]", content)["tests"]
     listed = cast("list[Any]", content) if isinstance(content, list) else [content]
     try:
-        return [TypeAdapter[ImpactPlan | SinePlan](Plan).validate_python(entry) for entry in listed]
+        return [_PLAN.validate_python(entry) for entry in listed]
     except ValidationError as error:
         raise PlanError(str(error), where=str(path), remedy="mend the fields above") from error

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
@@ -52,7 +53,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
-    command.add_argument("--test", choices=("impact", "sine"), default="impact", help="what the recordings are of")
+    command.add_argument("--test", choices=TESTS, default="impact", help="what the recordings are of")
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
@@ -69,7 +70,7 @@ def _add_identify(commands: _Commands) -> None:
         action=argparse.BooleanOptionalAction,
         help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
     )
-    command.add_argument("--test", choices=("impact", "sine"), help="only this test (default: every test there is)")
+    command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
@@ -113,6 +114,9 @@ def _add_rig(commands: _Commands) -> None:
     check = actions.add_parser("check", help="walk through every channel and say what is wrong")
     check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
     check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    check.add_argument(
+        "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
+    )
     calibrate = actions.add_parser("calibrate", help="find a channel's sensitivity and enter it into the rig's history")
     calibrate.add_argument("--channel", required=True, metavar="NAME")
     calibrate.add_argument("--method", required=True, choices=("turnover", "shunt", "reference", "rigid-mass"))
@@ -124,7 +128,15 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.add_argument("--remark", default="")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
-    for command in (check, calibrate):
+    mass = actions.add_parser(
+        "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
+    )
+    mass.add_argument("--mass", type=float, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--when", required=True, choices=("before", "after"))
+    mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
+    mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
+    mass.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
         command.add_argument("--seconds", type=float, default=3.0, help="how long to look")
@@ -170,4 +182,6 @@ def _add_campaign(commands: _Commands) -> None:
     command.add_argument("--operator", metavar="NAME", help="who runs it (default: who is logged in)")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write the recordings as one file")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    command.add_argument("--mute", action="store_true", help="no tones")
+    command.add_argument("--keys", default="", metavar="MAP", help="such as undo=b,accept=pagedown for a pedal")
     campaign.set_defaults(module="campaign")

@@ -1,4 +1,4 @@
-"""`modallab rig check`, `modallab rig calibrate` and `modallab rig reset`."""
+"""`modallab rig check`, `modallab rig calibrate`, `modallab rig mass` and `modallab rig reset`."""
 
 import argparse
 from datetime import date
@@ -12,9 +12,14 @@ from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.commissioning import calibrate
-from modallab.commissioning.rig_check import CLOCK_BURST_S, Finding, check_clock, check_idle, check_polarity
+from modallab.commissioning.findings import Finding
+from modallab.commissioning.mass_ratio import measured
+from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
+from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 from modallab.core.errors import PlanError, RigError
+from modallab.core.metrology import judged
 from modallab.core.rig import Channel, Rig
+from modallab.formats.rig.mass_ratios_file import add_mass_ratio
 from modallab.formats.rig.rig_file import read_rig, write_rig
 from modallab.signals.conversion import sign_of, volts_per_count, volts_per_si
 
@@ -31,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _reset(url, arguments)
     bench = open_bench(url, rig)
     try:
-        return _check(bench, rig, arguments) if arguments.action == "check" else _calibrate(bench, rig, arguments)
+        return {"check": _check, "calibrate": _calibrate, "mass": _mass}[arguments.action](bench, rig, arguments)
     finally:
         bench.close()
 
@@ -47,7 +52,9 @@ def _reset(url: str, arguments: argparse.Namespace) -> int:
 
 def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
-    findings = check_idle(bench, rig, arguments.seconds)
+    findings = check_idle(bench, rig, arguments.seconds) + check_synchronisation(bench)
+    if arguments.common is not None and arguments.drive is None:
+        findings.append(check_common_signal(bench, rig, tuple(arguments.common)))
     if arguments.tap:
         findings += check_polarity(bench, rig, lambda point: console.print(f"tap point {point} now"))
     if arguments.drive is not None:
@@ -58,6 +65,8 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
             )
         console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows; it ends at 0 V by itself")
         findings += check_clock(bench, rig, arguments.drive)
+        if arguments.common is not None:
+            findings.append(check_common_signal(bench, rig, tuple(arguments.common), arguments.drive))
     console.print(_table(findings))
     bad = sum(finding.verdict == "bad" for finding in findings)
     look = sum(finding.verdict == "look" for finding in findings)
@@ -96,6 +105,32 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _mass(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
+    console = Console()
+    delivery = bench.configure(Request("impact", RATE_HZ))
+    if not arguments.yes:
+        input("strike or shake the free mass, then press Enter ")
+    volts = _volts(bench, rig, delivery, arguments.seconds)
+    sensor = _accelerometer(rig, arguments)
+    ratio = measured(rig, volts, sensor, arguments.mass, arguments.when, date.today())  # noqa: DTZ011
+    judgements = judged(add_mass_ratio(arguments.into, ratio))
+    for judgement in judgements:
+        console.print(f"{'good' if judgement.within else 'bad'}: {judgement.what}", markup=False, highlight=False)
+    return 0 if all(judgement.within for judgement in judgements) else 1
+
+
+def _accelerometer(rig: Rig, arguments: argparse.Namespace) -> Channel:
+    name = arguments.against or rig.responses[0].name
+    for channel in rig.responses:
+        if channel.name == name:
+            return channel
+    raise RigError(
+        f"has no sensor {name!r}",
+        where=str(arguments.rig),
+        remedy=f"choose one of {', '.join(c.name for c in rig.responses)}",
+    )
+
+
 def _measure(
     bench: Bench, rig: Rig, delivery: Delivery, channel: Channel, arguments: argparse.Namespace
 ) -> tuple[float, float]:
@@ -115,7 +150,7 @@ def _measure(
         volts = record("reference shaker on")[row]
         return calibrate.by_reference(volts, delivery.rate_hz, arguments.frequency, value)
     volts = record("shake the free mass")
-    sensor = next(c for c in rig.responses if c.name == (arguments.against or rig.responses[0].name))
+    sensor = _accelerometer(rig, arguments)
     # Positive along the drive on both sides; the force channel's own direction turns its sensitivity back.
     acceleration = volts[sensor.index] / volts_per_si(rig, "impact")[sensor.index]
     return calibrate.by_rigid_mass(sign_of(rig, channel) * volts[row], acceleration, value)
@@ -124,6 +159,7 @@ def _measure(
 def _volts(bench: Bench, rig: Rig, delivery: Delivery, seconds: float) -> NDArray[np.float64]:
     bench.start()
     try:
+        settle(bench, rig, delivery)
         chunk = bench.read(max(1, round(seconds * delivery.rate_hz)), seconds + 5.0)
     finally:
         bench.stop()

@@ -15,6 +15,7 @@ from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
 from modallab.client.stream import read_events
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
+from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page
 from modallab.core.documents.results import FrfView, JobKind, JobNew, JobView
 from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
@@ -34,7 +35,9 @@ class Client:
 
     def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
         """`operator` is who is asking, for the record."""
-        headers = {"Authorization": f"Bearer {token}"} | ({"Modallab-Operator": operator} if operator else {})
+        headers = [(b"Authorization", f"Bearer {token}".encode())]
+        # As bytes: a name need not be ASCII.
+        headers += [(b"Modallab-Operator", operator.encode())] if operator else []
         self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
 
     def rigs(self) -> tuple[RigView, ...]:
@@ -119,8 +122,8 @@ class Client:
         shape = tuple(int(part) for part in response.headers["Modallab-Shape"].split(","))
         return np.frombuffer(response.content, response.headers["Modallab-Dtype"]).reshape(shape)
 
-    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease) -> BlockView:
-        """Accept or reject a block."""
+    def judge(self, run: str, n: int, verdict: Verdict, lease: HeldLease | None = None) -> BlockView:
+        """Accept or reject a block; while its run goes on that needs the lease."""
         path = f"/runs/{run}/blocks/{n}/verdict"
         return BlockView.model_validate_json(self._send("PUT", path, verdict, lease).content)
 
@@ -170,6 +173,22 @@ class Client:
                 raise TimeoutError(f"job {job} is still {view.state} after {patience_s:g} s")
             time.sleep(0.2)
         return view
+
+    def models(self, campaign: str) -> ModelsView:
+        """The newest models of a campaign."""
+        return self._get(ModelsView, f"/campaigns/{campaign}/model")
+
+    def run_models(self, run: str) -> ModelsView:
+        """The newest models of a run."""
+        return self._get(ModelsView, f"/runs/{run}/model")
+
+    def diagnosis(self, campaign: str) -> DiagnosisView:
+        """The newest diagnosis of a campaign."""
+        return self._get(DiagnosisView, f"/campaigns/{campaign}/gap")
+
+    def compare(self, one: str, other: str) -> ComparisonView:
+        """The models of two runs side by side."""
+        return self._get(ComparisonView, "/comparison", {"one": one, "other": other})
 
     def report(self, campaign: str) -> str:
         """The newest report of a campaign, as HTML."""

@@ -6,7 +6,9 @@ from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
     from modallab.commissioning.calibrate import by_reference, by_rigid_mass, by_step, by_turnover, entered
-    from modallab.commissioning.rig_check import Finding, check_clock, check_idle, check_polarity
+    from modallab.commissioning.findings import Finding
+    from modallab.commissioning.rig_check import check_clock, check_idle, check_polarity
+    from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
 
 __all__ = [
     "Finding",
@@ -15,8 +17,10 @@ __all__ = [
     "by_step",
     "by_turnover",
     "check_clock",
+    "check_common_signal",
     "check_idle",
     "check_polarity",
+    "check_synchronisation",
     "entered",
 ]
 
@@ -24,6 +28,8 @@ __getattr__ = lazily(
     __name__,
     {
         "calibrate": ("by_reference", "by_rigid_mass", "by_step", "by_turnover", "entered"),
-        "rig_check": ("Finding", "check_clock", "check_idle", "check_polarity"),
+        "findings": ("Finding",),
+        "rig_check": ("check_clock", "check_idle", "check_polarity"),
+        "synchronisation_check": ("check_common_signal", "check_synchronisation"),
     },
 )

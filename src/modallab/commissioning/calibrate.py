@@ -1,6 +1,7 @@
 """Sensitivities from what is known: gravity, a shunt, a reference shaker, a mass. Pure functions of recordings."""
 
 from datetime import date
+from math import copysign
 from typing import Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.hardware import Calibration
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import STANDARD_GRAVITY, si_factor
+from modallab.core.units import STANDARD_GRAVITY, Test, si_factor
 from modallab.signals.tone_fit import fit_frequency
 
 Volts = NDArray[np.float64]
@@ -75,8 +76,19 @@ def by_rigid_mass(force_volts: Volts, acceleration: Volts, mass_kg: float) -> tu
     return slope, float(np.sqrt((rest @ rest) / max(1, volts.size - 1) / power))
 
 
-def entered(rig: Rig, channel: Channel, method: Method, per_si: tuple[float, float], on: date, remark: str = "") -> Rig:
+def entered(
+    rig: Rig,
+    channel: Channel,
+    method: Method,
+    per_si: tuple[float, float],
+    on: date,
+    remark: str = "",
+    test: Test = "impact",
+) -> Rig:
     """The rig with a calibration in its history, and the channel's sensitivity and date set to it.
+
+    Where the channel has a sensitivity for each test, that of `test` alone is set: the preamplifier stood as in that
+    test. The sign stays what the rig file says: how a sensor is mounted is no matter of its calibration.
 
     Args:
         rig: as before.
@@ -85,9 +97,11 @@ def entered(rig: Rig, channel: Channel, method: Method, per_si: tuple[float, flo
         per_si: V per SI unit, and sigma.
         on: the day.
         remark: anything else.
+        test: whose settings of the preamplifier it was made with.
     """
     factor = si_factor(channel.quantity, channel.unit, channel.name)
-    value, sigma = (x * factor for x in per_si)
+    value = copysign(per_si[0] * factor, channel.sensitivity(test))
+    sigma = per_si[1] * factor
     entry = Calibration(
         date=on,
         channel=channel.name,
@@ -96,7 +110,10 @@ def entered(rig: Rig, channel: Channel, method: Method, per_si: tuple[float, flo
         sensitivity_v_per_unit=value,
         sigma_v_per_unit=sigma,
         remark=remark,
+        test=test,
     )
-    new = channel.model_copy(update={"sensitivity_v_per_unit": value, "calibrated_on": on})
+    before = channel.sensitivity_v_per_unit
+    sensitivity = {**before, test: value} if isinstance(before, dict) else value
+    new = channel.model_copy(update={"sensitivity_v_per_unit": sensitivity, "calibrated_on": on})
     channels = tuple(new if c.index == channel.index else c for c in rig.channels)
     return rig.model_copy(update={"channels": channels, "history": (*rig.history, entry)})

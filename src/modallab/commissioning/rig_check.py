@@ -1,28 +1,25 @@
 """A walk through every channel of a rig before anything is measured with it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.procedures.certificates import remarks_on
+from modallab.acquisition.procedures.sensor_supply import fed_channels, wait_until_settled
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Bench, Burst, Delivery, Request, SelfDescribing
+from modallab.commissioning.findings import CHUNK_S, Finding, Verdict, take, take_samples
 from modallab.core.errors import BenchError
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import si_factor
+from modallab.core.units import Test
 from modallab.signals.conversion import Conversion, volts_per_count
 from modallab.signals.tone_fit import fit_frequency
 
-Verdict = Literal["good", "look", "bad"]
-
 RATE_HZ = 2000.0
-CHUNK_S = 0.1
-TIMEOUT_S = 10.0
 NOISE_FACTOR = 5.0
 OFFSET_PART = 0.05
-TEDS_PART = 0.05
 CLOCK_PPM = 100.0
 CLOCK_BURST_S, CLOCK_RAMP_S = 5.0, 0.5
 TAP_N = 5.0
@@ -30,29 +27,13 @@ TAP_PATIENCE_S = 60.0
 CONTACT_S = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One verdict.
-
-    Attributes:
-        channel: of the rig, or what else was looked at.
-        what: noise, offset, overload, polarity, sensitivity, clock.
-        value: in words and numbers.
-        verdict: `look` where a person must decide.
-    """
-
-    channel: str
-    what: str
-    value: str
-    verdict: Verdict
-
-
 def check_idle(bench: Bench, rig: Rig, seconds: float = 3.0) -> list[Finding]:
     """Noise, offset and overload of every channel, while nothing moves; and what the sensors say of themselves."""
+    findings = check_sensors(bench, rig)
     delivery = bench.configure(Request("impact", RATE_HZ))
-    findings = _sensitivities(bench, rig)
     bench.start()
     try:
+        findings += settle(bench, rig, delivery)[0]
         samples, over = _read(bench, delivery, seconds)
     finally:
         bench.stop()
@@ -73,6 +54,7 @@ def check_polarity(bench: Bench, rig: Rig, ask: Callable[[int], None]) -> list[F
     delivery = bench.configure(Request("impact", RATE_HZ))
     conversion = Conversion.of(rig, "impact", delivery.units, delivery.scale, delivery.dtype)
     bench.start()
+    settle(bench, rig, delivery)
     sensors = [c for c in rig.responses if c.point is not None and c.quantity == "acceleration"]
     try:
         return [_tap(bench, delivery, conversion, channel, ask) for channel in sensors]
@@ -87,11 +69,12 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     delivery = bench.configure(Request("sine", RATE_HZ))
     bench.start()
     try:
-        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S))
+        read = settle(bench, rig, delivery)[1]
+        begin = bench.play(Burst(frequency_hz, volts, CLOCK_RAMP_S, CLOCK_BURST_S - 2 * CLOCK_RAMP_S)) - read
         count = begin + round(1.0 * delivery.rate_hz)
-        lead, _ = _take(bench, delivery, count)
-        held, _ = _take(bench, delivery, round(3.0 * delivery.rate_hz))
-        _take(bench, delivery, round(1.0 * delivery.rate_hz))
+        lead, _ = take_samples(bench, delivery.rate_hz, count)
+        held, _ = take(bench, delivery.rate_hz, 3.0)
+        take(bench, delivery.rate_hz, 1.0)
     finally:
         bench.zero()
         bench.stop()
@@ -106,21 +89,28 @@ def check_clock(bench: Bench, rig: Rig, volts: float, frequency_hz: float = 40.0
     return [Finding("generator", "clock", f"{ppm:+.1f} ppm beside the converter's clock", verdict)]
 
 
+def settle(bench: Bench, rig: Rig, delivery: Delivery) -> tuple[list[Finding], int]:
+    """Read on until fed sensors have settled; returns what was found, and how many samples were read."""
+    fed, read = fed_channels(bench, rig), 0
+
+    def pull(count: int) -> NDArray[np.float64]:
+        nonlocal read
+        read += count
+        return take_samples(bench, delivery.rate_hz, count)[0]
+
+    wait = wait_until_settled(pull, fed, delivery.rate_hz)
+    settled, moving = f"settled after {wait.seconds:g} s", f"the bias still moves after {wait.seconds:g} s"
+    findings = [
+        Finding(name, "supply", moving, "bad") if name in wait.unsettled else Finding(name, "supply", settled, "good")
+        for name in fed.values()
+    ]
+    return findings, read
+
+
 def _read(bench: Bench, delivery: Delivery, seconds: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     # What a filter still holds from before the start is let go by first.
-    _take(bench, delivery, round(0.2 * delivery.rate_hz))
-    return _take(bench, delivery, round(seconds * delivery.rate_hz))
-
-
-def _take(bench: Bench, delivery: Delivery, count: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    pieces: list[NDArray[np.float64]] = []
-    over = np.zeros(len(delivery.units), dtype=np.bool_)
-    step = max(1, round(CHUNK_S * delivery.rate_hz))
-    for first in range(0, count, step):
-        chunk = bench.read(min(step, count - first), TIMEOUT_S)
-        pieces.append(chunk.samples.astype(np.float64))
-        over |= chunk.overload
-    return np.concatenate(pieces, axis=1), over
+    take(bench, delivery.rate_hz, 0.2)
+    return take(bench, delivery.rate_hz, seconds)
 
 
 def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bool) -> list[Finding]:
@@ -141,22 +131,31 @@ def _of_channel(channel: Channel, rig: Rig, volts: NDArray[np.float64], over: bo
     ]
 
 
-def _sensitivities(bench: Bench, rig: Rig) -> list[Finding]:
-    if not isinstance(bench, SelfDescribing):
-        return []
-    findings: list[Finding] = []
-    reported = bench.sensed_sensitivities()
-    for channel in rig.channels:
-        if channel.name not in reported:
-            continue
-        believed = abs(channel.sensitivity("impact")) / si_factor(channel.quantity, channel.unit)
-        part = reported[channel.name] / believed - 1
-        verdict: Verdict = "good" if abs(part) <= TEDS_PART else "bad"
-        value = (
-            f"TEDS says {reported[channel.name]:.5g}, the rig file {believed:.5g} V per SI unit ({100 * part:+.2g} %)"
-        )
-        findings.append(Finding(channel.name, "sensitivity", value, verdict))
-    return findings
+def check_sensors(bench: Bench, rig: Rig) -> list[Finding]:
+    """What certificates and the sensors themselves say, against the rig file; for each that says something."""
+    today = datetime.now(UTC).date()
+    remarks = [remark for test in _tests(rig) for remark in remarks_on(rig, test, today, bench)]
+    sensed = bench.sensed_sensitivities() if isinstance(bench, SelfDescribing) else {}
+    findings = [
+        Finding(remark.channel, "sensor", remark.what, "bad" if remark.contradiction else "look")
+        for remark in dict.fromkeys(remarks)
+    ]
+    said = {remark.channel for remark in remarks}
+    good = [c for c in rig.channels if c.name not in said and (c.certificate is not None or c.name in sensed)]
+    return [*findings, *(Finding(c.name, "sensor", _known_of(c, sensed), "good") for c in good)]
+
+
+def _tests(rig: Rig) -> list[Test]:
+    given = [set(c.sensitivity_v_per_unit) for c in rig.channels if isinstance(c.sensitivity_v_per_unit, dict)]
+    # Where the preamplifier stands differently in each test, a certificate is that of one of them.
+    return ["impact"] if not given or all("impact" in tests for tests in given) else ["sine"]
+
+
+def _known_of(channel: Channel, sensed: dict[str, float]) -> str:
+    said = [f"TEDS says {sensed[channel.name]:.5g} V per SI unit"] if channel.name in sensed else []
+    if channel.certificate is not None:
+        said.append(f"certificate {channel.certificate.number}, {channel.certificate.uncertainty_percent:g} % (k = 2)")
+    return "; ".join(said)
 
 
 def _tap(
@@ -167,12 +166,12 @@ def _tap(
     bench.prompt_hit(channel.point)
     trigger = Trigger(TAP_N, TAP_N / 2)
     step = round(CHUNK_S * delivery.rate_hz)
-    before = _take(bench, delivery, step)[0]
+    before = take_samples(bench, delivery.rate_hz, step)[0]
     for _ in range(round(TAP_PATIENCE_S / CHUNK_S)):
-        after = _take(bench, delivery, step)[0]
+        after = take_samples(bench, delivery.rate_hz, step)[0]
         place = trigger.scan(conversion.force_n(after))
         if place is not None:
-            both = np.concatenate([before, after, _take(bench, delivery, step)[0]], axis=1)
+            both = np.concatenate([before, after, take_samples(bench, delivery.rate_hz, step)[0]], axis=1)
             return _polarity(channel, conversion.si(both), step + place, conversion.force, delivery.rate_hz)
         before = after
     raise BenchError(

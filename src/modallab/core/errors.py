@@ -166,6 +166,13 @@ class DatabaseLostError(StorageError):
     http = Http(503, "The database cannot be reached", "Look at its server; the service goes on by itself with it.")
 
 
+class RowDamagedError(StorageError):
+    """A row of the database is not what was written there."""
+
+    code = "row-damaged"
+    http = Http(500, "A row of the database is damaged", "Restore the database from a backup.")
+
+
 class BlockDamagedError(StorageError):
     """The samples of a block on the disk are not those that were recorded."""
 

@@ -39,8 +39,56 @@ class HitRejected(Frozen):
     reason: str
 
 
+class HitTooEarly(Frozen):
+    """Somebody struck before a hit was requested; rest is waited for anew, and nothing was recorded."""
+
+    kind: Literal["hit_too_early"] = "hit_too_early"
+    run: str
+    point: int
+    peak_n: float
+
+
+class WaitingForRest(Frozen):
+    """The structure still moves before the next hit, said about once a block.
+
+    Attributes:
+        point: that will be struck.
+        hit: its number there.
+        of: how many there.
+        residual_ratio: the motion as part of what the hit will make; None while that is not known.
+        allowed: part that the plan allows.
+        residual_hz: where it is largest.
+        remaining_s: about how long still; None while that cannot be said.
+    """
+
+    kind: Literal["waiting_for_rest"] = "waiting_for_rest"
+    run: str
+    point: int
+    hit: int
+    of: int
+    residual_ratio: float | None
+    allowed: float
+    residual_hz: float
+    remaining_s: float | None
+
+
 class BlockAcknowledged(Frozen):
-    """A block is on the disk and in the table: from here on it cannot be lost."""
+    """A block is on the disk and in the table: from here on it cannot be lost.
+
+    Attributes:
+        n: its number in the run, from 0.
+        name: unique in the run.
+        first_sample: place of the first sample in the device's own count.
+        count: samples per channel.
+        crc32: of the samples as (channels, count), C order, little-endian.
+        accepted: whether it counts.
+        reason: why it does not.
+        drive_point: point of the hit or of the shaker; None if unknown.
+        level: of the drive, in a sine test.
+        frequency_hz: of the drive, in a sine test.
+        facts: what was measured when it was recorded: of a hit `peak_n`, `contact_s`, `second_ratio` (a double hit's
+            share) and `drop_db` (how far the force spectrum falls within the band), of a sine `force_n`.
+    """
 
     kind: Literal["block"] = "block"
     run: str
@@ -51,12 +99,25 @@ class BlockAcknowledged(Frozen):
     crc32: int
     accepted: bool
     reason: str = ""
+    drive_point: int | None = None
+    level: str | None = None
+    frequency_hz: float | None = None
+    facts: dict[str, float | str] = Field(default_factory=dict[str, "float | str"])
 
 
 class BlockDropped(Frozen):
     """A block that was acknowledged no longer counts; its samples stay."""
 
     kind: Literal["dropped"] = "dropped"
+    run: str
+    name: str
+    reason: str
+
+
+class BlockAccepted(Frozen):
+    """A block that was rejected counts all the same, by the operator's word."""
+
+    kind: Literal["accepted"] = "accepted"
     run: str
     name: str
     reason: str
@@ -91,7 +152,17 @@ class Failed(Frozen):
 
 
 Event = Annotated[
-    StateChanged | HitRequested | HitRejected | BlockAcknowledged | BlockDropped | Notice | Progress | Failed,
+    StateChanged
+    | HitRequested
+    | HitRejected
+    | HitTooEarly
+    | WaitingForRest
+    | BlockAcknowledged
+    | BlockDropped
+    | BlockAccepted
+    | Notice
+    | Progress
+    | Failed,
     Field(discriminator="kind"),
 ]
 EVENT: TypeAdapter[Event] = TypeAdapter(Event)

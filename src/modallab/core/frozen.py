@@ -29,6 +29,11 @@ class Frozen(BaseModel):
         return {names.get(name, name): value for name, value in fields.items()}
 
 
+def unstated(value: object) -> bool:
+    """Whether an optional field holds nothing: then it is not written, as in documents from before there was one."""
+    return value is None or value == ()
+
+
 def _real(value: object) -> NDArray[np.float64]:
     # JSON has no NaN: an unknown number is written as null and read back as NaN, as float() does for None in NumPy.
     array = np.array(value, dtype=object).astype(np.float64)

@@ -5,7 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
+from modallab.core.errors import ConfigurationError
 from modallab.core.frozen import Frozen
+from modallab.core.units import Test
 
 Dialect = Literal["keysight-33500", "keysight-33210", "rigol-dg1000", "siglent-sdg"]
 Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
@@ -15,12 +17,15 @@ class Excitation(Frozen):
     """What drives the shaker's amplifier.
 
     Attributes:
-        kind: an analog output of the device that also samples, or a generator on a serial line.
-        output: the device's name of the output (`cDAQ1Mod4/ao0`), or the serial port (`COM3`); empty: the first output.
+        kind: an analog output of the device that also samples, or a generator on a line of its own.
+        output: the device's name of the output (`cDAQ1Mod4/ao0`), the generator's serial port (`COM3`) or its VISA
+            address (`TCPIP0::192.168.0.5::INSTR`, `USB0::...::INSTR`); empty: the first output.
         dialect: how the generator speaks.
         baud: of the serial line.
         watchdog_s: the device's own watchdog brings the output to 0 V after so long without a sign; none: not used.
         heartbeat_line: digital line that toggles while all is well, for an external relay.
+        watchdog_waived: why an output may be driven without the device's watchdog, where a burst ends with the process
+            that drives it and the device has no watchdog.
     """
 
     kind: Literal["analog-output", "generator"] = "analog-output"
@@ -29,10 +34,46 @@ class Excitation(Frozen):
     baud: PositiveInt = 115200
     watchdog_s: Positive | None = None
     heartbeat_line: str = ""
+    watchdog_waived: str = ""
+
+
+def require_guarded(excitation: Excitation | None, where: str) -> None:
+    """Reject to drive an analog output whose burst ends with the process that drives it, if nothing was said of that.
+
+    Raises:
+        ConfigurationError: there is neither a watchdog nor a reason to go without.
+    """
+    chosen = excitation or Excitation()
+    if chosen.kind != "analog-output" or chosen.watchdog_s is not None or chosen.watchdog_waived.strip():
+        return
+    raise ConfigurationError(
+        "the output holds its last value, not 0 V, if this machine sleeps, crashes or loses the device in a burst,"
+        " and the rig file names no watchdog",
+        where=where,
+        remedy="set excitation.watchdog_s if the device has a watchdog; if it has none, say in"
+        " excitation.watchdog_waived what else ends the drive then, such as a switch within reach",
+    )
+
+
+class Synchronisation(Frozen):
+    """How several devices sample as one.
+
+    Attributes:
+        method: `auto`: the first that the devices take, in the order of what follows; `one-task`: the driver routes
+            clock and triggers by itself; `reference-clock`: all follow a reference; `timebase`: all follow the first
+            one's timebase. The last two also share the first one's sync pulse and start trigger.
+        reference_clock: terminal of the reference, as `PXIe_Clk100`; empty: the backplane's.
+    """
+
+    method: Literal["auto", "one-task", "reference-clock", "timebase"] = "auto"
+    reference_clock: str = ""
 
 
 class Calibration(Frozen):
-    """One calibration of one channel, as it was found; nothing here is ever changed, only added to."""
+    """One calibration of one channel, as it was found; nothing here is ever changed, only added to.
+
+    `test` is the one whose settings of the preamplifier it holds for; none: it was not noted.
+    """
 
     date: date
     channel: str
@@ -41,3 +82,4 @@ class Calibration(Frozen):
     sensitivity_v_per_unit: Annotated[float, Field(allow_inf_nan=False)]
     sigma_v_per_unit: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     remark: str = ""
+    test: Test | None = None

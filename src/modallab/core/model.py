@@ -4,12 +4,33 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.frozen import ComplexArray, Frozen, RealArray
+from modallab.core.frozen import ComplexArray, Frozen, RealArray, unstated
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
 
 Method = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 """Name of an estimator. Which there are, the identification knows; a stored model may name one of another time."""
+
+
+class ScaleUncertainty(Frozen):
+    """What the sensitivities' uncertainty adds to the scale: relative, one standard deviation, the same in every mode.
+
+    NaN or None (null in JSON) where no certificate or calibration states it. It comes on top of the sigmas of the
+    model, which are those of the records' noise.
+
+    Attributes:
+        force: of the force's sensitivity.
+        responses: (outputs,) of the responses' sensitivities.
+        modal_constants: (outputs,) of the modal constants.
+        shapes: (outputs,) of the shapes at unit modal mass; NaN without a driving point.
+        modal_mass: of the modal mass of a shape that is 1 at the driving point; None without one.
+    """
+
+    force: float | None
+    responses: RealArray
+    modal_constants: RealArray
+    shapes: RealArray
+    modal_mass: float | None
 
 
 class ModalModel(Frozen):
@@ -44,6 +65,7 @@ class ModalModel(Frozen):
             can't be read. Half the paper's delta-f / f.
         half_power_floor: (modes,) what half-power reads for an undamped mode in a block of this length.
         notes: plain sentences on what was found on the way.
+        scale_uncertainty: what the sensitivities' uncertainty adds; None where none is stated.
     """
 
     format_version: Literal[1] = MODEL
@@ -68,6 +90,7 @@ class ModalModel(Frozen):
     half_power: RealArray
     half_power_floor: RealArray
     notes: tuple[str, ...] = Field(default=())
+    scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=unstated)
 
     @property
     def n_modes(self) -> int:

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, PositiveFloat, PositiveInt
 
 from modallab.core.frozen import Frozen
+from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
 """The paper's block, which sets df = 0.9766 Hz."""
@@ -15,7 +16,11 @@ PAPER_LINES = (3, 4, 5, 6, 8, 12, 18, 24, 28, 30, 31, 32, 33, 35, 40, 50, 60, 72
 
 
 class HitAcceptance(Frozen):
-    """When a hit counts. Each rejection names its number."""
+    """When a hit counts. Each rejection names its number.
+
+    `max_residual_ratio` also says how long rest is waited for: until what still moves is below that part of what the
+    hit will make. With `check_point` a hit that looks like one at another point does not count.
+    """
 
     min_force_n: PositiveFloat = 10.0
     max_force_n: PositiveFloat = 480.0
@@ -24,6 +29,7 @@ class HitAcceptance(Frozen):
     max_residual_ratio: PositiveFloat = 0.01
     min_band_hz: PositiveFloat = 110.0
     band_drop_db: PositiveFloat = 20.0
+    check_point: bool = True
 
 
 class ImpactPlan(Frozen):
@@ -114,9 +120,52 @@ class SinePlan(Frozen):
     force: ForceControl | None = None
 
 
-def least_rate_hz(plan: "ImpactPlan | SinePlan") -> float:
+class BroadbandPlan(Frozen):
+    """A broadband test: the shaker plays a finite wave, of which blocks are recorded one after another.
+
+    `pseudo-random` and `chirp` repeat with every block, so that a settled block holds whole periods. `burst-random`
+    ends within its block, and the decay with it, if the block is long enough. `random` never repeats.
+
+    Attributes:
+        signal: what is played.
+        band_hz: lowest and highest frequency driven.
+        levels_v: root mean square of the drive by level, while it is on; its peak must stay within the rig's limits.
+        blocks: recorded at each level.
+        seed: of the random phases; each wave of a test has its own.
+        burst_share: of a block that a burst-random is on.
+        rate_hz: asked of the device.
+        delivered_hz: of the blocks as they are read back.
+        block_s: length of a block.
+        ramp_s: of the cosine taper at both ends of a wave.
+        settle_s: from the start of a wave to its first block.
+        wait_s: after each wave, at least.
+        max_rejections: so many blocks beyond a channel's range end the run.
+    """
+
+    kind: Literal["broadband"] = "broadband"
+    signal: Broadband = "pseudo-random"
+    band_hz: tuple[PositiveFloat, PositiveFloat] = (2.0, 400.0)
+    levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
+    blocks: PositiveInt = 10
+    seed: Annotated[int, Field(ge=0)] = 1
+    burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3
+    rate_hz: PositiveFloat = 2000.0
+    delivered_hz: PositiveFloat | None = None
+    block_s: PositiveFloat = BLOCK_S
+    ramp_s: PositiveFloat = 0.5
+    settle_s: PositiveFloat = 8.0
+    wait_s: PositiveFloat = 10.0
+    max_rejections: PositiveInt = 20
+
+
+def records_of(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> Test:
+    """Which test the records of a plan belong to."""
+    return plan.signal if isinstance(plan, BroadbandPlan) else plan.kind
+
+
+def least_rate_hz(plan: "ImpactPlan | SinePlan | BroadbandPlan") -> float:
     """The lowest rate the samples of a plan pass through."""
     return min(plan.rate_hz, plan.delivered_hz or plan.rate_hz)
 
 
-Plan = Annotated[ImpactPlan | SinePlan, Field(discriminator="kind")]
+Plan = Annotated[ImpactPlan | SinePlan | BroadbandPlan, Field(discriminator="kind")]

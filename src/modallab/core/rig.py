@@ -14,10 +14,11 @@ from pydantic import (
 )
 
 from modallab.core.errors import RigError
-from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation
+from modallab.core.frozen import Frozen, unstated
+from modallab.core.hardware import Calibration, Excitation, Synchronisation
+from modallab.core.metrology import Certificate
 from modallab.core.rig_checks import Problem, channel_problems, cross_problems
-from modallab.core.units import Quantity, Test
+from modallab.core.units import BROADBAND, Quantity, Test
 from modallab.core.versions import RIG
 
 Direction = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
@@ -171,6 +172,7 @@ class Channel(Frozen):
         ac_corner_hz: corner of the first-order AC coupling; 0 for DC.
         delay_s: by how much the samples lag what the sensor felt, as a converter's digital filter does.
         skew_s: by how much later than channel 0 a multiplexer reads this channel.
+        certificate: of the sensor's calibration.
     """
 
     index: Annotated[int, Field(ge=0)]
@@ -191,12 +193,16 @@ class Channel(Frozen):
     ac_corner_hz: NonNegative = 0.0
     delay_s: NonNegative = 0.0
     skew_s: NonNegative = 0.0
+    certificate: Certificate | None = Field(default=None, exclude_if=unstated)
 
     def sensitivity(self, test: Test) -> float:
         """Volts per unit in a test; the preamplifier may stand differently in each."""
         value = self.sensitivity_v_per_unit
         if isinstance(value, float | int):
             return float(value)
+        if test not in value and test in BROADBAND and "sine" in value:
+            # The shaker drives in both, and nobody turns the preamplifiers between.
+            return value["sine"]
         if test not in value:
             raise RigError(
                 f"no sensitivity for the {test} test, only for {', '.join(value) or 'none'}",
@@ -225,13 +231,27 @@ class Converter(Frozen):
 
 
 class Limits(Frozen):
-    """What the excitation may never exceed. Needed to drive, not to read."""
+    """What the excitation may never exceed. Needed to drive, not to read.
+
+    Attributes:
+        drive_v: amplitude of the drive.
+        slew_v_per_s: its steepest slope.
+        force_n: of the force channel, either way.
+        acceleration_m_s2: of every acceleration channel, either way.
+        max_burst_s: how long a burst may last.
+        velocity_m_s: of every response, either way; measured, or integrated from the acceleration.
+        displacement_m: the same of the displacement.
+        stroke_m: of the shaker, either way from its middle: the displacement at its point, where a response must be.
+    """
 
     drive_v: Positive
     slew_v_per_s: Positive
     force_n: Positive
     acceleration_m_s2: Positive
     max_burst_s: Positive
+    velocity_m_s: Positive | None = None
+    displacement_m: Positive | None = None
+    stroke_m: Positive | None = None
 
 
 class Rig(Frozen):
@@ -253,6 +273,7 @@ class Rig(Frozen):
     limits: Limits | None = None
     excitation: Excitation | None = None
     history: tuple[Calibration, ...] = ()
+    synchronisation: Synchronisation | None = Field(default=None, exclude_if=unstated)
 
     @model_validator(mode="before")
     @classmethod

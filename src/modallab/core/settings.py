@@ -21,6 +21,7 @@ class Settings(BaseSettings):
         host: address to listen on.
         port: of the REST service; 0 for any free one.
         stop_port: of the emergency stop; 0 for any free one.
+        stop_url: where others reach the emergency stop, if a proxy stands before it; `/health` names it.
         token: that every request must carry; made at random if there is none.
         token_file: where it is kept, for its owner only; by default `token` in the data folder.
         hosts: names the service is known by, besides its own address.
@@ -46,6 +47,7 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 8000
     stop_port: Annotated[int, Field(ge=0, le=65535)] = 8001
+    stop_url: str | None = None
     token: Annotated[str, Field(min_length=16)] | None = None
     token_file: Path | None = None
     hosts: tuple[str, ...] = ()

@@ -1,11 +1,15 @@
 """Units accepted at the border, each with its factor to SI. Inside, everything is SI."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 from modallab.core.errors import DataError
 
 Quantity = Literal["force", "acceleration", "velocity", "displacement", "voltage"]
-Test = Literal["impact", "sine"]
+Broadband = Literal["random", "burst-random", "pseudo-random", "chirp"]
+"""What a shaker plays in a broadband test; a record says which, since it decides how an FRF is made of it."""
+Test = Literal["impact", "sine", "random", "burst-random", "pseudo-random", "chirp"]
+BROADBAND: tuple[Broadband, ...] = get_args(Broadband)
+TESTS: tuple[Test, ...] = get_args(Test)
 
 STANDARD_GRAVITY = 9.80665
 

@@ -2,11 +2,11 @@
 
 import json
 from dataclasses import dataclass
-from typing import Any, Self, cast, get_args
+from typing import Any, Self, cast
 
 from modallab.core.block import Block
 from modallab.core.errors import FormatError
-from modallab.core.units import Test
+from modallab.core.units import TESTS, Test
 from modallab.formats.options import ImportOptions
 
 MARK = "modallab "
@@ -78,6 +78,6 @@ def _checked(content: dict[str, Any]) -> BlockFacts:
     facts = BlockFacts(**content)
     kinds = ((facts.name, str), (facts.rate_hz, float | int), (facts.drive_point, int | None))
     more = ((facts.level, str | None), (facts.frequency_hz, float | int | None), (facts.first_sample, int))
-    if facts.test not in get_args(Test) or not all(isinstance(value, kind) for value, kind in (*kinds, *more)):
+    if facts.test not in TESTS or not all(isinstance(value, kind) for value, kind in (*kinds, *more)):
         raise ValueError("of another kind")
     return facts

@@ -1,7 +1,7 @@
 """Steps B and C: spectra of blocks, and FRFs with coherence from them."""
 
 from collections.abc import Sequence
-from typing import Literal
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,9 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
+from modallab.frf.sums import Estimator, PowerSums
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
-
-Estimator = Literal["H1", "H2", "Hv"]
 
 
 def output_quantity(rig: Rig) -> FrfQuantity:
@@ -102,15 +101,12 @@ def lines(n: int, rate_hz: float, band_hz: tuple[float, float]) -> NDArray[np.in
 def combine(
     force: NDArray[np.complex128], response: NDArray[np.complex128], estimator: Estimator = "H1"
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """One input's FRF and ordinary coherence from averaged spectra.
-
-    H1 = Sfy / Sff is unbiased under noise on the response, H2 = Syy / Syf under noise on the force,
-    Hv (total least squares of the two, equal relative noise) lies between.
+    """One input's FRF and ordinary coherence from the spectra of its blocks, as `PowerSums` gives them.
 
     Args:
         force: (blocks, lines) spectra of the force.
         response: (blocks, outputs, lines) spectra of the responses.
-        estimator: which of the three.
+        estimator: H1, H2 or Hv.
 
     Returns:
         FRF (outputs, lines) and coherence (outputs, lines) in 0 to 1; with one block coherence is 1 by construction.
@@ -118,38 +114,7 @@ def combine(
     Raises:
         DataError: shapes that do not fit, NaN, or a line without force.
     """
-    _check_spectra(force, response)
-    power_f = np.sum(np.abs(force) ** 2, axis=0)
-    power_y = np.sum(np.abs(response) ** 2, axis=0)
-    cross = np.sum(np.conj(force)[:, None] * response, axis=0)
-    if np.any(power_f == 0):
-        raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
-    h1 = cross / power_f
-    magnitude = np.abs(cross)
-    coherence = np.divide(magnitude**2, power_f * power_y, out=np.zeros_like(magnitude), where=power_y > 0)
-    if estimator == "H1":
-        return h1, coherence
-    safe = np.where(magnitude > 0, magnitude, 1.0)
-    h2_magnitude = power_y / safe
-    phase = np.where(magnitude > 0, cross / safe, 1.0)
-    if estimator == "H2":
-        return phase * h2_magnitude, coherence
-    return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
-
-
-def _check_spectra(force: NDArray[np.complex128], response: NDArray[np.complex128]) -> None:
-    if (
-        force.ndim != 2
-        or response.ndim != 3
-        or (response.shape[0], response.shape[2]) != force.shape
-        or not response.size
-    ):
-        raise DataError(
-            f"force {force.shape} and response {response.shape} do not belong together",
-            remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",
-        )
-    if not (np.isfinite(force).all() and np.isfinite(response).all()):
-        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")
+    return PowerSums.of(force, response).frf(estimator)
 
 
 def impact_frf(
@@ -182,27 +147,41 @@ def impact_frf(
     check_outputs(first, rig)
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)
-    window = np.exp(-damping_shift * np.arange(n) / rate)
-    values, coherences = [], []
-    for group in groups:
-        force = np.stack([s.hit_force for s in group])
-        response = np.stack([s.responses - pre_trigger_level(s)[:, None] for s in group])
-        spectrum_f = np.fft.rfft(force * window)[:, chosen]
-        spectrum_y = np.fft.rfft(response * window)[..., chosen]
-        value, coherence = combine(spectrum_f, spectrum_y, estimator)
-        values.append(value)
-        coherences.append(coherence)
+    found = [
+        reduce(PowerSums.plus, (hit_sums(s, chosen, damping_shift) for s in group)).frf(estimator) for group in groups
+    ]
     return Frf(
         frequency_hz=chosen * rate / n,
-        values=np.stack(values, axis=1),
+        values=np.stack([value for value, _ in found], axis=1),
         quantity=output_quantity(rig),
         outputs=first.outputs,
         output_points=tuple(c.point for c in rig.responses),
         input_points=tuple(group[0].block.drive_point for group in groups),
-        coherence=np.stack(coherences, axis=1),
+        coherence=np.stack([coherence for _, coherence in found], axis=1),
         averages=tuple(len(group) for group in groups),
         damping_shift=damping_shift,
     )
+
+
+def hit_sums(signals: Signals, chosen: NDArray[np.int64], damping_shift: float = 0.0) -> PowerSums:
+    """What one hit adds to the FRF of its point.
+
+    Args:
+        signals: the hit's block.
+        chosen: indices of the lines.
+        damping_shift: sigma in 1/s, as in `impact_frf`.
+
+    Raises:
+        DataError: a block without a hit.
+    """
+    response = signals.responses - pre_trigger_level(signals)[:, None]
+    force = signals.hit_force
+    if damping_shift:
+        window = np.exp(-damping_shift * np.arange(force.size) / signals.rate_hz)
+        force, response = force * window, response * window
+    # A slice of lines is a view; picking them by index would copy the largest array there is.
+    band = slice(int(chosen[0]), int(chosen[-1]) + 1)
+    return PowerSums.of(np.fft.rfft(force)[None, band], np.fft.rfft(response)[None, :, band])
 
 
 def pre_trigger_level(signals: Signals) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from modallab.core.errors import DataError
-from modallab.frf.estimate import Estimator
+from modallab.frf.sums import Estimator
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

@@ -1,8 +1,10 @@
 """FRFs of a stepped sine test: one line per drive frequency."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -16,10 +18,44 @@ CLOCKS = 0.1
 """Share by which a measured frequency may differ from the one that was set: no clock is as wrong."""
 
 
-def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
-    """FRF by sine fits at the true drive frequency; levels at one frequency are averaged as H1.
+@dataclass(frozen=True, eq=False, slots=True)
+class Line:
+    """What one sine block gives to an FRF: the complex amplitudes of its sine.
+
+    Attributes:
+        requested_hz: what the generator was set to, else what was found.
+        frequency_hz: of the sine in the force.
+        force: amplitude in N.
+        response: (outputs,) amplitudes in SI units.
+        point: where it was driven.
+    """
+
+    requested_hz: float
+    frequency_hz: float
+    force: complex
+    response: NDArray[np.complex128]
+    point: int | None
+
+
+def line_of(signals: Signals, rig: Rig) -> Line:
+    """The line of a block, by a sine fit at the force's own frequency.
 
     The decay that may still be in a block is not taken off: this is what the block shows.
+
+    Raises:
+        DataError: a block of another test or of other outputs than the rig's, or one without a sine in its force near
+            the frequency that was set.
+    """
+    check_outputs(signals, rig)
+    _check(signals)
+    tone = signals.tone
+    response = fit_at(signals.responses, signals.rate_hz, tone.frequency_hz).amplitude
+    set_to = float(signals.block.frequency_hz or tone.frequency_hz)
+    return Line(set_to, tone.frequency_hz, complex(tone.amplitude[0]), response, signals.block.drive_point)
+
+
+def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
+    """FRF by sine fits at the true drive frequency; levels at one frequency are averaged as H1.
 
     Args:
         signals: sine blocks.
@@ -30,41 +66,43 @@ def stepped_frf(signals: Sequence[Signals], rig: Rig) -> Frf:
             of another test, or one without a sine in its force near the frequency that was set.
     """
     check_test(signals)
-    _check(signals, rig)
-    at: dict[float, list[int]] = {}
-    for i, item in enumerate(signals):
-        at.setdefault(float(item.block.frequency_hz or item.tone.frequency_hz), []).append(i)
-    frequencies, values = [], []
-    for requested in sorted(at):
-        members = at[requested]
-        force = np.array([[signals[i].tone.amplitude[0]] for i in members])
-        fits = [fit_at(signals[i].responses, signals[i].rate_hz, signals[i].tone.frequency_hz) for i in members]
-        response = np.stack([f.amplitude[:, None] for f in fits])
-        frequencies.append(float(np.mean([signals[i].tone.frequency_hz for i in members])))
-        values.append(combine(force, response)[0][:, 0])
+    return frf_of_lines([line_of(item, rig) for item in signals], rig)
+
+
+def frf_of_lines(lines: Sequence[Line], rig: Rig) -> Frf:
+    """FRF of sine blocks that were looked at one by one; those of one frequency are averaged as H1.
+
+    Raises:
+        DataError: no lines, or of more than one drive point.
+    """
+    points = {line.point for line in lines}
+    if len(points) != 1:
+        found = f"the sine blocks are driven at points {', '.join(sorted(map(str, points))) or 'none'}"
+        raise DataError(found, remedy="give the blocks of one drive point")
+    at: dict[float, list[Line]] = {}
+    for line in sorted(lines, key=lambda one: one.requested_hz):
+        at.setdefault(line.requested_hz, []).append(line)
+    values = [
+        combine(np.array([[m.force] for m in members]), np.stack([m.response[:, None] for m in members]))[0][:, 0]
+        for members in at.values()
+    ]
     return Frf(
-        frequency_hz=np.array(frequencies),
+        frequency_hz=np.array([float(np.mean([m.frequency_hz for m in members])) for members in at.values()]),
         values=np.stack(values, axis=1)[:, None, :],
         quantity=output_quantity(rig),
-        outputs=signals[0].outputs,
+        outputs=tuple(c.name for c in rig.responses),
         output_points=tuple(c.point for c in rig.responses),
-        input_points=(signals[0].block.drive_point,),
-        averages=(max(len(m) for m in at.values()),),
+        input_points=tuple(points),
+        averages=(max(len(members) for members in at.values()),),
     )
 
 
-def _check(signals: Sequence[Signals], rig: Rig) -> None:
-    check_outputs(signals[0], rig)
-    points = {s.block.drive_point for s in signals}
-    if len(points) > 1:
-        found = f"the sine blocks are driven at points {', '.join(sorted(map(str, points)))}"
-        raise DataError(found, remedy="give the blocks of one drive point")
-    for s in signals:
-        where = f"record {s.block.name}"
-        if s.block.test != "sine":
-            found = f"a block of the {s.block.test} test holds no steady sine"
-            raise DataError(found, where=where, remedy="give the blocks of the sine test")
-        set_to = s.block.frequency_hz
-        if set_to is not None and abs(s.tone.frequency_hz / set_to - 1) > CLOCKS:
-            found = f"the force holds a sine of {s.tone.frequency_hz:.4g} Hz, the generator was set to {set_to:.4g} Hz"
-            raise DataError(found, where=where, remedy="check the record's frequency and rate")
+def _check(signals: Signals) -> None:
+    where = f"record {signals.block.name}"
+    if signals.block.test != "sine":
+        found = f"a block of the {signals.block.test} test holds no steady sine"
+        raise DataError(found, where=where, remedy="give the blocks of the sine test")
+    set_to, found_hz = signals.block.frequency_hz, signals.tone.frequency_hz
+    if set_to is not None and abs(found_hz / set_to - 1) > CLOCKS:
+        found = f"the force holds a sine of {found_hz:.4g} Hz, the generator was set to {set_to:.4g} Hz"
+        raise DataError(found, where=where, remedy="check the record's frequency and rate")

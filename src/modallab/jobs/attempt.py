@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import CancelledError
 from typing import Any
 
@@ -9,13 +10,14 @@ from distributed import Client, Future
 from distributed.comm.core import CommClosedError
 from distributed.scheduler import KilledWorker
 
-from modallab.core.errors import JobError, ModallabError
+from modallab.core.errors import DatabaseLostError, JobError, ModallabError
 from modallab.jobs.kind import Computed, Kind
 from modallab.jobs.leases import Leases, Taken
 from modallab.jobs.task import compute, interrupt
 
 MACHINE_LOST = (KilledWorker, CommClosedError, CancelledError, TimeoutError, OSError)
 """What says that a machine failed, not the computation: the job is tried again."""
+AGAIN_S = 0.5
 
 
 class Attempt:
@@ -30,7 +32,8 @@ class Attempt:
         self._future: Future[Any] | None = None
         self._begun = time.monotonic()
         self._lock = threading.Lock()
-        self._left = self._interrupted = False
+        self._abandoned = threading.Event()
+        self._interrupted = False
 
     @property
     def late(self) -> bool:
@@ -41,10 +44,12 @@ class Attempt:
         """Do all of it. However it ends, the table says so."""
         try:
             payload = self._load()
+        except DatabaseLostError as error:
+            self._give_back(str(error), counts=False)
         except ModallabError as error:
-            self._leases.failed(self.taken, str(error))
+            self._fail(str(error))
         except Exception as error:
-            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+            self._fail(f"{type(error).__name__}: {error}")
         else:
             self._compute(payload)
 
@@ -60,7 +65,7 @@ class Attempt:
 
     def abandon(self) -> None:
         """The runner stops, or its scheduler is gone: give the job back."""
-        self._left = True
+        self._abandoned.set()
         self.interrupt()
 
     def interrupt(self) -> None:
@@ -80,12 +85,12 @@ class Attempt:
             return
         except Exception as error:
             # It cannot be sent, or the worker cannot take it: nor could it the next time.
-            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+            self._fail(f"{type(error).__name__}: {error}")
             return
         if verdict == "done" and isinstance(found, Computed):
             self._keep(found)
         elif verdict == "failed":
-            self._leases.failed(self.taken, str(found))
+            self._fail(str(found))
         else:
             self._without_result(None)
 
@@ -104,20 +109,41 @@ class Attempt:
     def _without_result(self, error: BaseException | None) -> None:
         # Of a job that was cancelled the fence has moved on, and none of these changes anything.
         if self._client.status != "running":
-            self._leases.give_back(self.taken, "the scheduler was lost", counts=True)
-        elif self._left:
-            self._leases.give_back(self.taken, "the runner was stopped", counts=False)
+            self._give_back("the scheduler was lost", counts=True)
+        elif self._abandoned.is_set():
+            self._give_back("the runner was stopped", counts=False)
         elif self.late:
-            self._leases.failed(self.taken, f"it took longer than {self._kind.limit_s:g} s, and was stopped")
+            self._fail(f"it took longer than {self._kind.limit_s:g} s, and was stopped")
         else:
-            self._leases.give_back(self.taken, f"a worker was lost ({error})", counts=True)
+            self._give_back(f"a worker was lost ({error})", counts=True)
 
     def _keep(self, computed: Computed) -> None:
         try:
             result = self._kind.keep(self.taken.attempt, computed)
         except ModallabError as error:
-            self._leases.failed(self.taken, str(error))
+            self._fail(str(error))
         except Exception as error:
-            self._leases.failed(self.taken, f"{type(error).__name__}: {error}")
+            self._fail(f"{type(error).__name__}: {error}")
         else:
-            self._leases.done(self.taken, result)
+            self._commit(lambda: self._leases.done(self.taken, result))
+
+    def _fail(self, error: str) -> None:
+        self._commit(lambda: self._leases.failed(self.taken, error))
+
+    def _give_back(self, why: str, *, counts: bool) -> None:
+        self._commit(lambda: self._leases.give_back(self.taken, why, counts=counts))
+
+    def _commit(self, change: Callable[[], bool]) -> None:
+        """Commit how it ended, as soon as the database is there: what was computed is not lost with a server.
+
+        Raises:
+            StorageError: it could not be committed; then the lease runs out, and the job is taken again.
+        """
+        while True:
+            try:
+                change()
+            except DatabaseLostError:
+                if self._abandoned.wait(AGAIN_S):
+                    raise
+            else:
+                return

@@ -7,15 +7,18 @@ from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import Connection, Engine, insert, select, update
-from sqlalchemy.exc import DBAPIError, IntegrityError, InterfaceError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import IntegrityError
 
 from modallab import __version__
-from modallab.core.errors import DatabaseLostError, JobError, StorageError, UnknownJobError
+from modallab.core.errors import JobError, UnknownJobError
 from modallab.jobs.job import OPEN, Job, JobPage, JobState, job_key
-from modallab.jobs.table import JOBS, job_of, make_table
+from modallab.jobs.table import JOBS, database_errors, job_of, make_table
 
 PAGE = 50
+AUTOMATIC = 1
+"""Priority of a job that nobody waits for."""
 _ALIVE = ("queued", "running", "done")
+_BUT_RESULTS = tuple(column for column in JOBS.c if column is not JOBS.c.result)
 
 
 class Jobs:
@@ -31,10 +34,18 @@ class Jobs:
             StorageError: the database cannot be written.
         """
         self.engine = engine
-        with _database_errors(engine):
+        with database_errors(engine):
             make_table(engine)
 
-    def submit(self, kind: str, parameters: dict[str, Any], inputs: Sequence[str], revision: str = "") -> Job:
+    def submit(
+        self,
+        kind: str,
+        parameters: dict[str, Any],
+        inputs: Sequence[str],
+        revision: str = "",
+        *,
+        automatic: bool = False,
+    ) -> Job:
         """Order a job. The same work that is waiting, going on or done is not done again: that job is given back.
 
         Args:
@@ -42,6 +53,7 @@ class Jobs:
             parameters: JSON values.
             inputs: names of what it works on.
             revision: of what the inputs hold now, as the kind's `revision` gives it; other contents are other work.
+            automatic: nobody waits for it: what somebody ordered goes first.
 
         Raises:
             JobError: parameters that cannot be kept.
@@ -56,10 +68,32 @@ class Jobs:
             "revision": revision,
             "code_version": __version__,
             "state": "queued",
+            "priority": AUTOMATIC if automatic else 0,
             "created_utc": utc_now(),
         }
-        with _database_errors(self.engine):
-            return self._same(key) or self._add(row) or self._same(key) or self._lost(key)
+        with database_errors(self.engine):
+            job = self._same(key) or self._add(row) or self._same(key) or self._lost(key)
+            if job.state == "queued" and not automatic:
+                self._put_first(job.id)
+            return job
+
+    def supersede(self, newer: Job) -> int:
+        """Cancel the automatic jobs that wait for what a newer one does as well: the same, of some of its inputs.
+
+        Returns:
+            how many.
+
+        Raises:
+            StorageError: the database cannot be written.
+        """
+        waiting = select(JOBS.c.id, JOBS.c.inputs).where(
+            JOBS.c.kind == newer.kind, JOBS.c.state == "queued", JOBS.c.priority == AUTOMATIC, JOBS.c.id != newer.id
+        )
+        with database_errors(self.engine), self.engine.begin() as connection:
+            idle = [row.id for row in connection.execute(waiting) if set(row.inputs) <= set(newer.inputs)]
+            ended = {"state": "cancelled", "ended_utc": utc_now(), "error": f"job {newer.id} does it with more runs"}
+            mine = JOBS.c.id.in_(idle), JOBS.c.state == "queued", JOBS.c.priority == AUTOMATIC
+            return connection.execute(update(JOBS).where(*mine).values(ended)).rowcount
 
     def get(self, job: str) -> Job:
         """One job.
@@ -81,7 +115,7 @@ class Jobs:
         cursor: str | None = None,
         limit: int = PAGE,
     ) -> JobPage:
-        """Jobs, the newest first.
+        """Jobs, the newest first; without their results, which `get` gives.
 
         Args:
             state: only those in this state.
@@ -92,7 +126,7 @@ class Jobs:
         Raises:
             JobError: the cursor is none that was given out, or the limit is below 1.
         """
-        query = select(JOBS).order_by(JOBS.c.n.desc()).limit(_limit(limit) + 1)
+        query = select(*_BUT_RESULTS).order_by(JOBS.c.n.desc()).limit(_limit(limit) + 1)
         if state is not None:
             query = query.where(JOBS.c.state == state)
         if kind is not None:
@@ -116,7 +150,7 @@ class Jobs:
         """
         ended = {"state": "cancelled", "ended_utc": utc_now(), "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.id == job, JOBS.c.state.in_(sorted(OPEN))).values(ended)
-        with _database_errors(self.engine), self.engine.begin() as connection:
+        with database_errors(self.engine), self.engine.begin() as connection:
             connection.execute(query)
         return self.get(job)
 
@@ -131,8 +165,13 @@ class Jobs:
         """
         freed = {"state": "queued", "owner": "", "progress": 0.0, "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.owner == owner, JOBS.c.state == "running").values(freed)
-        with _database_errors(self.engine), self.engine.begin() as connection:
+        with database_errors(self.engine), self.engine.begin() as connection:
             return connection.execute(query).rowcount
+
+    def _put_first(self, job: str) -> None:
+        query = update(JOBS).where(JOBS.c.id == job, JOBS.c.state == "queued", JOBS.c.priority > 0).values(priority=0)
+        with self.engine.begin() as connection:
+            connection.execute(query)
 
     def _same(self, key: str) -> Job | None:
         query = select(JOBS).where(JOBS.c.key == key, JOBS.c.state.in_(_ALIVE))
@@ -155,7 +194,7 @@ class Jobs:
     @contextmanager
     def _reading(self) -> Generator[Connection]:
         with (
-            _database_errors(self.engine),
+            database_errors(self.engine),
             self.engine.connect().execution_options(reading=True) as connection,
         ):
             yield connection
@@ -180,22 +219,3 @@ def _place(cursor: str) -> int:
     if not (cursor.isascii() and cursor.isdigit() and len(cursor) < 19):
         raise JobError(f"{cursor!r} is no cursor", where="cursor", remedy="use the one of the page before")
     return int(cursor)
-
-
-@contextmanager
-def _database_errors(engine: Engine) -> Generator[None]:
-    try:
-        yield
-    except SQLAlchemyError as error:
-        where = engine.url.render_as_string(hide_password=True)
-        if isinstance(error, OperationalError | InterfaceError) and engine.dialect.name != "sqlite":
-            raise DatabaseLostError(
-                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
-            ) from error
-        # Without the statement and its parameters, which SQLAlchemy adds.
-        said = error.orig if isinstance(error, DBAPIError) else error
-        raise StorageError(
-            f"the table of jobs cannot be used: {said}",
-            where=where,
-            remedy="look at the database and its disk",
-        ) from error

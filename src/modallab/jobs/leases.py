@@ -1,7 +1,8 @@
 """The table of jobs, for those who compute them: taking, holding and ending a job under a lease and a fence."""
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from sqlalchemy import Connection, Engine, and_, false, or_, select, update
 
 from modallab.jobs.job import OPEN, Job
 from modallab.jobs.jobs import utc_now
-from modallab.jobs.table import JOBS, job_of
+from modallab.jobs.table import JOBS, database_errors, job_of
 
 Mark = tuple[int, float]
 """Fence and beat of a job that is held: one of them changes with every sign of its holder."""
@@ -61,7 +62,10 @@ class Taken:
 
 
 class Leases:
-    """Jobs of one owner. A job whose holder gave no sign for `lease_s`, as seen from here, is open."""
+    """Jobs of one owner. A job whose holder gave no sign for `lease_s`, as seen from here, is open.
+
+    Every method raises StorageError where the table cannot be used, DatabaseLostError where its server is gone.
+    """
 
     def __init__(self, engine: Engine, owner: str, lease_s: float = LEASE_S) -> None:
         self._engine = engine
@@ -70,7 +74,7 @@ class Leases:
         self._watch = Watch(lease_s)
 
     def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
-        """Lease up to `limit` jobs that wait or whose owner is gone, the oldest first.
+        """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 
         A job whose owners were lost too often, or whose kind is not among `kinds`, fails here: none waits for ever.
         Time without a sign is counted from call to call, so this is to be called now and then, also with no room for
@@ -79,9 +83,13 @@ class Leases:
         waiting, timed_out = self._look()
         if limit < 1 or not (waiting or timed_out):
             return []
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             query = (
-                select(JOBS).where(_free(timed_out)).order_by(JOBS.c.n).limit(limit).with_for_update(skip_locked=True)
+                select(JOBS)
+                .where(_free(timed_out))
+                .order_by(JOBS.c.priority, JOBS.c.n)
+                .limit(limit)
+                .with_for_update(skip_locked=True)
             )
             rows = connection.execute(query).mappings().all()
             return [taken for row in rows if (taken := self._lease(connection, row, kinds)) is not None]
@@ -91,7 +99,7 @@ class Leases:
         if not held:
             return set()
         lost: set[str] = set()
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             for job, (fence, progress) in held.items():
                 if not self._change(connection, job, fence, beat=JOBS.c.beat + 1, progress=progress):
                     lost.add(job)
@@ -116,14 +124,14 @@ class Leases:
         attempts = taken.job.attempts if counts else taken.job.attempts - 1
         if attempts >= MAX_ATTEMPTS:
             return self.failed(taken, _gave_up(attempts, why))
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             back = {"state": "queued", "owner": "", "progress": 0.0, "attempts": attempts}
             return self._change(connection, taken.job.id, taken.fence, **back)
 
     def _look(self) -> tuple[bool, dict[str, Mark]]:
         # A look takes no lock that a recording would wait for.
         query = select(JOBS.c.id, JOBS.c.state, JOBS.c.fence, JOBS.c.beat).where(JOBS.c.state.in_(sorted(OPEN)))
-        with self._engine.connect().execution_options(reading=True) as connection:
+        with database_errors(self._engine), self._engine.connect().execution_options(reading=True) as connection:
             rows = connection.execute(query).all()
         held = {row.id: (row.fence, row.beat) for row in rows if row.state == "running"}
         return len(rows) > len(held), self._watch.look(held)
@@ -144,8 +152,13 @@ class Leases:
         return Taken(job_of(dict(row) | values), fence) if error is None else None
 
     def _end(self, taken: Taken, **values: Any) -> bool:
-        with self._engine.begin() as connection:
+        with self._writing() as connection:
             return self._change(connection, taken.job.id, taken.fence, owner="", ended_utc=utc_now(), **values)
+
+    @contextmanager
+    def _writing(self) -> Generator[Connection]:
+        with database_errors(self._engine), self._engine.begin() as connection:
+            yield connection
 
     def _change(self, connection: Connection, job: str, fence: int, **values: Any) -> bool:
         mine = and_(JOBS.c.id == job, JOBS.c.fence == fence, JOBS.c.state == "running", JOBS.c.owner == self._owner)

@@ -9,8 +9,7 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
 
-from sqlalchemy.exc import SQLAlchemyError
-
+from modallab.core.errors import StorageError
 from modallab.jobs.address import Tls, check_address
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.cluster import Cluster, default_workers
@@ -128,7 +127,7 @@ class Runner:
         room = cluster.threads - len(cluster.busy | self._attempts.keys())
         try:
             return self._leases.take(self._kinds, room)
-        except SQLAlchemyError as error:
+        except StorageError as error:
             self.trouble = str(error)
             _LOG.warning("the table of jobs: %s", error)
             return []
@@ -139,7 +138,7 @@ class Runner:
             self._attempts[taken.attempt] = attempt
         try:
             attempt.run()
-        except SQLAlchemyError as error:
+        except StorageError as error:
             # Not committed: the lease runs out, and the job is taken again.
             _LOG.warning("job %s: %s", taken.job.id, error)
         finally:

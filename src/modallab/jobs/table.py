@@ -1,6 +1,8 @@
 """The table of jobs."""
 
-from collections.abc import Mapping
+import logging
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from typing import Any, cast
 
 from sqlalchemy import (
@@ -19,9 +21,12 @@ from sqlalchemy import (
     inspect,
     text,
 )
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError, SQLAlchemyError
 
+from modallab.core.errors import DatabaseLostError, RowDamagedError, StorageError
 from modallab.jobs.job import Job
 
+LOG = logging.getLogger(__name__)
 METADATA = MetaData()
 
 JOBS = Table(
@@ -37,6 +42,8 @@ JOBS = Table(
     Column("code_version", String(64), nullable=False),
     Column("revision", String(64), nullable=False, default="", server_default=""),
     Column("state", String(16), nullable=False),
+    # What somebody waits for, 0, goes before what is done by itself, 1.
+    Column("priority", Integer, nullable=False, default=0, server_default="0"),
     Column("progress", Float, nullable=False, default=0.0),
     Column("attempts", Integer, nullable=False, default=0),
     # Grows with every change of owner: what was computed under an older one is not taken.
@@ -77,9 +84,45 @@ def _bring_up_to_date(connection: Connection) -> None:
         connection.execute(text(f"ALTER TABLE {JOBS.name} RENAME COLUMN {_BEAT_BEFORE} TO beat"))
     if JOBS.c.revision.name not in known:
         connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN revision VARCHAR(64) DEFAULT '' NOT NULL"))
+    if JOBS.c.priority.name not in known:
+        connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN priority INTEGER DEFAULT 0 NOT NULL"))
 
 
 def job_of(row: Mapping[Any, Any]) -> Job:
-    """A row as a job."""
-    values = {name: row[name] for name in Job.model_fields if name != "inputs"}
+    """A row as a job; one that was read without its result has none."""
+    values = {name: row[name] for name in Job.model_fields if name != "inputs" and name in row}
     return Job(inputs=tuple(cast("list[str]", row["inputs"])), **values)
+
+
+@contextmanager
+def database_errors(engine: Engine) -> Generator[None]:
+    """What the database's driver raises, as errors of our own.
+
+    Raises:
+        DatabaseLostError: its server cannot be reached.
+        StorageError: anything else.
+    """
+    try:
+        yield
+    except SQLAlchemyError as error:
+        where = engine.url.render_as_string(hide_password=True)
+        if (
+            isinstance(error, OperationalError | InterfaceError) or getattr(error, "connection_invalidated", False)
+        ) and engine.dialect.name != "sqlite":
+            raise DatabaseLostError(
+                "the database cannot be reached", where=where, remedy="look at its server, and ask again"
+            ) from error
+        # The driver's words hold SQL and values: they are for the log.
+        LOG.warning("%s: %s", where, error.orig if isinstance(error, DBAPIError) else error)
+        raise StorageError(
+            "the table of jobs cannot be used",
+            where=where,
+            remedy="look at the database and its disk; the log says more",
+        ) from error
+    except ValueError as error:
+        LOG.warning("a job that cannot be read", exc_info=error)
+        raise RowDamagedError(
+            f"a row of the table of jobs cannot be read: {type(error).__name__}",
+            where=engine.url.render_as_string(hide_password=True),
+            remedy="restore the database from a backup; the log has the row",
+        ) from error

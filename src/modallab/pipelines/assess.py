@@ -10,6 +10,7 @@ from modallab.core.errors import DataError, ModallabError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.frf.broadband import broadband_frf, of_one_level
 from modallab.frf.estimate import impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
@@ -66,6 +67,33 @@ def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
         ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
         ("reciprocity", _not_in_this_test("a sine test drives one point")),
         ("driving point", lambda: driving_point(stepped_frf(signals, rig))),
+    ]
+    return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+
+
+def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], frf: Frf, rig: Rig) -> Assessment:
+    """Verdicts on broadband blocks: level against level, the first half against the second, and the driving point."""
+    band = model.band_hz
+    ordered = of_one_level(sorted(signals, key=lambda s: s.block.order))
+
+    def halves() -> tuple[Frf, Frf]:
+        half = len(ordered) // 2
+        if half < 2:
+            raise DataError(f"there are {len(ordered)} blocks", remedy="record at least four")
+        return broadband_frf(ordered[:half], rig, band), broadband_frf(ordered[half:], rig, band)
+
+    def levels() -> tuple[Frf, Frf]:
+        names = sorted({s.block.level or "" for s in signals})
+        if len(names) != 2:
+            raise DataError(f"the blocks are of {len(names)} drive levels", remedy="drive at two")
+        one, other = ([s for s in signals if (s.block.level or "") == name] for name in names)
+        return broadband_frf(one, rig, band), broadband_frf(other, rig, band)
+
+    judges: list[Judge] = [
+        ("linearity", lambda: linearity(*levels())),
+        ("time invariance", lambda: time_invariance(*halves())),
+        ("reciprocity", _not_in_this_test("a shaker test drives one point")),
+        ("driving point", lambda: driving_point(frf)),
     ]
     return _assessed(model, fit, judges, least_strength(fit, float("nan")))
 

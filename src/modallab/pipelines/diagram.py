@@ -3,6 +3,8 @@
 from modallab.core.block import Campaign
 from modallab.core.errors import ModallabError
 from modallab.core.frf import Frf
+from modallab.core.units import BROADBAND
+from modallab.frf.broadband import broadband_frf, of_one_level
 from modallab.frf.estimate import group_by_point
 from modallab.identification.estimate import estimate_poles
 from modallab.identification.estimator import USUAL, find_estimator
@@ -36,6 +38,9 @@ def _seen(campaign: Campaign, item: Identified, frf: Frf | None) -> tuple[Frf, i
     if item.source == "impact":
         signals, _ = usable(campaign, campaign.of("impact"))
         return start_frf(group_by_point(signals), campaign.rig, item.model.band_hz), None, None
+    if item.source in BROADBAND:
+        signals, _ = usable(campaign, campaign.of(item.source))
+        return broadband_frf(of_one_level(signals), campaign.rig, item.model.band_hz), None, None
     signals, _ = usable(campaign, campaign.of("sine"))
     seen = stepped_start(signals, campaign.rig, item.model.band_hz)
     return seen, highest_order(seen), START

@@ -1,7 +1,7 @@
 """Identifies every test of a campaign and verifies each model."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
 
@@ -9,22 +9,26 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
-from modallab.core.units import Test
+from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
+from modallab.frf.broadband import broadband_frf, driven_band, of_one_level
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.frf.joined import joined_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.impact import default_band, identify_impact
+from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
-from modallab.pipelines.assess import assess_frf, assess_impact, assess_sine
+from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
 from modallab.verification.reservations import doubts
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
-Source = Literal["impact", "sine", "frf"]
+Source = Test | Literal["frf"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,7 +80,7 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
     failed: list[Unidentified] = []
     for source, run in _runs(campaign, options, test):
         try:
-            found.append(run())
+            found.append(_with_scale(run(), campaign.rig))
         except ModallabError as error:
             failed.append(Unidentified(source, error))
     if not found and failed:
@@ -85,7 +89,7 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
         raise DataError(
             "there is no block to identify" if test is None else f"there is no block of a {test} test",
             where=campaign.source,
-            remedy="check that the campaign holds impact or sine records",
+            remedy="check that the campaign holds records of a test",
         )
     return Result(tuple(found), tuple(failed))
 
@@ -96,6 +100,11 @@ def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple
         runs.append(("impact", lambda: _impact(campaign, campaign.of("impact"), options)))
     if campaign.of("sine") and test in (None, "sine"):
         runs.append(("sine", lambda: _sine(campaign, campaign.of("sine"), options)))
+    runs.extend(
+        (signal, partial(_broadband, campaign, signal, options))
+        for signal in BROADBAND
+        if campaign.of(signal) and test in (None, signal)
+    )
     if test is None:
         runs.extend(("frf", partial(_frf, campaign, i, options)) for i in range(len(campaign.frfs)))
     return runs
@@ -120,6 +129,10 @@ def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals]
         )
     note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
     return to_signals_of(clean, campaign.rig), note
+
+
+def _with_scale(found: Identified, rig: Rig) -> Identified:
+    return replace(found, model=with_scale(found.model, rig))
 
 
 def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
@@ -154,6 +167,22 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
     assessment = assess_sine(model, fit, signals, campaign.rig)
     annotated = _with_doubts(_with_notes(model, notes), assessment)
     return Identified("sine", annotated, verify_sine(model, fit, signals, campaign.rig), assessment)
+
+
+def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
+    every, notes = usable(campaign, campaign.of(test))
+    band = options.band_hz or driven_band(every)
+    # A block of random drive is cut out of what never ends: only the blocks together are long enough.
+    made = joined_frf if test in ("random", "burst-random") else broadband_frf
+    frf = made(of_one_level(every), campaign.rig, band)
+    own_model = options.own_model
+    if own_model is not None:
+        return Identified(test, _with_notes(own_model(frf, test), notes), None)
+    found, fit = identify_frf(frf, campaign.rig, options)
+    model = found.model_copy(update={"test": test})
+    assessment = assess_broadband(model, fit, every, frf, campaign.rig)
+    annotated = _with_doubts(_with_notes(model, notes), assessment)
+    return Identified(test, annotated, verify_frf(model, frf), assessment)
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:

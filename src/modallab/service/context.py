@@ -1,7 +1,10 @@
 """All that the service knows, in one place, for whoever answers questions about it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sqlalchemy import Engine
 
@@ -12,6 +15,9 @@ from modallab.service.records.leases import Leases
 from modallab.service.records.repository import CampaignRepository
 from modallab.service.rigs.control import Control
 from modallab.storage import Store
+
+if TYPE_CHECKING:
+    from modallab.service.campaigns.live_frf import LiveFrfs
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,6 +32,7 @@ class Service:
         repository: campaigns.
         leases: who may command which rig.
         jobs: identification, diagnosis, reports.
+        frfs: FRFs of runs as far as they have come.
     """
 
     store: Store
@@ -35,6 +42,7 @@ class Service:
     repository: CampaignRepository
     leases: Leases
     jobs: Jobs
+    frfs: Callable[[], "LiveFrfs"]
 
     @property
     def engine(self) -> Engine:
@@ -77,4 +85,16 @@ def open_service(folder: Path, control: Control, boot: str) -> Service:
         repository=CampaignRepository(engine),
         leases=Leases(engine, boot),
         jobs=Jobs(engine),
+        frfs=_frfs(store),
     )
+
+
+def _frfs(store: Store) -> "Callable[[], LiveFrfs]":
+    @cache
+    def made() -> "LiveFrfs":
+        # Imported when first asked for: it takes seconds, and the service can be asked everything else meanwhile.
+        from modallab.service.campaigns.live_frf import LiveFrfs
+
+        return LiveFrfs(store)
+
+    return made

@@ -79,6 +79,13 @@ class IdempotencyError(ServiceError):
     http = Http(422, "The key was used for another request", "Make a new `Idempotency-Key` for every new request.")
 
 
+class MediaTypeError(ServiceError):
+    """The body is of a type that is not read here."""
+
+    code = "media-type"
+    http = Http(415, "The body's type cannot be taken", "Send JSON, with the header `Content-Type: application/json`.")
+
+
 class RunEndedError(ServiceError):
     """The run was stopped short: aborted, or failed. What it had acknowledged is kept."""
 

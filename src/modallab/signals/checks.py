@@ -26,8 +26,9 @@ def check_rows(values: NDArray[Any], what: str = "record") -> None:
     if values.ndim == 2 and values.shape[0] > values.shape[1]:
         found = f"the {what} has shape {values.shape}, more rows than samples: it looks transposed"
         raise DataError(found, remedy="transpose it: one row per channel, one column per sample")
-    bad = ~(np.abs(values) <= LARGEST)
-    if bad.any():
+    # The extremes first: they need no copy, and a NaN anywhere is both of them.
+    if values.dtype.kind == "f" and not (values.min() >= -LARGEST and values.max() <= LARGEST):
+        bad = ~(np.abs(values) <= LARGEST)
         kind = f"beyond {LARGEST:g}" if np.isfinite(values).all() else "NaN or infinite"
         found = f"{int(bad.sum())} of {bad.size} samples of the {what} are {kind}"
         raise DataError(found, remedy="look at the recording there; leave it out, or record it again")

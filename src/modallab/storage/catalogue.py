@@ -10,7 +10,7 @@ from sqlalchemy import insert, select, update
 from modallab.core.errors import StorageError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
-from modallab.storage.engine import database_name, open_engine, reading, writing
+from modallab.storage.engine import database_name, next_number, open_engine, reading, writing
 from modallab.storage.migrate import migrate
 from modallab.storage.records import ENDED, BlockNote, BlockRecord, Rates, RunRecord
 from modallab.storage.service_tables import VERDICTS
@@ -37,7 +37,7 @@ class Catalogue:
     def add_run(self, run: RunRecord) -> None:
         """Commit a new run."""
         with writing(self.engine) as connection:
-            connection.execute(insert(RUNS).values(_run_row(run)))
+            connection.execute(insert(RUNS).values(_run_row(run) | {"seq": next_number(connection, RUNS)}))
 
     def update_run(self, run: str, **values: Any) -> None:
         """Commit new values for columns of a run, such as its state."""
@@ -75,13 +75,13 @@ class Catalogue:
             return {row.run: f"{row.utc}: {row.reason}" for row in connection.execute(select(REMOVED))}
 
     def runs(self) -> tuple[RunRecord, ...]:
-        """All runs, in the order of time."""
+        """All runs, in the order they were begun."""
         with reading(self.engine) as connection:
-            return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.id)).mappings())
+            return tuple(_run(row) for row in connection.execute(select(RUNS).order_by(RUNS.c.seq)).mappings())
 
     def unended(self) -> tuple[str, ...]:
-        """Names of the runs that are going on, or were when their recorder died, in the order of time."""
-        query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.id)
+        """Names of the runs that are going on, or were when their recorder died, in the order they were begun."""
+        query = select(RUNS.c.id).where(RUNS.c.state.not_in(ENDED)).order_by(RUNS.c.seq)
         with reading(self.engine) as connection:
             return tuple(connection.scalars(query))
 
@@ -93,9 +93,9 @@ class Catalogue:
         """
         with reading(self.engine) as connection:
             row = connection.execute(select(RUNS).where(RUNS.c.id == run)).mappings().one_or_none()
-        if row is None:
-            raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
-        return _run(row)
+            if row is None:
+                raise StorageError(f"there is no run {run!r}", where=self.where, remedy="look at the list of runs")
+            return _run(row)
 
     def blocks(self, run: str) -> tuple[BlockRecord, ...]:
         """The blocks of a run, in the order they were recorded; a dropped one is not accepted, with that reason."""
@@ -191,5 +191,5 @@ def _verdicts(run: str) -> Any:
 
 
 def _judged(block: BlockRecord, word: Any) -> BlockRecord:
-    reason = f"{word['reason']} (by {word['operator']})"
+    reason = f"{word['reason']} (by {word['operator']})" if word["operator"] else word["reason"]
     return replace(block, note=replace(block.note, accepted=word["accepted"], reason=reason))

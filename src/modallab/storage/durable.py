@@ -111,6 +111,8 @@ def planned_blocks(plan: Plan) -> int:
     """Blocks a plan asks for, if nothing need be repeated."""
     if plan.kind == "impact":
         return len(plan.points) * plan.hits
+    if plan.kind == "broadband":
+        return plan.blocks * len(plan.levels_v)
     return len(plan.frequencies_hz) * len(plan.levels_v)
 
 

@@ -1,9 +1,12 @@
 """The database: SQLite in the data folder, or PostgreSQL by its address; and transactions on it."""
 
+import logging
+import os
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import Connection, Engine, Table, create_engine, event, func, select, text
+from sqlalchemy.engine import make_url
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import (
     ArgumentError,
@@ -14,10 +17,19 @@ from sqlalchemy.exc import (
     SQLAlchemyError,
 )
 
-from modallab.core.errors import DatabaseLostError, StorageError
+from modallab.core.errors import DatabaseLostError, DiskFullError, RowDamagedError, StorageError
 from modallab.storage.durable import failure
 
+LOG = logging.getLogger(__name__)
 BUSY_S = 30.0
+PATIENCE = {
+    "connect_timeout": 5,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 10_000,
+}
+"""Until a server that has vanished is given up (libpq): a cable that is out ends no connection by itself."""
 _DIALECTS = ("sqlite", "postgresql")
 
 
@@ -38,6 +50,7 @@ def open_engine(url: str) -> Engine:
             remedy="use sqlite:/// or postgresql+psycopg://",
         )
     if scheme.startswith("sqlite"):
+        _keep_private(make_url(url).database)
         engine = create_engine(url, connect_args={"timeout": BUSY_S})
         event.listen(engine, "connect", _prepare_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
@@ -45,10 +58,19 @@ def open_engine(url: str) -> Engine:
     return _postgresql(url)
 
 
+def _keep_private(path: str | None) -> None:
+    # A new database is for its owner only, as SQLite makes the files beside it then; an older one stays as it is.
+    if path and not path.startswith((":", "file:")):
+        with suppress(OSError):
+            os.close(os.open(path, os.O_CREAT | os.O_EXCL, 0o600))
+
+
 def _postgresql(url: str) -> Engine:
     try:
         # A server that was restarted is found anew by the next transaction.
-        return create_engine(url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True)
+        return create_engine(
+            url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True, connect_args=PATIENCE
+        )
     except (ImportError, NoSuchModuleError) as error:
         raise StorageError(
             f"no driver for PostgreSQL: {error}", where="database", remedy="pip install 'modallab[postgresql]'"
@@ -89,7 +111,9 @@ def writing(engine: Engine) -> Generator[Connection]:
         with engine.begin() as connection:
             yield connection
     except SQLAlchemyError as error:
-        raise lost(error, engine) or failure(_said(error), database_name(engine)) from error
+        raise _write_failure(error, engine) from error
+    except ValueError as error:
+        raise _damaged(error, engine) from error
 
 
 @contextmanager
@@ -104,8 +128,20 @@ def reading(engine: Engine) -> Generator[Connection]:
             yield connection
     except SQLAlchemyError as error:
         raise lost(error, engine) or StorageError(
-            f"cannot be read: {_said(error)}", where=database_name(engine), remedy="look at the disk"
+            f"cannot be read: {_said(error, engine)}", where=database_name(engine), remedy="look at the disk"
         ) from error
+    except ValueError as error:
+        raise _damaged(error, engine) from error
+
+
+def next_number(connection: Connection, table: Table) -> int:
+    """One more than the highest `seq` of a table. Numbers say what came after what; a clock that is set does not.
+
+    Held to its end: no other transaction takes the same number.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(text(f"LOCK TABLE {table.name} IN EXCLUSIVE MODE"))
+    return (connection.scalar(select(func.max(table.c.seq))) or 0) + 1
 
 
 def lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | None:
@@ -118,10 +154,47 @@ def lost(error: SQLAlchemyError, engine: Engine) -> DatabaseLostError | None:
     )
 
 
-def _said(error: SQLAlchemyError) -> Exception:
-    # SQLAlchemy adds the statement and its parameters, which are nobody's business who asks.
+def _write_failure(error: SQLAlchemyError, engine: Engine) -> StorageError:
+    where = database_name(engine)
     found = error.orig if isinstance(error, DBAPIError) else None
-    return found if isinstance(found, Exception) else error
+    full = failure(found, where) if isinstance(found, Exception) else None
+    if isinstance(full, DiskFullError):
+        return full
+    return lost(error, engine) or StorageError(
+        f"cannot be written: {_said(error, engine)}",
+        where=where,
+        remedy="look at the disk; all acknowledged blocks are kept",
+    )
+
+
+def _damaged(error: ValueError, engine: Engine) -> StorageError:
+    LOG.warning("a row that cannot be read", exc_info=error)
+    return RowDamagedError(
+        f"a row of the database cannot be read: {type(error).__name__}",
+        where=database_name(engine),
+        remedy="restore the database from a backup; the log has the row",
+    )
+
+
+SAID = (
+    ("locked", "it is busy"),
+    ("malformed", "its file is damaged"),
+    ("not a database", "its file is no database"),
+    ("decode", "a text in it is damaged"),
+    ("readonly", "it may only be read"),
+    ("unable to open", "its file cannot be opened"),
+    ("no such", "a table or a column is missing"),
+    ("constraint", "a row is there already, or points to none"),
+    ("append-only", "its rows never change"),
+    ("I/O", "its disk fails"),
+)
+"""Part of what a driver says -> our own words. What it says itself holds SQL and values, and is for the log."""
+
+
+def _said(error: SQLAlchemyError, engine: Engine) -> str:
+    said = str(error.orig if isinstance(error, DBAPIError) else error)
+    LOG.warning("%s: %s", database_name(engine), said)
+    return next((ours for theirs, ours in SAID if theirs in said), "it rejects it")
 
 
 def database_name(engine: Engine) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -26,22 +27,38 @@ class Lease:
 
     def acquire(self) -> bool:
         """Take the lease; False if another process, or another `Lease` of this one, holds it."""
-        descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            _lock(descriptor)
-        except OSError:
+        while True:
+            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
+            try:
+                _lock(descriptor)
+            except OSError:
+                os.close(descriptor)
+                return False
+            if self._is_named(descriptor):
+                self._descriptor = descriptor
+                return True
+            # Its holder removed the file just now: who comes next makes a new one, and would hold that.
             os.close(descriptor)
-            return False
-        self._descriptor = descriptor
-        return True
 
     def release(self) -> None:
         """Let go and remove the file; nothing to do if it is not held."""
         if self._descriptor is None:
             return
+        if sys.platform != "win32":
+            # While it is still held, or a file that another has taken since would be removed.
+            self._path.unlink(missing_ok=True)
         os.close(self._descriptor)
         self._descriptor = None
-        self._path.unlink(missing_ok=True)
+        if sys.platform == "win32":
+            # A file that is open cannot be removed there: nor can one that another holds.
+            with suppress(OSError):
+                self._path.unlink(missing_ok=True)
+
+    def _is_named(self, descriptor: int) -> bool:
+        try:
+            return os.path.samestat(os.fstat(descriptor), self._path.stat())
+        except FileNotFoundError:
+            return False
 
     def __enter__(self) -> Self:
         return self

@@ -3,6 +3,7 @@
 import time
 import zlib
 from datetime import UTC, datetime
+from math import isfinite
 from pathlib import Path
 from typing import Any, Self
 
@@ -114,6 +115,13 @@ class Recorder:
         """Say that the block of this name no longer counts; whether there was one that did."""
         return drop(self._catalogue, self.run, name, reason)
 
+    def accept(self, name: str, reason: str, operator: str) -> bool:
+        """Say that the rejected block of this name counts, by the operator's word; whether there was one."""
+        found = [row for row in self._catalogue.blocks(self.run) if row.note.name == name and not row.note.accepted]
+        for row in found:
+            self._catalogue.judge_block(self.run, row.n, accepted=True, reason=reason, operator=operator, utc=utc_now())
+        return bool(found)
+
     def close_file(self) -> None:
         """Close the file: no more blocks."""
         if self._writer is not None:
@@ -164,7 +172,16 @@ def _acknowledge(block: BlockRecord) -> BlockAcknowledged:
         crc32=block.crc32,
         accepted=block.note.accepted,
         reason=block.note.reason,
+        drive_point=block.note.drive_point,
+        level=block.note.level,
+        frequency_hz=block.note.frequency_hz,
+        facts={name: value for name, value in block.note.facts.items() if not _unknown(value)},
     )
+
+
+def _unknown(value: float | str) -> bool:
+    # JSON has no NaN, and a number that is not known says nothing.
+    return isinstance(value, float) and not isfinite(value)
 
 
 def drop(catalogue: Catalogue, run: str, name: str, reason: str) -> bool:

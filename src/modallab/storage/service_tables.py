@@ -16,6 +16,7 @@ CAMPAIGNS = Table(
     Column("operator", Text, nullable=False),
     Column("created_utc", String(32), nullable=False),
     Column("revision", Integer, nullable=False, default=1),
+    Column("seq", BigInteger),
 )
 
 CAMPAIGN_RUNS = Table(
@@ -27,6 +28,7 @@ CAMPAIGN_RUNS = Table(
     Column("operator", Text, nullable=False),
     Column("continues", String(64)),
     Column("code", String(64), nullable=False, default=""),
+    Column("seq", BigInteger),
 )
 
 RUN_KEYS = Table(
@@ -107,6 +109,13 @@ IDEMPOTENCY = Table(
     Column("status", Integer),
     Column("headers", JSON, nullable=False, default=dict),
     Column("body", Text, nullable=False, default=""),
+    Column("created_utc", String(32), nullable=False),
+)
+
+SESSIONS = Table(
+    "sessions",
+    METADATA,
+    Column("id", String(64), primary_key=True),
     Column("created_utc", String(32), nullable=False),
 )
 

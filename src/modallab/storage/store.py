@@ -3,7 +3,7 @@
 import hashlib
 import json
 import secrets
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Self, TypedDict
@@ -15,7 +15,7 @@ from modallab.bench.protocol import BenchInfo
 from modallab.bench.recut import Recut
 from modallab.core.block import Block, Ramp
 from modallab.core.errors import BlockDamagedError, StorageError
-from modallab.core.plan import Plan, SinePlan
+from modallab.core.plan import Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.storage.address import database_of
 from modallab.storage.catalogue import Catalogue
@@ -58,7 +58,7 @@ class Store:
         now = datetime.now(UTC)
         run = RunRecord(
             id=f"{now:%Y%m%dT%H%M%S.%f}"[:19].replace(".", "-") + f"-{plan.kind}-{secrets.token_hex(2)}",
-            test=plan.kind,
+            test=records_of(plan),
             state="created",
             reason="",
             valid=True,
@@ -107,10 +107,11 @@ class Store:
         """
         return tuple(self.iterate(run, rejected=rejected))
 
-    def iterate(self, run: str, *, rejected: bool = False) -> Iterator[Block]:
-        """As `blocks`, one after the other."""
+    def iterate(self, run: str, *, rejected: bool = False, numbers: Collection[int] | None = None) -> Iterator[Block]:
+        """As `blocks`, one after the other; with `numbers` only those."""
         record = self.catalogue.run(run)
-        chosen = [row for row in self.catalogue.blocks(run) if rejected or row.note.accepted]
+        rows = self.catalogue.blocks(run)
+        chosen = [row for row in rows if (rejected or row.note.accepted) and (numbers is None or row.n in numbers)]
         if not chosen:
             return
         with open_samples(self.samples_file(run)) as reader:

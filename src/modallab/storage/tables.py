@@ -72,6 +72,7 @@ RUNS = Table(
     Column("dtype", String(8), nullable=False, default=""),
     Column("scale", JSON, nullable=False, default=list),
     Column("units", JSON, nullable=False, default=list),
+    Column("seq", BigInteger),
 )
 
 BLOCKS = Table(

@@ -25,7 +25,7 @@ def test_every_kind_of_problem_is_on_its_page() -> None:
 
 def test_codes_and_statuses_are_those_that_clients_know() -> None:
     assert {kind.code: kind.status for kind in kinds().values()} == {
-        "bench": 503, "bench-busy": 409, "block-damaged": 500, "changed": 412,
+        "bench": 503, "bench-busy": 409, "block-damaged": 500, "changed": 412, "media-type": 415, "row-damaged": 500,
         "conflict": 409, "database-lost": 503, "data": 422, "disk_full": 507, "error": 500,
         "foreign-host": 403, "foreign-origin": 403, "format": 422, "idempotency-key": 422, "identification": 422,
         "illegal-transition": 409, "job": 422, "job-unknown": 404, "lease-held": 409, "lease-needed": 403,

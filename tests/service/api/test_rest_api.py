@@ -1,8 +1,15 @@
 """The service over HTTP: problems, tokens, keys, tags, cursors."""
 
+import re
+
 import httpx
 import pytest
 from lab import RIG, TOKEN, Lab
+
+from modallab.client import Client
+from modallab.core.documents.runs import RunNew
+from modallab.core.plan import ImpactPlan
+from modallab.service.campaigns.begin import begin
 
 API = "/api/v1"
 
@@ -54,8 +61,12 @@ def test_a_browser_logs_in_with_a_cookie_that_is_not_the_token(lab: Lab) -> None
         assert "samesite=strict" in said
         assert TOKEN not in said
         assert browser.get(f"{API}/rigs").status_code == 200
+        kept = browser.cookies["modallab_session"]
         browser.delete(f"{API}/session")
         assert browser.get(f"{API}/rigs").status_code == 401
+        # A copy of the cookie stands for nothing any more.
+        with lab.client(None) as thief:
+            assert thief.get(f"{API}/rigs", headers={"Cookie": f"modallab_session={kept}"}).status_code == 401
 
 
 def test_a_large_body_is_rejected_however_it_comes(lab: Lab) -> None:
@@ -241,6 +252,77 @@ def test_docs_load_nothing_from_elsewhere(lab: Lab) -> None:
 
 def test_metrics_are_in_the_text_format(lab: Lab) -> None:
     with lab.client() as client:
-        lines = client.get("/metrics").text.splitlines()
-        assert f'modallab_rig_usable{{rig="{RIG}"}} 1' in lines
-        assert all(line.startswith(("# TYPE modallab_", "modallab_")) for line in lines)
+        answer = client.get("/metrics")
+    assert answer.headers["content-type"] == "text/plain; version=0.0.4; charset=utf-8"
+    lines = answer.text.splitlines()
+    assert f'modallab_rig_usable{{rig="{RIG}"}} 1.0' in lines
+    named = [line.split()[2] for line in lines if line.startswith("# TYPE ")]
+    # One type a family, before its samples, which stand together.
+    assert len(named) == len(set(named))
+    family = ""
+    for line in lines:
+        found = re.fullmatch(r'# TYPE (\w+) gauge|(\w+)(?:\{\w+="(?:[^"\\]|\\.)*"\})? [-+.\de]+', line)
+        assert found is not None, line
+        family = found[1] or family
+        assert found[2] in (None, family), line
+
+
+@pytest.mark.parametrize(
+    "path", ["/campaigns/a%00b", "/runs/%00", "/jobs/%00", "/events?rig=%00", "/campaigns?cursor=AAAA"]
+)
+def test_nul_is_in_no_text(lab: Lab, path: str) -> None:
+    with lab.client() as client:
+        assert client.get(f"{API}{path}").status_code == 422
+        for note in ("a\0b", "a\\\0"):
+            body = {"name": "n", "rig": RIG, "note": note}
+            assert "NUL" in problem(client.post(f"{API}/campaigns", json=body), 422, "data")["detail"]
+        harmless = {"name": r"a\u0000", "rig": RIG}
+        assert client.post(f"{API}/campaigns", json=harmless).status_code == 201
+
+
+def test_a_body_says_that_it_is_json(lab: Lab) -> None:
+    with lab.client() as client:
+        body = b'{"name": "n", "rig": "link"}'
+        problem(client.post(f"{API}/campaigns", content=body), 415, "media-type")
+        form = {"Content-Type": "application/x-www-form-urlencoded"}
+        problem(client.post(f"{API}/campaigns", content=body, headers=form), 415, "media-type")
+
+
+def test_head_is_answered_and_405_names_the_methods(lab: Lab) -> None:
+    with lab.client() as client:
+        assert client.head(f"{API}/rigs").status_code == 200
+        assert client.head(f"{API}/rigs").content == b""
+        assert client.head(f"{API}/events/stream").status_code == 200
+        rejected = client.put(f"{API}/campaigns")
+        problem(rejected, 405, "not-allowed")
+        assert rejected.headers["allow"] == "GET, HEAD, POST"
+
+
+def test_a_name_that_is_not_ascii_is_kept_as_it_was_sent(lab: Lab) -> None:
+    with Client(lab.url, TOKEN, "Jörg") as client:
+        assert client.create_campaign("named", RIG).operator == "Jörg"
+    with lab.client() as browser:
+        answer = browser.post(
+            f"{API}/campaigns", json={"name": "n", "rig": RIG}, headers=[(b"Modallab-Operator", b"J\xf6rg")]
+        )
+        assert answer.json()["operator"] == "Jörg"
+
+
+def test_health_names_what_is_wrong_and_where_to_stop(lab: Lab) -> None:
+    with lab.client(None) as anyone:
+        health = anyone.get("/health").json()
+    assert (health["status"], health["troubles"]) == ("good", [])
+    assert health["emergency_stop"] == "http://127.0.0.1:8001/emergency-stop"
+
+
+def test_a_stream_of_a_run_that_has_ended_ends_too_wherever_it_begins(lab: Lab) -> None:
+    lease = lab.lease()
+    run = begin(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=1)), lease.id)
+    lab.wait_for_state(run, "done")
+    lab.wait_until_idle()
+    lab.service.leases.release(RIG, lease.id)
+    with lab.client() as client:
+        stream = f"{API}/events/stream?run={run}&to_end=true"
+        assert client.get(stream, timeout=10.0).text == ": listening\n\n"
+        assert client.get(stream, headers={"Last-Event-ID": "9" * 20}, timeout=10.0).status_code == 200
+        assert '"done"' in client.get(f"{stream}&after=0", timeout=10.0).text

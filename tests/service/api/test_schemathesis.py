@@ -1,20 +1,24 @@
 """Whatever the OpenAPI document allows, and much that it does not: no 5xx, no answer that is not documented."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from asked import ask
 from furnished import furnish
 from lab import Lab
+from postgresql_server import postgresql_server
 
 from modallab.core.rig import Rig
 
 
-@pytest.fixture(scope="module")
-def furnished(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:
-    with furnish(tmp_path_factory.mktemp("furnished") / "data", link_rig) as lab:
-        yield lab
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def furnished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:
+    folder = tmp_path_factory.mktemp("furnished") / "data"
+    with ExitStack() as stack:
+        url = stack.enter_context(postgresql_server()).new_database() if request.param == "postgresql" else None
+        yield stack.enter_context(furnish(folder, link_rig, url))
 
 
 def test_every_answer_without_a_token_is_as_documented(furnished: Lab, tmp_path: Path) -> None:

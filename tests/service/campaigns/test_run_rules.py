@@ -9,7 +9,7 @@ from modallab.core.documents.runs import Abort, Drop, Pause, Repeat, Resume, Run
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.service.campaigns.begin import begin
-from modallab.service.campaigns.live_frf import live_frf
+from modallab.service.campaigns.live_frf import LiveFrfs
 from modallab.service.campaigns.runs import block_records, judge, run_view
 from modallab.service.errors import ConflictError, LeaseNeededError
 from modallab.service.rigs.control import REQUESTED, require_action
@@ -104,11 +104,12 @@ def test_a_rejected_block_leaves_the_average_and_comes_back(lab: Lab) -> None:
     try:
         run = begin(lab.service, lab.campaign(), RunNew(plan=ImpactPlan(points=(10,), hits=3)), lease.id)
         lab.wait_for_state(run, "done")
-        whole = live_frf(lab.store, run)
+        frfs = LiveFrfs(lab.store)
+        whole = frfs.frf(run)
         judge(lab.service, run, 1, Verdict(accepted=False, reason="wrong place"), lease.id)
-        without = live_frf(lab.store, run)
+        without = frfs.frf(run)
         judge(lab.service, run, 1, Verdict(accepted=True), lease.id)
-        again = live_frf(lab.store, run)
+        again = frfs.frf(run)
     finally:
         lab.service.leases.release(RIG, lease.id)
         lab.wait_until_idle()

@@ -1,6 +1,9 @@
 """The emergency stop's own listener: it asks for nothing, and no page of another site can use it."""
 
+import socket
 from collections.abc import Iterator
+from contextlib import ExitStack
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -27,7 +30,7 @@ def url(called: Called) -> Iterator[str]:
             raise BenchError("the output cannot be reached", remedy="switch the amplifier off")
         return ("link",)
 
-    listener = StopListener("127.0.0.1", 0, stop)
+    listener = StopListener("127.0.0.1", 0, stop, ("Lab.example",))
     try:
         yield f"http://127.0.0.1:{listener.port}/emergency-stop"
     finally:
@@ -65,9 +68,46 @@ def test_a_page_of_another_site_stops_nothing(url: str, called: Called) -> None:
 
 
 def test_a_client_that_sends_nothing_keeps_nobody_waiting(url: str) -> None:
-    import socket
-    from urllib.parse import urlsplit
-
     place = urlsplit(url)
     with socket.create_connection((place.hostname, place.port)):
         assert httpx.post(url, timeout=5.0).status_code == 200
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "other.example", "Origin": "https://other.example"},
+        {"Host": "127.0.0.1", "Origin": "https://lab.example"},
+        {"Origin": "https://other.example", "X-Forwarded-Host": "other.example"},
+        {"Host": "[::1]", "Origin": "http://[::1]:8000"},
+    ],
+)
+def test_behind_a_proxy_the_page_and_the_stop_are_of_one_site(
+    url: str, called: Called, headers: dict[str, str]
+) -> None:
+    assert httpx.post(url, headers=headers).status_code == 200
+    assert called == [(None, "unknown")]
+
+
+def test_a_page_of_the_services_other_port_may_ask_and_press(url: str) -> None:
+    page = {"Origin": "http://127.0.0.1:8000"}
+    asked = httpx.options(url, headers=page | {"Access-Control-Request-Method": "POST"})
+    assert (asked.status_code, asked.headers["access-control-allow-origin"]) == (204, page["Origin"])
+    assert "POST" in asked.headers["access-control-allow-methods"]
+    pressed = httpx.post(url, headers=page, json={"reason": "smoke"})
+    assert (pressed.status_code, pressed.headers["access-control-allow-origin"]) == (200, page["Origin"])
+    foreign = httpx.options(url, headers={"Origin": "https://evil.example"})
+    assert "access-control-allow-origin" not in foreign.headers
+
+
+def test_hundreds_that_wait_for_nothing_give_way_to_one_who_stops(url: str, called: Called) -> None:
+    place = urlsplit(url)
+    with ExitStack() as idle:
+        for _ in range(300):
+            idle.enter_context(socket.create_connection((place.hostname, place.port), 5.0))
+        assert httpx.post(url, timeout=5.0).status_code == 200
+    assert called == [(None, "unknown")]
+
+
+def test_a_body_that_nobody_reads_does_not_cost_the_answer(url: str) -> None:
+    assert httpx.post(url, content=bytes(60_000)).json() == {"stopped": ["link"]}

@@ -13,7 +13,7 @@ from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
 from modallab.bench.recut import Recut
 from modallab.core.errors import SamplesLostError
-from modallab.core.events import BlockAcknowledged, BlockDropped, Progress
+from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
@@ -28,6 +28,9 @@ PAUSE_LOOK_S = 0.02
 
 MAX_RESTARTS = 3
 """Gaps a run survives; a machine that loses samples more often is not fit for the rate."""
+
+DRIVING_CHUNK_S = 0.02
+"""What is beyond a limit is seen so much later, at most, than it happens."""
 
 WINDOW_BLOCKS = 2
 """Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
@@ -67,6 +70,12 @@ class Context:
     def window(self) -> int:
         """Samples of a window for the look at rest."""
         return WINDOW_BLOCKS * self.block
+
+    @property
+    def driving_chunk(self) -> int:
+        """Samples to read at once while a burst is on: few, where they come at the pace of the clock on the wall."""
+        chunk = self.stream.chunk
+        return min(chunk, max(1, self.stream.samples_of(DRIVING_CHUNK_S))) if self.bench.info.real_time else chunk
 
     @property
     def line_hz(self) -> float:
@@ -133,6 +142,13 @@ class Context:
         if dropped:
             self.emit(BlockDropped(run=self.recorder.run, name=name, reason=reason))
         return dropped
+
+    def accept(self, name: str, reason: str, operator: str) -> bool:
+        """Let a block that was rejected count, and report it; whether there was one."""
+        accepted = self.recorder.accept(name, reason, operator)
+        if accepted:
+            self.emit(BlockAccepted(run=self.recorder.run, name=name, reason=reason))
+        return accepted
 
     def progress(self, done: int, total: int, what: str) -> None:
         """Report how far the run is."""

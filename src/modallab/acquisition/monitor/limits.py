@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from modallab.bench.protocol import Chunk
 from modallab.core.errors import SafetyError
-from modallab.core.rig import Limits, Rig
+from modallab.core.rig import Channel, Limits, Rig
+from modallab.core.units import SI_UNIT
 from modallab.signals.conversion import Conversion, peaks
 from modallab.storage.samples import Samples
 
@@ -59,8 +60,18 @@ class LimitWatch:
 def watch_of(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
     """The watch for a rig's limits."""
     per_count = np.abs(conversion.si_per_count)
-    allowed = {"force": limits.force_n, "acceleration": limits.acceleration_m_s2}
-    limit = np.array([allowed.get(channel.quantity, np.inf) for channel in rig.channels]) / per_count
+    limit = np.array([_allowed(rig, limits, channel) for channel in rig.channels]) / per_count
     visible = np.where(np.isfinite(limit) & (limit >= conversion.full_scale), conversion.full_scale * (1 - 1e-9), limit)
-    units = tuple({"force": "N", "acceleration": "m/s^2"}.get(channel.quantity, "") for channel in rig.channels)
+    units = tuple(SI_UNIT[channel.quantity] for channel in rig.channels)
     return LimitWatch(conversion.names, visible, per_count, units)
+
+
+def _allowed(rig: Rig, limits: Limits, channel: Channel) -> float:
+    stroke = limits.stroke_m if channel.point is not None and channel.point == rig.shaker_point else None
+    stated = {
+        "force": (limits.force_n,),
+        "acceleration": (limits.acceleration_m_s2,),
+        "velocity": (limits.velocity_m_s,),
+        "displacement": (limits.displacement_m, stroke),
+    }
+    return min((limit for limit in stated.get(channel.quantity, ()) if limit is not None), default=np.inf)

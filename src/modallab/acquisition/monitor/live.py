@@ -1,96 +1,154 @@
 """What the bench delivers, shown while it comes: for a look, never for the record.
 
-Live samples on the wire are a length, what they are as JSON, and the samples:
-
-4 bytes   length of the JSON text, little-endian, unsigned
-JSON      rig, run, first_sample, rate_hz, channels, scale, units, dtype, shape
-samples   (channels, n), C order, little-endian
+A run's samples go into a ring in memory. Where it lies, and what is in it, stands in a small file beside the data, by
+the run's name, which any process of this machine can read; it is gone with the run.
 """
 
-import json
-import struct
-import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from modallab.acquisition.monitor.ring import Ring, RingShape, make_ring
 from modallab.bench.protocol import Chunk, Delivery
+from modallab.core.frozen import Frozen
+from modallab.core.rig import Rig
 
-EVERY_S = 0.04
-"""No more often than this; where time is virtual most of what comes is left out, which `first_sample` shows."""
+FOLDER = "live"
+SECONDS = 10.0, 2.0
+"""What a ring holds; the second where there is no memory for the first."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class LiveSamples:
-    """A stretch as the device delivered it.
+class Break(Frozen):
+    """Where the device's count of samples begins anew: sample `position` of the ring is its `first_sample`."""
+
+    position: int
+    first_sample: int
+
+
+class LiveInfo(Frozen):
+    """What is in a ring.
 
     Attributes:
-        run: the run it belongs to.
-        first_sample: place of the first sample in the device's count since the run's start.
+        run: the run.
+        ring: path of the ring.
+        capacity: samples per channel that it holds.
         rate_hz: of the device.
         channels: names, rig order.
         scale: (channels,) unit per count.
         units: (channels,).
-        samples: (channels, n).
+        dtype: of the samples, as NumPy writes it.
+        breaks: the device's count; more than one where it was begun anew.
     """
 
     run: str
-    first_sample: int
+    ring: str
+    capacity: int
     rate_hz: float
     channels: tuple[str, ...]
     scale: tuple[float, ...]
     units: tuple[str, ...]
-    samples: NDArray[np.generic]
+    dtype: str
+    breaks: tuple[Break, ...] = ()
+
+    def open(self) -> Ring:
+        """The ring, to read.
+
+        Raises:
+            OSError: it is gone.
+        """
+        return Ring(Path(self.ring), RingShape(len(self.channels), self.capacity, self.dtype))
 
 
-class LiveTap:
-    """Looks at every chunk and passes some on."""
+LiveTap = Callable[[Chunk], None]
 
-    def __init__(
-        self, run: str, channels: tuple[str, ...], delivery: Delivery, send: Callable[[LiveSamples], None]
-    ) -> None:
-        self._run = run
-        self._channels = channels
-        self._delivery = delivery
-        self._send = send
-        self._sent_s = float("-inf")
 
-    def __call__(self, chunk: Chunk) -> None:
-        """Pass a chunk on, if it is time."""
-        now = time.monotonic()
-        if now - self._sent_s < EVERY_S:
-            return
-        self._sent_s = now
-        delivery = self._delivery
-        scale = tuple(float(value) for value in delivery.scale)
-        self._send(
-            LiveSamples(
-                self._run,
-                chunk.first_sample,
-                delivery.rate_hz,
-                self._channels,
-                scale,
-                delivery.units,
-                np.ascontiguousarray(chunk.samples),
-            )
+class LiveRing:
+    """The ring of one run, from the side that writes. Where there is no memory for it, nothing is shown."""
+
+    def __init__(self, data_folder: Path) -> None:
+        self._folder = data_folder / FOLDER
+        self._ring: Ring | None = None
+        self._info: LiveInfo | None = None
+        self._next = -1
+
+    def open(self, run: str, rig: Rig, delivery: Delivery) -> LiveTap:
+        """Make it for what a device delivers; returns what takes the chunks as they come."""
+        ring = self._ring = _ring(len(rig.channels), delivery)
+        if ring is None:
+            return _ignore
+        self._info = LiveInfo(
+            run=run,
+            ring=str(ring.path),
+            capacity=ring.shape.capacity,
+            rate_hz=delivery.rate_hz,
+            channels=tuple(channel.name for channel in rig.channels),
+            scale=tuple(float(value) for value in delivery.scale),
+            units=delivery.units,
+            dtype=ring.shape.dtype,
         )
+        return self._take
+
+    def _take(self, chunk: Chunk) -> None:
+        ring, info = self._ring, self._info
+        assert ring is not None
+        assert info is not None
+        if chunk.first_sample != self._next:
+            here = Break(position=ring.written, first_sample=chunk.first_sample)
+            self._info = info.model_copy(update={"breaks": (*info.breaks, here)})
+            # A disk that takes no more keeps a look from nobody else's data.
+            with suppress(OSError):
+                self._publish(self._info)
+        self._next = chunk.first_sample + chunk.samples.shape[1]
+        ring.write(chunk.samples, chunk.overload)
+
+    def _publish(self, info: LiveInfo) -> None:
+        file = self._file(info.run)
+        file.parent.mkdir(exist_ok=True)
+        new = file.with_suffix(".new")
+        new.write_text(info.model_dump_json())
+        new.replace(file)
+
+    def _file(self, run: str) -> Path:
+        return self._folder / f"{run}.json"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, _kind: type[BaseException] | None, _error: BaseException | None, _trace: TracebackType | None
+    ) -> None:
+        if self._ring is None or self._info is None:
+            return
+        self._file(self._info.run).unlink(missing_ok=True)
+        self._ring.path.unlink(missing_ok=True)
+        self._ring.close()
 
 
-def frame(rig: str, live: LiveSamples) -> bytes:
-    """One binary message."""
-    samples = live.samples.astype(live.samples.dtype.newbyteorder("<"), copy=False)
-    about = {
-        "rig": rig,
-        "run": live.run,
-        "first_sample": live.first_sample,
-        "rate_hz": live.rate_hz,
-        "channels": live.channels,
-        "scale": live.scale,
-        "units": live.units,
-        "dtype": samples.dtype.str,
-        "shape": samples.shape,
-    }
-    text = json.dumps(about).encode()
-    return struct.pack("<I", len(text)) + text + samples.tobytes()
+def live_info(data_folder: Path, run: str) -> LiveInfo | None:
+    """What is shown of a run; None where nothing is: it has not begun to sample, or it has ended."""
+    try:
+        return LiveInfo.model_validate_json((data_folder / FOLDER / f"{run}.json").read_text())
+    except (OSError, ValueError):
+        return None
+
+
+def clear_left_over(data_folder: Path, ended: Callable[[str], bool]) -> None:
+    """Remove what processes that were killed left in memory; `ended` says whether a run has."""
+    for file in (data_folder / FOLDER).glob("*.json"):
+        info = live_info(data_folder, file.stem)
+        if info is not None and ended(info.run):
+            Path(info.ring).unlink(missing_ok=True)
+            file.unlink(missing_ok=True)
+
+
+def _ring(channels: int, delivery: Delivery) -> Ring | None:
+    for seconds in SECONDS:
+        with suppress(OSError):
+            return make_ring(RingShape.lasting(channels, delivery.rate_hz, delivery.dtype, seconds))
+    return None
+
+
+def _ignore(_chunk: Chunk) -> None:
+    """Nothing is shown."""

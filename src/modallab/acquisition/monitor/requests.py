@@ -1,4 +1,4 @@
-"""What an owner may want of a running test besides its end: pause, once more, drop."""
+"""What an owner may want of a running test besides its end: pause, once more, drop, accept."""
 
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
@@ -18,7 +18,16 @@ class DropBlock:
     reason: str = "dropped by the operator"
 
 
-Request = Repeat | DropBlock
+@dataclass(frozen=True, slots=True)
+class AcceptBlock:
+    """A rejected hit counts all the same; it is not asked for again."""
+
+    block: str
+    reason: str = "accepted at the bench"
+    operator: str = ""
+
+
+Request = Repeat | DropBlock | AcceptBlock
 
 
 @dataclass(slots=True)

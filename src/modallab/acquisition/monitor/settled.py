@@ -153,19 +153,33 @@ def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]
     Returns:
         The largest ratio of amplitudes over the peaks in which `before` stands well out of the noise; 0 if none does.
     """
+    moves, lines = ringing_lines(before, floor)
+    if lines.size == 0:
+        return 0.0, 0
+    return largest_ratio(moves, lines, own_motion(block, before.shape[1], floor))
+
+
+def ringing_lines(before: Real, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
+    """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a (channels, n) window, and lines."""
     n = before.shape[1]
     power = line_power(before, floor.rms)
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
     peaks = np.flatnonzero((power > limit) & (power == _highest(power, PEAK_LINES)))
-    if peaks.size == 0:
-        return 0.0, 0
     # A tone of amplitude a has the line power a^2 (sum w)^2 / (4 sum w^2) = a^2 n / 6.
-    amplitude = np.sqrt((power - floor.lines)[peaks] * 6 / n)
+    return np.sqrt((power - floor.lines)[peaks] * 6 / n), peaks
+
+
+def own_motion(block: Real, n: int, floor: Floor) -> Real:
+    """(lines,) amplitudes, in noise rms, of a hit's (channels, m <= n) block on the lines of a window of n samples."""
     spectrum = 2 * np.abs(np.fft.rfft(centred(block), n, axis=1)) / block.shape[1]
-    own = np.sqrt((spectrum**2).T @ (1 / floor.rms**2) / len(floor.rms))
-    ratio = amplitude / np.maximum(_highest(own, 1)[peaks], 1e-300)
+    return np.sqrt((spectrum**2).T @ (1 / floor.rms**2) / len(floor.rms))
+
+
+def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[float, int]:
+    """The largest ratio of ringing amplitudes to a hit's `own_motion`, and its line."""
+    ratio = moves / np.maximum(_highest(own, 1)[lines], 1e-300)
     worst = int(np.argmax(ratio))
-    return float(ratio[worst]), int(peaks[worst])
+    return float(ratio[worst]), int(lines[worst])
 
 
 def _highest(values: Real, reach: int) -> Real:

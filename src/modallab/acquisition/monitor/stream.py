@@ -39,6 +39,7 @@ class Stream:
         """
         self.rate_hz = delivery.rate_hz
         self.counts = delivery.dtype.kind in "iu"
+        self.scale = delivery.scale
         self.next = 0
         self.chunk = chunk
         self._bench = bench
@@ -92,10 +93,13 @@ class Stream:
             self._tap(chunk)
         return chunk
 
-    def advance_to(self, sample: int, watch: Watch | None = None) -> None:
-        """Read up to `sample` (exclusive); `watch` sees every chunk. Nothing to do if it is already read."""
+    def advance_to(self, sample: int, watch: Watch | None = None, at_once: int | None = None) -> None:
+        """Read up to `sample` (exclusive), `at_once` samples or a chunk a read; `watch` sees every chunk.
+
+        Nothing to do if it is already read.
+        """
         while self.next < sample:
-            chunk = self.pull(sample - self.next)
+            chunk = self.pull(min(sample - self.next, at_once or self.chunk))
             if watch is not None:
                 watch(chunk)
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from modallab.acquisition.monitor.burst_watch import BurstWatch
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.limits import LimitWatch
 from modallab.acquisition.procedures.drive import Measured
 from modallab.acquisition.procedures.settling import Settled, Settling, amplitude_at, fit_settling
 from modallab.bench.protocol import Burst
@@ -64,7 +64,12 @@ def longest_burst_s(plan: SinePlan) -> float:
     return burst_of(plan, 1.0, 1.0, max(plan.settle_s, plan.max_settle_s or 0.0)).duration_s
 
 
-def look_at(context: Context, plan: SinePlan, watch: LimitWatch, note: BlockNote, setting: Setting) -> Seen:
+def tail_s(plan: SinePlan) -> float:
+    """From the end of a block to the end of its burst."""
+    return HOLD_MARGIN_S + plan.ramp_s
+
+
+def look_at(context: Context, plan: SinePlan, watch: BurstWatch, note: BlockNote, setting: Setting) -> Seen:
     """Look at the block that has just been read."""
     block = context.stream.cut(note.first_sample, context.block)
     force_n = context.conversion.force_n(block)

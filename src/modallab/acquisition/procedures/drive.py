@@ -1,8 +1,9 @@
 """How hard the next burst drives: a constant drive, or one that is corrected towards a force between bursts."""
 
 from dataclasses import dataclass, field
-from math import inf, pi
+from math import inf, isfinite, pi
 
+from modallab.core.errors import SafetyError
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
 
@@ -60,11 +61,20 @@ class Drive:
         return f"force {measured.force_n:.4g} N, {target_n:g} N +- {100 * control.tolerance:g} % was requested"
 
     def next_v(self, level: str, frequency_hz: float, measured: Measured) -> float | None:
-        """The drive for another burst; None where no other one may bring the force nearer."""
+        """The drive for another burst; None where no other one may bring the force nearer.
+
+        Raises:
+            SafetyError: there is no force to correct by.
+        """
         control = self.plan.force
         if control is None or not self.error(level, measured):
             return None
-        factor = min(control.levels_n[level] / max(measured.force_n, 1e-12), MAX_GROWTH)
+        if not (isfinite(measured.force_n) and measured.force_n > 0):
+            raise SafetyError(
+                f"the force reads {measured.force_n:g} N at {measured.volts:g} V of drive; nothing more is driven",
+                remedy="check the force sensor, its cable and its input",
+            )
+        factor = min(control.levels_n[level] / measured.force_n, MAX_GROWTH)
         if measured.used > 0:
             factor = min(factor, max(HEADROOM / measured.used, min(factor, 1.0)))
         volts = min(measured.volts * factor, self._allowed_v(frequency_hz))

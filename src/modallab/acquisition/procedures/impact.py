@@ -1,21 +1,22 @@
 """The impact test: at every point, wait for rest, ask for a hit, keep it, say whether it counts."""
 
-from collections import deque
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 
 from modallab.acquisition.monitor.context import Context, measure_floor
-from modallab.acquisition.monitor.requests import DropBlock
-from modallab.acquisition.monitor.settled import Floor, SettledCheck
-from modallab.acquisition.procedures.hit_acceptance import Hit, Ringing, hit_of, rejections, ringing_before
+from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
+from modallab.acquisition.monitor.settled import Floor
+from modallab.acquisition.procedures.hit_acceptance import Hit, hit_of, rejections, ringing_before
+from modallab.acquisition.procedures.hit_queue import HitQueue
+from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, Rest, RestWait
+from modallab.acquisition.procedures.struck_point.answer import answer_of
+from modallab.acquisition.procedures.struck_point.check import Struck, StruckPointCheck
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
-from modallab.core.events import HitRejected, HitRequested
+from modallab.core.events import HitRejected, HitRequested, WaitingForRest
 from modallab.core.plan import ImpactPlan
 from modallab.storage import BlockNote
-
-NOTIFY_BLOCKS = 5
-"""While the beam rings down, say so once in so many blocks."""
 
 
 @dataclass(slots=True)
@@ -25,20 +26,22 @@ class ImpactTest:
     Attributes:
         context: the bench.
         plan: points, hits, trigger, acceptance.
-        floor: noise at rest.
+        rest: waits for rest.
+        struck: knows which point a hit has struck.
+        queue: hits that are requested, and those that count.
         rejected: rejected hits at the present point.
         restarts: how often the bench had to be started anew.
-        todo: hits that are still requested.
-        kept: good hits by the name of their record.
+        changed: whether the operator has changed what comes next.
     """
 
     context: Context
     plan: ImpactPlan
-    floor: Floor
+    rest: RestWait
+    struck: StruckPointCheck
+    queue: HitQueue
     rejected: int = 0
     restarts: int = 0
-    todo: deque[Target] = field(default_factory=deque[Target])
-    kept: dict[str, Target] = field(default_factory=dict[str, Target])
+    changed: bool = field(default=False)
 
     def run(self) -> None:
         """All points, all hits; a hit that is dropped is asked for again.
@@ -48,71 +51,66 @@ class ImpactTest:
             BenchError: too many hits at one point were rejected.
             SamplesLostError: the device lost samples too often.
         """
-        self.todo.extend(Target(point, hit) for point in self.plan.points for hit in range(1, self.plan.hits + 1))
         point = 0
-        while self.todo:
-            target = self.todo.popleft()
+        while self.queue.todo:
+            target = self.queue.present
             if target.point != point:
                 point, self.rejected = target.point, 0
-            self._good_hit(target)
-            self.kept[target.name] = target
-            self._obey()
-            self.context.progress(*self._progress, f"point {target.point}, hit {target.hit} of {self.plan.hits}")
-
-    @property
-    def _progress(self) -> tuple[int, int]:
-        """Good hits, and how many are requested."""
-        return len(self.kept), len(self.plan.points) * self.plan.hits
-
-    def _obey(self) -> None:
-        for request in self.context.requests.take():
-            if isinstance(request, DropBlock) and self.context.drop(request.block, request.reason):
-                target = self.kept.pop(request.block, None)
-                if target is not None:
-                    self.todo.appendleft(replace(target, again=target.again + 1))
-
-    def _good_hit(self, target: Target) -> None:
-        rejected_before = self.rejected
-        good = False
-        while not good:
+            self.changed = False
             try:
                 self.context.pause_if_requested()
-                good = self._hit(target, self.rejected - rejected_before)
+                self._hit(target)
             except SamplesLostError as error:
                 self.restarts += 1
                 self.context.restart(error, self.restarts)
+                self.rest.early.restarted()
                 self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was started anew")
 
-    def _hit(self, target: Target, rejected: int) -> bool:
-        rest = self._wait_until_settled()
-        trigger = None if self.context.pause_requested else self._wait_for_hit(target)
+    def _hit(self, target: Target) -> None:
+        rest = self.rest.wait(target.point, self._interrupted, self._report_rest)
+        trigger = None if self._interrupted() else self._wait_for_hit(target)
         if trigger is None:
-            return False
+            return
         first = trigger - self._pre_trigger
         self.context.stream.advance_to(first + self.context.block)
-        good = self._keep(target.point, (target.name, f"_rejected_{rejected + 1}"), first, rest)
+        self._keep(target, first, rest)
         if self.plan.trigger == "hardware":
             self.context.stream.restart()
-        return good
+            self.rest.early.restarted()
 
     @property
     def _pre_trigger(self) -> int:
         return self.context.stream.samples_of(self.plan.pre_trigger_s)
 
-    def _wait_until_settled(self) -> SettledCheck:
-        """Read until the beam rests, block by block; past the plan's patience go on with what there is."""
-        context, stream = self.context, self.context.stream
-        last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
-        waited = 0
-        while not (rest := context.check_settled_now(self.floor)).settled and stream.next < last:
-            self._obey()
-            if context.pause_requested:
-                break
-            waited += 1
-            if waited % NOTIFY_BLOCKS == 0:
-                context.progress(*self._progress, f"waiting for rest: {rest.line * context.line_hz:.4g} Hz still rings")
-            stream.advance_to(stream.next + context.block)
-        return rest
+    def _interrupted(self) -> bool:
+        """Whether the present hit must not be waited for any more, after a look at what the operator wants."""
+        self._obey()
+        return self.changed or self.context.pause_requested
+
+    def _obey(self) -> None:
+        for request in self.context.requests.take():
+            if isinstance(request, DropBlock) and self.queue.drop(self.context, request):
+                self.struck.forget(request.block)
+                self.rest.motion.forget(request.block)
+                self.changed = True
+            elif isinstance(request, AcceptBlock):
+                target = self.queue.accept(self.context, request)
+                if target is not None:
+                    self.struck.keep(request.block, request.block, target.point)
+                    self.changed = True
+                    self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
+
+    def _progress(self, what: str) -> None:
+        self.context.progress(len(self.queue.kept), self.queue.total, what)
+
+    def _report_rest(self, rest: Rest, remaining_s: float | None) -> None:
+        target, limit = self.queue.present, self.plan.acceptance.max_residual_ratio
+        self.context.emit(
+            WaitingForRest(
+                run=self.context.recorder.run, point=target.point, hit=target.hit, of=self.plan.hits,
+                residual_ratio=rest.ratio, allowed=limit, residual_hz=rest.hz, remaining_s=remaining_s,
+            )
+        )  # fmt: skip
 
     def _ask(self, target: Target) -> None:
         context = self.context
@@ -122,10 +120,10 @@ class ImpactTest:
         context.bench.prompt_hit(target.point)
 
     def _wait_for_hit(self, target: Target) -> int | None:
-        """The sample of the trigger; None if a pause came first."""
+        """The sample of the trigger; None if a pause or another request came first."""
         context, plan, stream = self.context, self.plan, self.context.stream
         if plan.trigger == "hardware":
-            found = wait_for_record(context, plan, lambda: self._ask(target), self._obey)
+            found = wait_for_record(context, plan, lambda: self._ask(target), self._interrupted)
             if found is not None and context.life.state == "armed":
                 context.life.enter("acquiring")
             return found
@@ -133,8 +131,7 @@ class ImpactTest:
         last = stream.next + stream.samples_of(plan.hit_timeout_s)
         self._ask(target)
         while stream.next < last:
-            self._obey()
-            if context.pause_requested:
+            if self._interrupted():
                 return None
             chunk = stream.pull(stream.chunk)
             found = trigger.scan(context.conversion.force_n(chunk.samples))
@@ -148,37 +145,59 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )
 
-    def _keep(self, point: int, name: tuple[str, str], first: int, rest: SettledCheck) -> bool:
-        context = self.context
+    def _keep(self, target: Target, first: int, rest: Rest) -> None:
+        context, limits = self.context, self.plan.acceptance
         overload = context.stream.overload(first, context.block)
-        hit, ringing = self._measure(first)
-        reasons = [
-            *([f"overload: {', '.join(overload)} beyond the range"] if overload else []),
-            *rejections(hit, self.plan.acceptance),
-            *ringing.rejections(self.plan.acceptance.max_residual_ratio),
-        ]
+        hit, ringing = self._measure(first), ringing_before(context, first, self.rest.floor)
+        overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
+        unclean = [*overloaded, *rejections(hit, limits)]
+        # What is no clean hit says little about where it was.
+        where = Struck() if unclean else self._where(target, first)
+        reasons = [*unclean, *where.reasons, *ringing.rejections(limits.max_residual_ratio)]
+        name = self.queue.next_name() if reasons else target.name
         note = BlockNote(
-            name="".join(name) if reasons else name[0],
+            name=name,
             test="impact",
             first_sample=first,
-            drive_point=point,
+            drive_point=target.point,
             accepted=not reasons,
             reason="; ".join(reasons),
             overload=overload,
-            facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz)},
+            facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
         context.record(first, note)
+        if not unclean and not where.reasons:
+            # One that only came too soon after another says as well how much a hit moves the structure.
+            self._learn_motion(name, target.point, first)
         if reasons:
-            self._reject(point, note.reason)
-        return not reasons
+            self._reject(target.point, name, note.reason)
+            return
+        self.struck.keep(self.queue.next_name(), name, target.point)
+        self.queue.keep()
+        self._obey()
+        self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
 
-    def _measure(self, first: int) -> tuple[Hit, Ringing]:
+    def _learn_motion(self, name: str, point: int, first: int) -> None:
         context = self.context
         force_n = context.conversion.force_n(context.stream.cut(first, context.block))
-        hit = hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
-        return hit, ringing_before(context, first, self.floor)
+        motion = context.motion(first, context.block)
+        self.rest.motion.keep(name, point, force_n, motion, context.window, self.rest.floor)
 
-    def _reject(self, point: int, reason: str) -> None:
+    def _measure(self, first: int) -> Hit:
+        context = self.context
+        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
+
+    def _where(self, target: Target, first: int) -> Struck:
+        context = self.context
+        if not self.plan.acceptance.check_point:
+            return Struck()
+        samples = context.conversion.si(context.stream.cut(first, context.block))
+        answer = answer_of(samples, context.conversion.force, context.stream.rate_hz, self._pre_trigger)
+        return Struck() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
+
+    def _reject(self, point: int, name: str, reason: str) -> None:
+        self.queue.reject(name)
         self.rejected += 1
         self._notify_rejected(point, reason)
         if self.rejected > self.plan.max_rejections:
@@ -192,6 +211,26 @@ class ImpactTest:
         self.context.emit(HitRejected(run=self.context.recorder.run, point=point, reason=reason))
 
 
-def run_impact(context: Context, plan: ImpactPlan) -> None:
-    """Measure the floor, then run the test; see `ImpactTest`."""
-    ImpactTest(context, plan, measure_floor(context, plan.hit_timeout_s)).run()
+def run_impact(context: Context, plan: ImpactPlan, expected: ExpectedModes | None = None) -> None:
+    """Measure the floor, then run the test; see `ImpactTest`.
+
+    Args:
+        context: the bench.
+        plan: what to do.
+        expected: the modes the structure is believed to have, if any are.
+    """
+    early = EarlyHits(context, plan, plan.points[0])
+    motion = HitMotion(tuple(context.rig.channels[i].point or 0 for i in context.conversion.motion))
+    rest = RestWait(context, plan, _undisturbed_floor(context, plan, early), early, motion)
+    struck = StruckPointCheck.of(context.rig, context.conversion, plan.acceptance.min_band_hz, expected)
+    ImpactTest(context, plan, rest, struck, HitQueue.of(plan)).run()
+
+
+def _undisturbed_floor(context: Context, plan: ImpactPlan, early: EarlyHits) -> Floor:
+    """The floor, anew if somebody struck meanwhile, as long as the plan's patience lasts."""
+    last = context.stream.next + context.stream.samples_of(plan.hit_timeout_s)
+    while True:
+        seen = early.seen
+        floor = measure_floor(context, plan.hit_timeout_s, early)
+        if early.seen == seen or context.stream.next >= last:
+            return floor

@@ -2,13 +2,17 @@
 
 from math import pi
 
+from modallab.acquisition.procedures.broadband import wave_problems
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.procedures.drive import HEADROOM
 from modallab.acquisition.procedures.target import block_name
 from modallab.bench.protocol import BenchInfo
 from modallab.core.errors import PlanError
-from modallab.core.plan import ImpactPlan, Plan, SinePlan, least_rate_hz
+from modallab.core.hardware import require_guarded
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, least_rate_hz, records_of
 from modallab.core.rig import Limits, Rig
+
+LEAST_LINES = 8
 
 USABLE_BAND = 0.4
 """Anti-alias filters hold the relation between channels up to this part of the rate."""
@@ -20,12 +24,18 @@ def require_possible(plan: Plan, rig: Rig, bench: BenchInfo) -> None:
     Raises:
         PlanError: one message with every problem.
         RigError: a channel has no sensitivity for this test.
+        ConfigurationError: nothing would end a burst should this machine die in it.
     """
     for channel in rig.channels:
-        channel.sensitivity(plan.kind)
-    problems = (
-        _impact_problems(plan, rig) if isinstance(plan, ImpactPlan) else _sine_problems(plan, rig, bench.can_drive)
-    )
+        channel.sensitivity(records_of(plan))
+    if not isinstance(plan, ImpactPlan) and bench.streams_bursts:
+        require_guarded(rig.excitation, "rig file")
+    if isinstance(plan, ImpactPlan):
+        problems = _impact_problems(plan, rig)
+    elif isinstance(plan, BroadbandPlan):
+        problems = _broadband_problems(plan, rig, bench.can_drive)
+    else:
+        problems = _sine_problems(plan, rig, bench.can_drive)
     if problems:
         raise PlanError("; ".join(problems), where=f"{plan.kind} plan", remedy="change the plan or the rig file")
 
@@ -70,7 +80,25 @@ def _sine_problems(plan: SinePlan, rig: Rig, can_drive: bool) -> list[str]:
     problems += _settle_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
-    return [*problems, *_limit_problems(plan, rig.limits)]
+    return [*problems, *_limit_problems(plan, rig.limits), *_stroke_problems(rig, rig.limits)]
+
+
+def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[str]:
+    problems: list[str] = []
+    if not can_drive:
+        problems.append("this bench has no excitation output")
+    if rig.shaker_point is None:
+        problems.append("the rig names no shaker_point")
+    low, high = plan.band_hz
+    if low + LEAST_LINES / plan.block_s > high:
+        problems.append(f"band_hz: {low:g} to {high:g} Hz; allowed: at least {LEAST_LINES} lines of a block wide")
+    if high > USABLE_BAND * least_rate_hz(plan):
+        problems.append(_too_high("band_hz", high, least_rate_hz(plan)))
+    if plan.settle_s < plan.ramp_s:
+        problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
+    if rig.limits is None:
+        return [*problems, "the rig has no limits, and without them nothing is driven"]
+    return problems or wave_problems(plan, rig.limits)
 
 
 def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
@@ -94,6 +122,13 @@ def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
             f" allowed by the rig: {limits.max_burst_s:g} s"
         )
     return problems
+
+
+def _stroke_problems(rig: Rig, limits: Limits) -> list[str]:
+    moved = {c.point for c in rig.responses if c.quantity != "voltage"}
+    if limits.stroke_m is None or rig.shaker_point in moved:
+        return []
+    return [f"limits.stroke_m: no response at shaker_point {rig.shaker_point} can see it; allowed: with one there"]
 
 
 def _settle_problems(plan: SinePlan) -> list[str]:

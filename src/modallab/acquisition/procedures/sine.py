@@ -4,14 +4,16 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from math import ceil
 
+from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
 from modallab.acquisition.monitor.context import Context, measure_floor
-from modallab.acquisition.monitor.limits import LimitWatch, watch_of
 from modallab.acquisition.monitor.settled import Floor, SettledCheck
 from modallab.acquisition.procedures.burst import Seen, Setting, burst_of, look_at
 from modallab.acquisition.procedures.drive import Drive
 from modallab.acquisition.procedures.target import Step, again, steps_of
+from modallab.bench.protocol import LooksForSensors, SelfReporting
 from modallab.core.documents.runs import Repeat
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
+from modallab.core.events import Notice
 from modallab.core.plan import SinePlan
 from modallab.core.rig import Limits
 from modallab.storage import BlockNote
@@ -29,7 +31,7 @@ class SineTest:
         plan: frequencies, levels, times.
         limits: of the rig.
         floor: noise at rest.
-        watch: looks at the limits.
+        watch: looks at the limits, and whether the channels can be believed.
         restarts: how often the bench had to be started anew.
         todo: bursts that are still requested.
         kept: steps that were recorded, by the name of their record.
@@ -40,7 +42,7 @@ class SineTest:
     plan: SinePlan
     limits: Limits
     floor: Floor
-    watch: LimitWatch
+    watch: BurstWatch
     restarts: int = 0
     todo: deque[Step] = field(default_factory=deque[Step])
     kept: dict[str, Step] = field(default_factory=dict[str, Step])
@@ -88,6 +90,7 @@ class SineTest:
                 setting = self._burst(step, setting)
             except SamplesLostError as error:
                 self.restarts += 1
+                self.watch.restart()
                 self.context.restart(error, self.restarts)
                 self.context.excitation.on = False
 
@@ -98,25 +101,34 @@ class SineTest:
         rest = self._wait_until_settled(step)
         # What was requested during the wait comes before the burst.
         context.pause_if_requested(self.watch)
+        before = stream.cut(stream.next - context.window, context.window)
+        noise = self.watch.require_alive(before, counts=stream.counts)
         burst = burst_of(self.plan, step.frequency_hz, setting.volts, setting.settle_s)
         context.excitation.on = True
         stream.poll()
         start = context.bench.play(burst)
+        self.watch.begin(burst, start, before, noise, stream.next)
         first = start + stream.samples_of(setting.settle_s)
         note = self._note(step, setting, start, first, rest)
         try:
-            stream.advance_to(first + context.block, self.watch)
+            # Nothing is written before the output is at 0 V again: a disk that is slow must not hold up the watch.
+            end = start + ceil(burst.duration_s * stream.rate_hz)
+            stream.advance_to(end, self.watch, context.driving_chunk)
+            context.excitation.on = False
+            seen = look_at(context, self.plan, self.watch, note, setting)
+            self.watch.plausible.settled(step.frequency_hz, seen.measured.force_n, setting.volts)
+            following = self._next(step, setting, seen)
         except SafetyError as error:
             context.bench.zero()
+            self.watch.end()
             self._keep_tripped(note, error)
             raise
-        seen = look_at(context, self.plan, self.watch, note, setting)
-        following = self._next(step, setting, seen)
+        self.watch.end()
+        if isinstance(context.bench, SelfReporting):
+            note = replace(note, facts=note.facts | context.bench.output_facts())
         context.record(first, self._judged(note, seen, step, setting, rejected=following is not None))
         if following is None:
             self.drive.good(step.level, seen.measured)
-        stream.advance_to(start + ceil(burst.duration_s * stream.rate_hz), self.watch)
-        context.excitation.on = False
         return following
 
     def _wait_until_settled(self, step: Step) -> SettledCheck:
@@ -195,5 +207,17 @@ def run_sine(context: Context, plan: SinePlan) -> None:
     limits = context.rig.limits
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
-    watch = watch_of(context.rig, limits, context.conversion)
-    SineTest(context, plan, limits, measure_floor(context, plan.wait_s, watch), watch).run()
+    watch = burst_watch(context.rig, limits, context.conversion, context.stream, min(plan.frequencies_hz))
+    floor = measure_floor(context, plan.wait_s, watch)
+    _say_what_is_unseen(context)
+    SineTest(context, plan, limits, floor, watch).run()
+
+
+def _say_what_is_unseen(context: Context) -> None:
+    unseen = context.bench.open_sensors_unseen() if isinstance(context.bench, LooksForSensors) else ()
+    if unseen:
+        what = (
+            f"the device cannot say whether a sensor is connected to {', '.join(unseen)}: an unplugged one is seen only"
+            " by its not following the drive"
+        )
+        context.emit(Notice(run=context.recorder.run, what=what))

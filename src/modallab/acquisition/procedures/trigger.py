@@ -58,7 +58,7 @@ def require_trigger(plan: Plan, bench: Bench) -> None:
 
 
 def wait_for_record(
-    context: Context, plan: ImpactPlan, ask: Callable[[], None], obey: Callable[[], None]
+    context: Context, plan: ImpactPlan, ask: Callable[[], None], interrupted: Callable[[], bool]
 ) -> int | None:
     """Let the device wait for a hit, and take its record in place of the stream.
 
@@ -68,10 +68,10 @@ def wait_for_record(
         context: streaming; afterwards its stream holds the record, and must be restarted.
         plan: level and times.
         ask: called once the pre-trigger is full, to ask for the hit.
-        obey: called at every look, for what the owner wants.
+        interrupted: asked at every look; True ends the wait.
 
     Returns:
-        The sample of the trigger in the record; None if a pause came first, and the bench streams again.
+        The sample of the trigger in the record; None if it was interrupted, and the bench streams again.
 
     Raises:
         BenchTimeoutError: no hit came in time.
@@ -88,8 +88,7 @@ def wait_for_record(
     deadline = time.monotonic() + plan.hit_timeout_s
     while True:
         stream.poll()
-        obey()
-        if context.pause_requested:
+        if interrupted():
             stream.restart()
             return None
         try:

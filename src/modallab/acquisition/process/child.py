@@ -2,23 +2,27 @@
 
 import os
 import signal
-from contextlib import suppress
-from dataclasses import dataclass
+from contextlib import nullcontext, suppress
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from modallab.acquisition.monitor.live import LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
+from modallab.acquisition.process.awake import kept_awake
 from modallab.acquisition.process.link import Link
-from modallab.acquisition.process.messages import Ended, Ready
+from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
+from modallab.acquisition.process.priority import take_priority
 from modallab.acquisition.process.run import Order, make_safe, run_plan
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench
 from modallab.core.errors import BenchError, ModallabError
-from modallab.core.plan import Plan
+from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.storage import Store
+from modallab.storage.records import ENDED
 
 BROKEN_FILE_EXIT = 3
 
@@ -65,11 +69,14 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
     bench = open_bench(url, rig)
     try:
         bench.zero()
+        if bench.info.real_time and (ordinary := take_priority()):
+            guard = replace(guard, supervision="; ".join(filter(None, (guard.supervision, ordinary))))
         with Store(folder) as store:
             store.recover()
+            clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
             link.send(Ready(bench.info))
             while (command := link.next_plan()) is not None:
-                _run(link, bench, rig, store, command.plan, guard)
+                _run(link, bench, rig, store, command, guard)
                 guard.life.idle()
     finally:
         make_safe(bench)
@@ -77,22 +84,24 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
             bench.close()
 
 
-def _run(link: Link, bench: Bench, rig: Rig, store: Store, plan: Plan, guard: Guard) -> None:
+def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: Guard) -> None:
     error: ModallabError | None = None
     unusable = False
     excitation = Excitation()
+    awake = nullcontext("") if isinstance(order.plan, ImpactPlan) or not bench.info.real_time else kept_awake()
 
     def control() -> Order | None:
         guard.life.working(driving=excitation.on)
         return link.order()
 
     try:
-        with store.begin(plan, rig, bench.info) as recorder:
+        with store.begin(order.plan, rig, bench.info) as recorder, LiveRing(store.folder) as live, awake as said:
             try:
                 run_plan(
-                    bench, rig, plan, recorder, link.send, control,
-                    requests=link.requests, latch=guard.latch, supervision=guard.supervision, excitation=excitation,
-                    live=link.send,
+                    bench, rig, order.plan, recorder, link.send, control,
+                    requests=link.requests, latch=guard.latch, excitation=excitation,
+                    supervision="; ".join(filter(None, (guard.supervision, said))),
+                    live=live, expected=order.expected,
                 )  # fmt: skip
             finally:
                 unusable = recorder.unusable

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 
-from modallab.acquisition.monitor.requests import DropBlock
+from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.run_states import require_legal
 from modallab.acquisition.procedures.target import require_recorded, require_step
 from modallab.acquisition.process.messages import Message
@@ -13,6 +13,7 @@ from modallab.core.block import Block
 from modallab.core.documents.runs import Pause, Repeat, Resume
 from modallab.core.errors import PlanError
 from modallab.core.events import (
+    BlockAccepted,
     BlockAcknowledged,
     BlockDropped,
     Event,
@@ -22,7 +23,7 @@ from modallab.core.events import (
     RunState,
     StateChanged,
 )
-from modallab.core.plan import Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.storage import Store
 
 
@@ -65,6 +66,8 @@ class RunView:
             return replace(self, blocks=counted, last_block=event.name, requested=None)
         if isinstance(event, BlockDropped):
             return replace(self, blocks=tuple(name for name in self.blocks if name != event.name))
+        if isinstance(event, BlockAccepted):
+            return replace(self, blocks=(*self.blocks, event.name), requested=None)
         if isinstance(event, Progress):
             return replace(self, done=event.done, total=event.total, what=event.what)
         return self
@@ -159,6 +162,18 @@ class RunControls(ABC):
             store.drop(self._view.run, block, reason)
         self._view = self._view.after(BlockDropped(run=self._view.run, name=block, reason=reason))
 
+    def accept(self, block: str, reason: str, operator: str = "") -> None:
+        """Let a hit of the running impact test count that was rejected; it is then no longer asked for.
+
+        Without effect where a later hit already counts in its place.
+
+        Raises:
+            PlanError: no impact test is running.
+        """
+        if not self._running or not isinstance(self._plan, ImpactPlan):
+            raise PlanError("no impact test is going on", remedy="accept the block once its run has ended")
+        self._send(AcceptBlock(block, reason, operator))
+
     def _begin(self, plan: Plan) -> None:
         self._plan, self._view = plan, RunView()
         self._running, self._pausing = True, False
@@ -168,7 +183,7 @@ class RunControls(ABC):
 
     @property
     def _driving(self) -> bool:
-        return isinstance(self._plan, SinePlan) and self._view.state in ("armed", "acquiring", "paused")
+        return isinstance(self._plan, SinePlan | BroadbandPlan) and self._view.state in ("armed", "acquiring", "paused")
 
     @abstractmethod
     def _send(self, message: Message) -> None:

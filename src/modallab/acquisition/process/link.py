@@ -6,7 +6,7 @@ from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Thread
 
-from modallab.acquisition.monitor.requests import DropBlock, Requests
+from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
 from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Message, Report, RunPlan
 from modallab.acquisition.process.run import Order
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
@@ -86,7 +86,7 @@ class Link:
             self._order = None
             self.requests.forget()
             self._plans.put(command)
-        elif isinstance(command, Repeat | DropBlock):
+        elif isinstance(command, Repeat | DropBlock | AcceptBlock):
             self.requests.ask(command)
         else:
             act[type(command)]()

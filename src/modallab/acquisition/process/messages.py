@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from modallab.acquisition.monitor.live import LiveSamples
-from modallab.acquisition.monitor.requests import DropBlock
+from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Pause, Repeat, Resume, Stop
 from modallab.core.errors import ModallabError
@@ -13,9 +13,15 @@ from modallab.core.plan import Plan
 
 @dataclass(frozen=True, slots=True)
 class RunPlan:
-    """Begin a run."""
+    """Begin a run.
+
+    Attributes:
+        plan: what to do.
+        expected: the modes the structure is believed to have; None if nothing is believed.
+    """
 
     plan: Plan
+    expected: ExpectedModes | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +39,7 @@ class Beat:
     """The owner lives."""
 
 
-Message = RunPlan | Pause | Resume | Repeat | DropBlock | Stop | Abort | EmergencyStop | Close | Beat
+Message = RunPlan | Pause | Resume | Repeat | DropBlock | AcceptBlock | Stop | Abort | EmergencyStop | Close | Beat
 """What the owner sends: an operator's commands as they are in the API, and what only the owner may ask for."""
 
 
@@ -51,4 +57,4 @@ class Ended:
     error: ModallabError | None
 
 
-Report = Event | Ready | Ended | LiveSamples
+Report = Event | Ready | Ended

@@ -1,41 +1,21 @@
-"""A process beside the rig's own, with a handle of its own to the output: it ends an excitation nobody answers for.
-
-Some outputs go on when the process that drives them dies. The supervisor opens its handle before anything moves, and
-then only waits: for the rig's process to die (the pipe between them breaks at once), for its sign of life to stay away
-while a test is on, for the owner to die, or for an emergency stop.
-"""
+"""A process beside the rig's own, with a handle of its own to the output: how it is started, asked and ended."""
 
 import multiprocessing
-import signal
+import os
 import time
-from collections.abc import Callable
-from functools import partial
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Lock
-from typing import Literal
 
-from modallab.acquisition.process.trip import TripLatch
+from modallab.acquisition.process.output_watch import BEAT_S, Sign, supervise
 from modallab.bench.loader import has_output, open_output
-from modallab.bench.protocol import OutputHandle
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.rig import Rig
 
-TIMEOUT_S = 1.0
-"""A rig's process that is at work and says nothing for so long does not do its work."""
-
-DIED = "the acquisition process died while it drove"
-TIMED_OUT = f"the acquisition process said nothing for {TIMEOUT_S:g} s while it drove"
-
-BEAT_S = 0.1
 READY_S = 30.0
 LEAVE_S = 5.0
 RELEASE_S = 20.0
 """To give back what a dead process held, on a busy machine; killed earlier, it would stay reserved."""
-TRIES = 3
-
-Sign = Literal["driving", "working", "idle"]
-Order = Literal["zero", "leave"]
 
 
 class LifeLine:
@@ -45,6 +25,7 @@ class LifeLine:
         self._connection = connection
         self._said_s = 0.0
         self._sign: Sign = "idle"
+        self._send(os.getpid())
 
     def working(self, *, driving: bool) -> None:
         """A test is on, with or without a burst, and all is well."""
@@ -60,10 +41,13 @@ class LifeLine:
 
     def _say(self, sign: Sign) -> None:
         self._sign = sign
+        self._send(sign)
+
+    def _send(self, message: Sign | int) -> None:
         if self._connection is None:
             return
         try:
-            self._connection.send(sign)
+            self._connection.send(message)
         except OSError:
             # Without a supervisor a burst still ends by itself, and a watchdog needs none.
             self._connection = None
@@ -149,71 +133,10 @@ def start_supervisor(url: str, rig: Rig, data_folder: Path) -> tuple[Supervisor 
         return Supervisor(url, rig, data_folder), "a supervisor holds a handle of its own to the output"
     except ModallabError as error:
         watchdog = rig.excitation.watchdog_s if rig.excitation is not None else None
-        left = f"the device's watchdog ({watchdog:g} s)" if watchdog else "the burst's own end"
+        left = (
+            f"the device's watchdog ({watchdog:g} s)" if watchdog else "the burst's own end, where there is a server,"
+        )
         return None, f"there is NO supervisor ({error.what}): should the acquisition die, only {left} ends the output"
-
-
-def supervise(watched: Connection, owner: Connection, url: str, rig: Rig, data_folder: Path) -> None:
-    """What runs in the supervisor's process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        handle = open_output(url, rig)
-    except ModallabError as error:
-        owner.send(error)
-        return
-    if handle is None:
-        owner.send(BenchError(f"{url} has no output to supervise"))
-        return
-    owner.send("ready")
-    cause = None
-    try:
-        cause = _watch(watched, owner, handle, TripLatch(data_folder, url))
-    finally:
-        # The rig's process has left or died: nobody needs what it may still hold. To end the output comes first.
-        _try(handle.release)
-        if cause is not None:
-            _try(cause)
-        handle.close()
-
-
-def _watch(watched: Connection, owner: Connection, handle: OutputHandle, latch: TripLatch) -> Callable[[], None] | None:
-    """Wait until one of the two is gone, or asks to leave; returns what is left to do once the output is at 0 V."""
-    heard_s = time.monotonic()
-    sign: Sign = "idle"
-    while True:
-        ready = wait([watched, owner], timeout=BEAT_S)
-        try:
-            if watched in ready:
-                sign = watched.recv()
-                heard_s = time.monotonic()
-        except (EOFError, OSError):
-            return partial(latch.trip, "death", DIED) if sign == "driving" else None
-        try:
-            if owner in ready:
-                order: Order = owner.recv()
-                if order == "leave":
-                    return None
-                owner.send(_try(handle.zero))
-        except (EOFError, OSError):
-            # The rig's process hears of it too, and ends its run in good order.
-            return None
-        if sign != "idle" and time.monotonic() - heard_s > TIMEOUT_S:
-            _try(handle.zero)
-            if sign == "driving":
-                _try(partial(latch.trip, "time-out", TIMED_OUT))
-            sign = "idle"
-
-
-def _try(call: Callable[[], None]) -> ModallabError | None:
-    failed: ModallabError | None = None
-    for _ in range(TRIES):
-        try:
-            call()
-        except ModallabError as error:
-            failed = error
-        else:
-            return None
-    return failed
 
 
 def _gone() -> BenchError:

@@ -3,14 +3,14 @@
 import atexit
 import multiprocessing
 import weakref
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import suppress
 from pathlib import Path
 from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Self
 
-from modallab.acquisition.monitor.live import LiveSamples
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.process.child import serve
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
@@ -60,9 +60,13 @@ class RigProcess(RunControls):
             self.supervisor.handed_over()
         self._sending = Lock()
         self._closed = Flag()
-        self.on_live: Callable[[LiveSamples], None] = _ignore
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
         _OPEN.add(self)
+
+    @property
+    def rig(self) -> Rig:
+        """What stands on the bench."""
+        return self._rig
 
     @property
     def info(self) -> BenchInfo:
@@ -79,7 +83,7 @@ class RigProcess(RunControls):
                 raise report.error
         return self._info
 
-    def run(self, plan: Plan) -> Generator[Event]:
+    def run(self, plan: Plan, expected: ExpectedModes | None = None) -> Generator[Event]:
         """Run a plan; yields its events as they come. It begins with the first; leaving early stops the run.
 
         Raises:
@@ -91,7 +95,7 @@ class RigProcess(RunControls):
             raise BenchError("a run is going on", remedy="wait for its end, or stop it")
         self._begin(plan)
         try:
-            self._send(RunPlan(plan))
+            self._send(RunPlan(plan, expected))
             yield from self._events()
         finally:
             self._running = False
@@ -173,9 +177,7 @@ class RigProcess(RunControls):
                     if report.error is not None:
                         raise report.error
                     return
-                if isinstance(report, LiveSamples):
-                    self.on_live(report)
-                elif not isinstance(report, Ready):
+                if not isinstance(report, Ready):
                     self._saw(report)
                     yield report
         except BenchError:
@@ -231,10 +233,6 @@ class RigProcess(RunControls):
                     self._connection.send(Beat())
             except OSError:
                 return
-
-
-def _ignore(_live: LiveSamples) -> None:
-    """Nobody looks."""
 
 
 @atexit.register

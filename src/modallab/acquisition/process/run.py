@@ -2,24 +2,33 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from math import ceil
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.live import LiveSamples, LiveTap
+from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
-from modallab.acquisition.procedures.burst import longest_burst_s
+from modallab.acquisition.procedures.broadband import longest_wave_s, require_waves, run_broadband
+from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
+from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
 from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.acquisition.procedures.sensor_supply import PATIENCE_S, fed_channels, wait_until_settled
 from modallab.acquisition.procedures.sine import run_sine
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.trigger import require_trigger
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import Bench, Delivery, Request
 from modallab.bench.recut import Recut
-from modallab.core.errors import BenchError, ModallabError, PlanError
+from modallab.core.errors import BenchError, ModallabError, OutputLostError, PlanError, RigError
 from modallab.core.events import BlockDropped, Failed, Notice
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import Recorder, Store
@@ -29,7 +38,6 @@ Order = Literal["stop", "abort", "emergency", "ended", "lost"]
 """How a running test may be asked to end; `ended`: by the end of the service, `lost`: whoever asked for it is gone."""
 
 Control = Callable[[], Order | None]
-Live = Callable[[LiveSamples], None]
 
 REAL_TIME_CHUNK_S = 0.05
 FREE_CHUNK_S = 0.5
@@ -60,7 +68,8 @@ def run_plan(
     latch: TripLatch | None = None,
     supervision: str = "",
     excitation: Excitation | None = None,
-    live: Live | None = None,
+    live: LiveRing | None = None,
+    expected: ExpectedModes | None = None,
 ) -> None:
     """Run a plan on an open bench, in this process.
 
@@ -76,7 +85,8 @@ def run_plan(
         latch: of the emergency stop; without one there is none.
         supervision: what ends the output should this process die; reported before anything is driven.
         excitation: set to whether a burst may be on.
-        live: takes a look at the samples as they come.
+        live: where samples are shown as they come.
+        expected: the modes the structure is believed to have, to see which point a hit has struck.
 
     Raises:
         TrippedError: the rig was tripped and not reset.
@@ -86,17 +96,17 @@ def run_plan(
     chunk_s = chunk_s or (REAL_TIME_CHUNK_S if bench.info.real_time else FREE_CHUNK_S)
     setup = Setup(
         bench, rig, plan, recorder, emit, life, control, chunk_s,
-        requests or Requests(), latch, supervision, excitation or Excitation(), live,
+        requests or Requests(), latch, supervision, excitation or Excitation(), live, expected,
     )  # fmt: skip
     try:
         try:
-            _work(setup)
+            _work_unless_ended(setup)
         except OrderedEndError as end:
-            make_safe(bench)
+            _make_safe(setup)
             _drop_left(setup)
             _end(setup, end.order)
     except BaseException as error:
-        make_safe(bench)
+        _make_safe(setup)
         _fail(life, recorder, emit, error)
         raise
 
@@ -108,14 +118,31 @@ def record(bench: Bench, rig: Rig, plan: Plan, store: Store, emit: Emit, control
         return recorder.run
 
 
-def make_safe(bench: Bench) -> None:
-    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried."""
+def make_safe(bench: Bench) -> list[BenchError]:
+    """Bring the output to zero, then stop; what fails on the way keeps neither from being tried, and is returned."""
+    failed: list[BenchError] = []
     for step in (bench.zero, bench.stop):
         try:
             step()
-        except BenchError:
-            # The run's own error says more; a burst on a device that is gone ends by itself.
-            continue
+        except BenchError as error:
+            failed.append(error)
+    return failed
+
+
+def _make_safe(setup: "Setup") -> None:
+    # Where the output could not be brought to 0 V, the operator must know what to do, whatever ended the run.
+    for error in make_safe(setup.bench)[:1]:
+        remedy = f": {error.remedy}" if error.remedy else ""
+        setup.emit(Notice(run=setup.recorder.run, what=f"0 V could not be reached: {error.what}{remedy}"))
+
+
+def _work_unless_ended(setup: "Setup") -> None:
+    try:
+        _work(setup)
+    except OutputLostError:
+        # To the driver an emergency stop by another handle looks like a hand at the device.
+        setup.poll()
+        raise
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,13 +161,12 @@ class Setup:
     latch: TripLatch | None = None
     supervision: str = ""
     excitation: Excitation = field(default_factory=Excitation)
-    live: Live | None = None
+    live: LiveRing | None = None
+    expected: ExpectedModes | None = None
 
     def tap(self, delivery: Delivery) -> LiveTap | None:
-        """Shows what comes, if somebody wants to see it."""
-        if self.live is None:
-            return None
-        return LiveTap(self.recorder.run, tuple(channel.name for channel in self.rig.channels), delivery, self.live)
+        """Shows what comes, where it is to be shown."""
+        return None if self.live is None else self.live.open(self.recorder.run, self.rig, delivery)
 
     def poll(self) -> None:
         """Look, before every read, whether the run shall go on.
@@ -165,11 +191,17 @@ def _work(setup: Setup) -> None:
         setup.latch.require_reset()
     require_possible(setup.plan, setup.rig, setup.bench.info)
     require_trigger(setup.plan, setup.bench)
-    if isinstance(setup.plan, SinePlan):
-        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup.supervision)))
+    if isinstance(setup.plan, BroadbandPlan):
+        require_waves(setup.plan, setup.bench, setup.rig)
+    if isinstance(setup.plan, SinePlan | BroadbandPlan):
+        setup.emit(Notice(run=setup.recorder.run, what=_what_ends_it(setup.plan, setup)))
+    _require_sensors_known(setup)
     context = _prepare(setup)
+    _wait_for_supplies(setup, context)
     if isinstance(setup.plan, ImpactPlan):
-        run_impact(context, setup.plan)
+        run_impact(context, setup.plan, setup.expected)
+    elif isinstance(setup.plan, BroadbandPlan):
+        run_broadband(context, setup.plan)
     else:
         run_sine(context, setup.plan)
     setup.bench.zero()
@@ -180,10 +212,21 @@ def _work(setup: Setup) -> None:
     setup.life.enter("done")
 
 
-def _what_ends_it(plan: SinePlan, supervision: str) -> str:
-    longest = longest_burst_s(plan)
-    notice = f"longest burst {longest:.4g} s: whatever dies, the output is at 0 V by itself after at most so long"
-    return f"{notice}; {supervision}" if supervision else notice
+def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
+    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig.limits)
+    notice = f"longest burst {longest:.4g} s: "
+    excitation = setup.rig.excitation
+    if not setup.bench.info.streams_bursts:
+        notice += "whatever dies, the output is at 0 V by itself after at most so long"
+    elif excitation is not None and excitation.watchdog_s is not None:
+        notice += f"whatever dies, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+    else:
+        waived = excitation.watchdog_waived if excitation is not None else ""
+        notice += (
+            "should this machine crash or sleep, or lose the device, in a burst, the output HOLDS ITS LAST VALUE: the"
+            f" device has no watchdog; the rig file says: {waived}"
+        )
+    return f"{notice}; {setup.supervision}" if setup.supervision else notice
 
 
 def _drop_left(setup: Setup) -> None:
@@ -196,8 +239,8 @@ def _drop_left(setup: Setup) -> None:
 def _prepare(setup: Setup) -> Context:
     bench, plan = setup.bench, setup.plan
     bench.zero()
-    delivery = bench.configure(Request(plan.kind, plan.rate_hz))
-    conversion = Conversion.of(setup.rig, plan.kind, delivery.units, delivery.scale, delivery.dtype)
+    delivery = bench.configure(Request(records_of(plan), plan.rate_hz))
+    conversion = Conversion.of(setup.rig, records_of(plan), delivery.units, delivery.scale, delivery.dtype)
     block = round(plan.block_s * delivery.rate_hz)
     recut = _recut(plan, delivery)
     if recut is None:
@@ -206,13 +249,43 @@ def _prepare(setup: Setup) -> Context:
         setup.recorder.open(replace(delivery, rate_hz=recut.to_hz), recut.native)
     # At most half a block at once, so that a chunk never runs past the end of a block it triggered.
     chunk = max(1, min(round(setup.chunk_s * delivery.rate_hz), block // 2))
-    keep = MEMORY_BLOCKS * block
+    # A block is looked at, and written, when its burst has ended.
+    tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
+    keep = MEMORY_BLOCKS * block + tail
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
     bench.start()
     return Context(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,
         setup.requests, setup.excitation,
     )  # fmt: skip
+
+
+def _require_sensors_known(setup: Setup) -> None:
+    remarks = remarks_on(setup.rig, records_of(setup.plan), datetime.now(UTC).date(), setup.bench)
+    for remark in remarks:
+        setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
+    wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
+    if wrong:
+        raise RigError("; ".join(wrong), where="sensors", remedy="look which sensor is mounted, and mend the rig file")
+
+
+def _wait_for_supplies(setup: Setup, context: Context) -> None:
+    fed, stream = fed_channels(setup.bench, setup.rig), context.stream
+    if not fed:
+        return
+    run = setup.recorder.run
+    what = f"{len(fed)} sensors are fed; waiting until their bias has settled, at most {PATIENCE_S:g} s"
+    setup.emit(Notice(run=run, what=what))
+
+    def pull(count: int) -> NDArray[np.generic]:
+        pieces: list[NDArray[np.generic]] = []
+        stream.advance_to(stream.next + count, lambda chunk: pieces.append(chunk.samples))
+        return np.concatenate(pieces, axis=1)
+
+    wait = wait_until_settled(pull, fed, stream.rate_hz)
+    if wait.unsettled:
+        what = f"the bias of {', '.join(wait.unsettled)} still moves after {wait.seconds:g} s; look at sensor and cable"
+        setup.emit(Notice(run=run, what=what))
 
 
 def _recut(plan: Plan, delivery: Delivery) -> Recut | None:

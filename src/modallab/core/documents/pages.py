@@ -63,10 +63,28 @@ class AuditEntry(Frozen):
     detail: dict[str, Any]
 
 
+class Trouble(Frozen):
+    """A part of the service that cannot be used.
+
+    Attributes:
+        part: `database`, or `rig ID`.
+        what: is wrong.
+        since_utc: when it was found so.
+        remedy: what to do.
+    """
+
+    part: str
+    what: str
+    since_utc: str
+    remedy: str
+
+
 class Health(Frozen):
-    """Whether the service can work."""
+    """Whether the service can work; `troubles` says what keeps it, `emergency_stop` where to `POST` in an emergency."""
 
     status: str
     version: str
     rigs: dict[str, str]
     free_bytes: int
+    troubles: tuple[Trouble, ...] = ()
+    emergency_stop: str = ""

@@ -25,7 +25,7 @@ class JobView(Frozen):
         created_utc: for people.
         ended_utc: "" until it has ended.
         code_version: of the program that took the order.
-        result: what it gave; None unless done.
+        result: what it gave; None unless done, and None in lists.
         error: why it failed.
     """
 

@@ -9,7 +9,7 @@ from modallab.core.frozen import Frozen
 from modallab.core.plan import Plan
 from modallab.core.units import Test
 
-Action = Literal["pause", "resume", "repeat", "drop", "stop", "abort"]
+Action = Literal["pause", "resume", "repeat", "drop", "accept", "stop", "abort"]
 
 
 class RunNew(Frozen):
@@ -50,6 +50,14 @@ class Drop(Frozen):
     reason: Annotated[str, Field(max_length=400)] = "dropped by the operator"
 
 
+class Accept(Frozen):
+    """Let a hit count that was rejected; it is not asked for again. While its hit is still requested only."""
+
+    kind: Literal["accept"] = "accept"
+    n: Annotated[int, Field(ge=0)]
+    reason: Annotated[str, Field(max_length=400)] = "accepted at the bench"
+
+
 class Stop(Frozen):
     """End the run; what it has is valid."""
 
@@ -62,7 +70,7 @@ class Abort(Frozen):
     kind: Literal["abort"] = "abort"
 
 
-Command = Annotated[Pause | Resume | Repeat | Drop | Stop | Abort, Field(discriminator="kind")]
+Command = Annotated[Pause | Resume | Repeat | Drop | Accept | Stop | Abort, Field(discriminator="kind")]
 
 
 class RunProgress(Frozen):

@@ -1,12 +1,14 @@
 """Campaign files: HDF5 of version 1 (int16 counts, one scale) or 2 (what a device delivers)."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
+from modallab.core.metrology import judged
 from modallab.core.rig import Rig
 from modallab.core.versions import CAMPAIGN_INT16, CAMPAIGN_NATIVE
 from modallab.formats.atomic import replacing
@@ -15,9 +17,11 @@ from modallab.formats.campaign import hdf5_version_1 as hdf5_counts
 from modallab.formats.campaign import hdf5_version_2 as hdf5_native
 from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, open_hdf5
 from modallab.formats.check_campaign import check_recordings, check_structure
+from modallab.formats.rig.mass_ratios_file import read_mass_ratios
 from modallab.formats.rig.rig_file import parse_rig, read_rig
 
 RIG_FILE = "rig.yaml"
+RIGID_MASS = "rigid-mass ratio"
 
 
 def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> Campaign:
@@ -45,6 +49,11 @@ def read_campaign(path: Path, rig: Rig | None = None, *, check: bool = True) -> 
             campaign = Campaign(rig, hdf5_counts.read_blocks(source, rig, where), source=str(path))
         else:
             campaign = hdf5_native.read_content(source, rig, where, str(path))
+    ratios = judged(read_mass_ratios(file.parent))
+    if ratios:
+        # Measured after the file was written, as often as before it.
+        said = "; ".join(f"{'good' if one.within else 'bad'}: {one.what}" for one in ratios)
+        campaign = replace(campaign, provenance=campaign.provenance | {RIGID_MASS: said})
     check_structure(campaign)
     if check:
         check_recordings(campaign)

@@ -10,7 +10,7 @@ from modallab.core.block import Block, Campaign, Ramp
 from modallab.core.errors import FormatError
 from modallab.core.frf import UNIT, Frf, FrfQuantity
 from modallab.core.rig import Rig
-from modallab.core.units import Test
+from modallab.core.units import TESTS, Test
 from modallab.core.versions import CAMPAIGN_NATIVE
 from modallab.formats.campaign.hdf5_access import COPY_AGAIN, Facts, datasets
 from modallab.formats.campaign.hdf5_checksums import fixed, get_group, read_sealed, read_text, write_sealed, write_text
@@ -92,7 +92,7 @@ def _read_block(name: str, record: h5py.Dataset, where: str) -> Block:
     reals = {key: facts.real(key) if facts.has(key) else None for key in _OPTIONAL_REALS}
     return Block(
         name=name,
-        test=cast("Test", facts.choice("test", "impact", "sine")),
+        test=cast("Test", facts.choice("test", *TESTS)),
         order=facts.whole("order"),
         rate_hz=facts.real("rate_hz"),
         samples=read_sealed(record, where),

@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation
+from modallab.core.hardware import Calibration, Excitation, Synchronisation
+from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
 from modallab.core.rig_checks import INVALID, Problem, cross_problems
 
@@ -23,6 +24,7 @@ SECTIONS: dict[str, type[Frozen]] = {
     "limits": Limits,
     "excitation": Excitation,
     "history": Calibration,
+    "synchronisation": Synchronisation,
 }
 """The document that stands at each place of a rig file."""
 
@@ -119,7 +121,7 @@ def _allowed(detail: ErrorDetails) -> str:
 
 def _nearest(loc: Sequence[int | str]) -> str:
     section = "" if len(loc) == 1 else str(loc[0])
-    fields = list(SECTIONS[section].model_fields)
+    fields = list((Certificate if "certificate" in loc else SECTIONS[section]).model_fields)
     near = get_close_matches(str(loc[-1]), fields, n=1, cutoff=0.5)
     return f"did you mean {near[0]}?" if near else ", ".join(fields)
 

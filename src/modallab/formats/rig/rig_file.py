@@ -13,6 +13,7 @@ from modallab.core.rig_checks import Problem
 from modallab.formats.atomic import replacing
 from modallab.formats.rig.messages import rig_problems
 from modallab.formats.rig.rig_yaml import load_yaml
+from modallab.formats.rig.sensors_file import with_certificates
 
 
 def read_rig(path: Path) -> Rig:
@@ -30,11 +31,11 @@ def read_rig(path: Path) -> Rig:
     except OSError as error:
         found = "is a folder" if path.is_dir() else f"cannot be read: {error.strerror or error}"
         raise RigError(found, where=str(path), remedy="name the YAML file that describes the rig") from error
-    return parse_rig(text, str(path))
+    return parse_rig(text, str(path), path.parent)
 
 
-def parse_rig(text: str, where: str) -> Rig:
-    """Read a rig from the text of its file; `where` names it in messages.
+def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
+    """Read a rig from the text of its file; `where` names it in messages, files it names lie in `folder`.
 
     Raises:
         RigError: as for `read_rig`.
@@ -47,6 +48,8 @@ def parse_rig(text: str, where: str) -> Rig:
         found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
         raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
     fields = cast("Mapping[str, object]", content)
+    if folder is not None:
+        fields = with_certificates(fields, folder, where)
     try:
         rig = Rig.model_validate(fields)
     except ValidationError as error:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
 from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
 from modallab.gap.conditioning.hum import Hum, find_hum, weak_hum, without_hum
@@ -148,6 +149,13 @@ def usable(campaign: Campaign) -> tuple[Block, ...]:
         DataError: there are none.
     """
     rig = campaign.rig
+    broadband = sorted({b.test for b in campaign.blocks if b.test in BROADBAND})
+    if broadband:
+        raise DataError(
+            f"records of {', '.join(broadband)} drive cannot be diagnosed yet, only hits and sines",
+            where=campaign.source,
+            remedy="diagnose a campaign of the impact and sine tests alone",
+        )
     found = [
         b
         for b in campaign.blocks

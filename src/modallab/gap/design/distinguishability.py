@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.design.planned import planned
@@ -72,7 +72,7 @@ class Distinguishability:
         return sorted(pairs, key=lambda p: -p[2])
 
 
-def distinguishability(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Distinguishability:
+def distinguishability(rig: Rig, plans: Sequence[Plan]) -> Distinguishability:
     """The distinguishability of a plan on a rig, its tolerances free; a lab's usual ones where it states none."""
     hits = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
     return of_data(planned(with_tolerances(rig), plans), hits)
@@ -151,7 +151,7 @@ def _plainly(candidate: Candidate) -> float:
     return (small / plain) ** -slot.power if slot.power < 0 else (plain / small) ** slot.power
 
 
-def advice(found: Distinguishability, plans: Sequence[ImpactPlan | SinePlan]) -> list[str]:
+def advice(found: Distinguishability, plans: Sequence[Plan]) -> list[str]:
     """What to add to the plan."""
     kinds = {p.kind for p in plans}
     said: list[str] = []

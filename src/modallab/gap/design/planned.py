@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import PlanError
-from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import (
     AFTER_S,
@@ -39,7 +39,7 @@ N_PER_V = 1.0
 """Force per volt of the drive, as a guess."""
 
 
-def planned(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Reduced:
+def planned(rig: Rig, plans: Sequence[Plan]) -> Reduced:
     """What a campaign of these plans would give on the nominal bench.
 
     Raises:
@@ -47,6 +47,8 @@ def planned(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Reduced:
     """
     if not plans:
         raise PlanError("the plan holds no test", remedy="add an impact or a sine test")
+    if any(isinstance(plan, BroadbandPlan) for plan in plans):
+        raise PlanError("a broadband test has no model in the diagnosis yet", remedy="plan an impact or a sine test")
     step = (rig.converter.volts_per_count if rig.converter is not None else 3e-4) / np.sqrt(12)
     own = rig.converter.noise_rms_v if rig.converter is not None else 3e-4
     weights = Weights(np.full(len(rig.channels), float(np.hypot(own, step))))
@@ -58,7 +60,7 @@ def planned(rig: Rig, plans: Sequence[ImpactPlan | SinePlan]) -> Reduced:
             for point in plan.points:
                 impacts.append(_hits(rig, plan, point, weights, order + plan.hits / 2))
                 order += plan.hits
-        else:
+        elif isinstance(plan, SinePlan):
             sines = _sines(rig, plan, weights, order)
             order += len(sines.pieces)
     channels = tuple(c.index for c in rig.responses)

@@ -15,7 +15,7 @@ from modallab.gap.model.share import apart
 from modallab.gap.search.fitting import ordinary, without
 from modallab.twin.effects import model_of, search_of
 
-EXCEEDING = 3.0
+ABOVE = 3.0
 """Deviations of its own tolerance up to which an effect is an ordinary bench."""
 
 
@@ -37,7 +37,7 @@ class Dismissed:
     def why(self) -> str:
         """In words."""
         spoken = model_of(self.effect.effect).spoken
-        if self.deviations <= EXCEEDING:
+        if self.deviations <= ABOVE:
             return f"Within tolerance: {spoken}, {self.deviations:.1f} deviations of what the rig file states."
         return f"Of no consequence: {spoken} moves the response on records held out by {self.moves:.2%}."
 
@@ -50,7 +50,7 @@ def worthwhile(fit: Fit, held: Reduced) -> tuple[Fit, list[Dismissed]]:
     while at < len(fit.problem.candidates):
         bare = without(fit, at)
         judged = _judged(fit, bare, at, held)
-        if judged.deviations <= EXCEEDING or judged.moves < least:
+        if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0
         else:

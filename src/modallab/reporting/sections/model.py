@@ -1,6 +1,7 @@
 """The modal model in full."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
@@ -34,7 +35,34 @@ def _model(model: ModalModel) -> list[Markup]:
         folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
     if model.residual_powers:
         folds.append(_fold("What modes outside the band add", _residuals(model)))
-    return [tag("h3", head), *folds]
+    return [tag("h3", head), *_scale(model), *folds]
+
+
+def _scale(model: ModalModel) -> list[Markup]:
+    scale = model.scale_uncertainty
+    if scale is None:
+        return []
+    force = "not known" if scale.force is None else f"{_percent(scale.force)} %"
+    text = (
+        "On top of the sigmas below, which are those of the records' noise, comes what the sensitivities are known to, "
+        f"alike in every mode (one sigma): force {force}, responses {_span(scale.responses)}, "
+        f"modal constants {_span(scale.modal_constants)}, shapes at unit modal mass {_span(scale.shapes)}"
+    )
+    mass = "" if scale.modal_mass is None else f", modal mass {_percent(scale.modal_mass)} %"
+    return [paragraph(f"{text}{mass}.")]
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "not known"
+    low, high = _percent(float(known.min())), _percent(float(known.max()))
+    which = "" if known.size == values.size else f" for {known.size} of {values.size}"
+    return f"{low} %{which}" if low == high else f"{low} to {high} %{which}"
+
+
+def _percent(value: float) -> str:
+    return plain(100 * value, 2)
 
 
 def _method(name: str) -> str:

@@ -1,8 +1,11 @@
 """How it was measured: the bench, its channels, its blocks."""
 
+from datetime import UTC, date, datetime
+
 from modallab.core.block import Block, Campaign
+from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Rig
-from modallab.core.units import Test
+from modallab.core.units import BROADBAND, Test
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import counted, day, glued, listed, plain, short
 from modallab.reporting.markup import Markup, join, table
@@ -22,7 +25,19 @@ def section(content: ReportContent) -> Section:
         parts.append(paragraph(f"The source held {sets} and no time records for them."))
     header = ("channel", "quantity", "point", "direction", "sensitivity [V per unit]", "serial number", "calibrated on")
     parts.append(table("Channels", header, [_channel(c) for c in rig.channels]))
-    return Section("rig", "How it was measured", join(parts), _uncalibrated(rig))
+    certified = [_certificate(c, c.certificate) for c in rig.channels if c.certificate is not None]
+    if certified:
+        header = (
+            "channel",
+            "certificate",
+            "laboratory",
+            "reference",
+            "calibrated on",
+            "expires",
+            "uncertainty (k = 2)",
+        )
+        parts.append(table("Certificates", header, certified))
+    return Section("rig", "How it was measured", join(parts), (*_uncalibrated(rig), *_expired(content.campaign)))
 
 
 def _uncalibrated(rig: Rig) -> tuple[str, ...]:
@@ -31,6 +46,30 @@ def _uncalibrated(rig: Rig) -> tuple[str, ...]:
         return ()
     which = "any channel" if len(names) == len(rig.channels) else listed(names)
     return (f"The rig file gives no calibration date for {which}.",)
+
+
+def _certificate(channel: Channel, certificate: Certificate) -> tuple[str, ...]:
+    return (
+        channel.name,
+        certificate.number or "not given",
+        certificate.laboratory or "not given",
+        certificate.reference or "not given",
+        day(certificate.date),
+        day(certificate.expires),
+        f"{short(certificate.uncertainty_percent)} %",
+    )
+
+
+def _expired(campaign: Campaign) -> tuple[str, ...]:
+    # Of the days of the runs the last counts; a source that does not say when is judged as of today.
+    days = [text[:10] for key, text in campaign.provenance.items() if key.endswith("created_utc")]
+    on = date.fromisoformat(max(days)) if days else datetime.now(UTC).date()
+    names = [
+        c.name
+        for c in campaign.rig.channels
+        if c.certificate is not None and c.certificate.expires is not None and c.certificate.expires < on
+    ]
+    return (f"The certificate of {listed(names)} had expired on {day(on)}.",) if names else ()
 
 
 def _bench(rig: Rig) -> str:
@@ -76,6 +115,8 @@ def _excitation(test: Test, blocks: tuple[Block, ...]) -> str:
         return "hammer"
     drives = sorted({b.frequency_hz for b in blocks if b.frequency_hz is not None})
     levels = sorted({b.level for b in blocks if b.level})
+    if test in BROADBAND:
+        return f"shaker, {test}, {counted(len(levels), 'level')} ({listed(levels)})"
     text = f"shaker at {counted(len(drives), 'frequency', 'frequencies')}" if drives else "shaker"
     if drives:
         text += f" from {plain(drives[0], 4)} to {plain(drives[-1], 4)} Hz"

@@ -43,11 +43,13 @@ def _example(content: ReportContent, outcome: Outcome) -> list[Markup]:
     output = farthest(content.rig, signals.outputs)
     to_hz = 2 * outcome.model.band_hz[1] if outcome.model else signals.rate_hz / 2
     block = signals.block
-    if block.test == "sine":
+    if block.test != "impact":
         at = f" at {block.frequency_hz:.2f} Hz" if block.frequency_hz else ""
         figure = sine_block(signals, output, content.rig, to_hz)
         caption = f"Force and response in time and as amplitude spectrum{at} (record {block.name})."
-        return [plate(figure, "sine", f"Force and response of one sine block{at}, in time and as spectrum", caption)]
+        return [
+            plate(figure, "sine", f"Force and response of one {block.test} block{at}, in time and as spectrum", caption)
+        ]
     figure = impact_block(signals, output, content.rig, outcome.filtered, to_hz)
     dashed = " The dashed line is the response after the band-pass filter." if outcome.filtered is not None else ""
     caption = f"Force and response in time and as amplitude spectrum (record {block.name}).{dashed}"

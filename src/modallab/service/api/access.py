@@ -1,6 +1,5 @@
 """Who may ask, and how much: looked at before any route; and logging in with a browser."""
 
-import hashlib
 import secrets
 from collections.abc import Iterable
 from typing import Annotated
@@ -15,25 +14,23 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from modallab.core.frozen import Frozen
 from modallab.service.api.problems import kinds, problem
 from modallab.service.api.router import OPEN, make_router
+from modallab.service.records.sessions import Sessions
 
 COOKIE = "modallab_session"
 OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/", "/docs", "/openapi.json"})
 OPEN_FOLDERS = ("/docs/", "/problems/", "/page/")
+TRUSTED = "modallab.trusted"
+"""In the scope of a request that carried the token."""
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
-
-
-def session_of(token: str) -> str:
-    """What a browser's cookie holds instead of the token."""
-    return hashlib.sha256(f"modallab session {token}".encode()).hexdigest()
 
 
 class Guard:
     """Looks at Host, Origin, token and the size of the body."""
 
-    def __init__(self, app: ASGIApp, token: str, hosts: Iterable[str], body_bytes: int) -> None:
+    def __init__(self, app: ASGIApp, token: str, sessions: Sessions, hosts: Iterable[str], body_bytes: int) -> None:
         self._app = app
         self._token = token.encode()
-        self._session = session_of(token).encode()
+        self._sessions = sessions
         self._hosts = frozenset(hosts)
         self._body_bytes = body_bytes
 
@@ -47,7 +44,13 @@ class Guard:
         if rejected is not None:
             await _reject(scope, receive, send, *rejected)
             return
-        await self._app(scope, self._limited(scope, receive), send)
+        if self._knows_token(connection.headers, connection):
+            scope[TRUSTED] = True
+        limited = self._limited(scope, receive)
+        if scope["type"] == "http" and TRUSTED not in scope and scope["method"] not in SAFE:
+            # Whoever has no token gets no work done before his request is whole.
+            limited = await _whole(limited)
+        await self._app(scope, limited, send)
 
     def _rejection(self, connection: HTTPConnection) -> tuple[str, str] | None:
         headers, path = connection.headers, connection.scope["path"]
@@ -68,7 +71,7 @@ class Guard:
         kind, _, sent = headers.get("authorization", "").partition(" ")
         if kind.lower() == "bearer" and secrets.compare_digest(sent.strip().encode(), self._token):
             return True
-        return secrets.compare_digest(connection.cookies.get(COOKIE, "").encode(), self._session)
+        return self._sessions.knows(connection.cookies.get(COOKIE, ""))
 
     def _limited(self, scope: Scope, receive: Receive) -> Receive:
         if scope["type"] != "http":
@@ -85,6 +88,29 @@ class Guard:
             return message
 
         return limited
+
+
+async def _whole(receive: Receive) -> Receive:
+    """What was received to the end of the body, or to what broke it off."""
+    messages: list[Message | Exception] = []
+    while True:
+        try:
+            message = await receive()
+        except HTTPException as error:
+            messages.append(error)
+            break
+        messages.append(message)
+        if message["type"] != "http.request" or not message.get("more_body", False):
+            break
+    waiting = iter(messages)
+
+    async def again() -> Message:
+        message = next(waiting, None)
+        if isinstance(message, Exception):
+            raise message
+        return message if message is not None else await receive()
+
+    return again
 
 
 async def _reject(scope: Scope, receive: Receive, send: Send, code: str, detail: str) -> None:
@@ -122,15 +148,18 @@ def log_in(login: Login, request: Request) -> Response:
     if not secrets.compare_digest(login.token.encode(), token.encode()):
         kind = kinds()["token-needed"]
         return problem(kind, "the token is wrong", {"WWW-Authenticate": "Bearer"}, remedy=kind.meaning)
+    sessions: Sessions = request.app.state.sessions
     response = Response(status_code=204)
     secure = request.url.scheme == "https"
-    response.set_cookie(COOKIE, session_of(token), httponly=True, samesite="strict", secure=secure, path="/")
+    response.set_cookie(COOKIE, sessions.begin(), httponly=True, samesite="strict", secure=secure, path="/")
     return response
 
 
 @router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
-def log_out() -> Response:
-    """Give the cookie back."""
+def log_out(request: Request) -> Response:
+    """Give the cookie back: it stands for nothing any more, whoever may have a copy."""
+    sessions: Sessions = request.app.state.sessions
+    sessions.end(request.cookies.get(COOKIE, ""))
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, path="/")
     return response

@@ -17,11 +17,12 @@ from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.events import Feed
-from modallab.service.api.live import LiveHub
+from modallab.service.api.head import HeadAsGet
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.sessions import Sessions
 
 API_VERSION = "1.1"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
@@ -37,15 +38,19 @@ METHODS = ("get", "put", "post", "patch", "delete")
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     """The application for an open service; every request must carry `token`."""
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
-    app.state.live = LiveHub()
+    app.state.feed = Feed(service.log)
     app.state.service, app.state.settings, app.state.token = service, settings, token
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
+    app.state.sessions = Sessions(service.engine, token)
     install(app)
-    for router in resources():
+    routers = resources()
+    for router in routers:
         app.include_router(router)
+    app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
-    app.add_middleware(Guard, token=token, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(HeadAsGet)
     app.openapi = lambda: document_of(app)
     return app
 
@@ -58,9 +63,7 @@ def resources() -> list[APIRouter]:
 
 @asynccontextmanager
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
-    app.state.feed = Feed(app.state.service.log)
     app.state.feed.open()
-    app.state.live.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
     app.state.feed.close()

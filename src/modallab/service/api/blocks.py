@@ -8,7 +8,7 @@ from fastapi.openapi.models import Example
 from modallab.core.documents.pages import Page
 from modallab.core.documents.runs import BlockView, Verdict
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import Cursor, LeaseId, Limit, ServiceOf, number_of, page
+from modallab.service.api.request_context import Cursor, LeaseId, Limit, Operator, ServiceOf, number_of, page
 from modallab.service.api.router import make_router
 from modallab.service.campaigns.runs import block_record, block_records, block_view, judge, read_samples
 
@@ -52,7 +52,9 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
 
 
 @router.put("/runs/{run}/blocks/{n}/verdict", responses=documented(404, 409, 507))
-def put_verdict(run: str, n: int, verdict: Judgement, service: ServiceOf, lease: LeaseId = None) -> BlockView:
-    """Accept or reject a block. FRFs and models made afterwards follow. Needs the lease of the run's rig."""
-    judge(service, run, n, verdict, lease)
+def put_verdict(
+    run: str, n: int, verdict: Judgement, service: ServiceOf, operator: Operator, lease: LeaseId = None
+) -> BlockView:
+    """Accept or reject a block. What is made afterwards follows. While the run goes on it needs its rig's lease."""
+    judge(service, run, n, verdict, lease, operator)
     return block_view(block_record(service, run, n))

@@ -2,8 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import Body, Response
+from fastapi import Body, Query, Response
 from fastapi.openapi.models import Example
+from fastapi.responses import FileResponse
+from starlette.background import BackgroundTask
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.core.documents.pages import Page
@@ -23,6 +25,7 @@ from modallab.service.api.request_context import (
 )
 from modallab.service.api.rigs import state_of
 from modallab.service.api.router import ONCE, PREFIX, make_router
+from modallab.service.campaigns.export import export_campaign
 
 router = make_router("campaigns")
 ChangedCampaign = Annotated[
@@ -33,11 +36,18 @@ NewCampaign = Annotated[
     Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
 
+Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
+FILE = "application/octet-stream"
+BINARY = {"type": "string", "format": "binary"}
+
 
 @router.get("/campaigns")
-def list_campaigns(service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[CampaignView]:
-    """All campaigns, the newest first."""
-    return page(service.repository.campaigns(place_of(cursor), limit + 1), limit, lambda campaign: campaign.id)
+def list_campaigns(
+    service: ServiceOf, limit: Limit = 50, cursor: Cursor = None, rig: Search = "", text: Search = ""
+) -> Page[CampaignView]:
+    """Campaigns, the newest first: all, or those of a rig, or with a text in their name or note."""
+    found = service.repository.campaigns(place_of(cursor), limit + 1, rig=rig, text=text)
+    return page(found, limit, lambda campaign: campaign.id)
 
 
 @router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
@@ -79,3 +89,20 @@ def change_campaign(
     changed = service.repository.change(campaign, change, revision_of(if_match), operator)
     mark(response, changed.revision)
     return changed
+
+
+@router.get(
+    "/campaigns/{campaign}/export",
+    response_class=Response,
+    responses={200: {"content": {FILE: {"schema": BINARY}}}} | documented(404, 409, 507),
+)
+def export(
+    campaign: str,
+    service: ServiceOf,
+    to: Annotated[str, Query(max_length=16, description="Name of a format: hdf5, uff, tdms, ...")] = "hdf5",
+) -> FileResponse:
+    """The valid runs of a campaign as one file; `Modallab-Notes` says what had no place in the format."""
+    exported = export_campaign(service, campaign, to)
+    headers = {"Modallab-Notes": "; ".join(exported.notes)} if exported.notes else None
+    name, removed = exported.path.name, BackgroundTask(exported.remove)
+    return FileResponse(exported.path, media_type=FILE, filename=name, headers=headers, background=removed)

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncGenerator
 from concurrent.futures import Future, wait
 from dataclasses import dataclass, field
@@ -18,15 +19,20 @@ from modallab.service.api.request_context import Cursor, Limit, ServiceOf, numbe
 from modallab.service.api.router import make_router
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog, Topic
+from modallab.storage.recorder import utc_now
 from modallab.storage.records import ENDED
 
 LOG = logging.getLogger(__name__)
 STILL_HERE = b": still here\n\n"
-LOOK_S = 0.05
+LOOK_S = 0.2
+"""Between two looks at the log where nobody says that there is something new in it."""
+HAND_OUT_S = 0.05
 AT_ONCE = 500
 TOGETHER = 20
 PAUSE_S = 0.002
 """Between so many listeners and the next: those write their lines, and others get their turn."""
+UNREAD_S = 2.0
+"""The log is looked at all the time; unread for so long, its database does not answer."""
 QUEUE = 2000
 """Events a listener may be behind; a slower one is let go and reads on by Last-Event-ID."""
 
@@ -53,13 +59,21 @@ class Feed:
         self._log = log
         self._listeners: set[Listener] = set()
         self._closing = Flag()
+        self._new = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._read = (time.monotonic(), utc_now())
         self._thread = Thread(target=self._look, name="events", daemon=True)
 
     @property
     def listeners(self) -> int:
         """How many listen."""
         return len(self._listeners)
+
+    @property
+    def unread_since(self) -> str:
+        """Since when, in UTC, the log cannot be read; "" if it can."""
+        read_s, utc = self._read
+        return utc if time.monotonic() - read_s > UNREAD_S else ""
 
     def open(self) -> None:
         """Begin; from the event loop."""
@@ -69,6 +83,7 @@ class Feed:
     def close(self) -> None:
         """Let everyone go; from the event loop."""
         self._closing.set()
+        self._new.set()
         for listener in self._listeners:
             _put(listener, None)
 
@@ -80,7 +95,9 @@ class Feed:
         listener = Listener()
         self._listeners.add(listener)
         try:
-            last = await asyncio.to_thread(self._log.last) if after is None else after
+            newest = await asyncio.to_thread(self._log.last)
+            # A number that is not there yet is of another database: nobody can wait for it.
+            last = newest if after is None else min(after, newest)
             yield b": listening\n\n"
             if after is not None:
                 while before := await asyncio.to_thread(self._log.after, last, AT_ONCE, topic):
@@ -88,6 +105,8 @@ class Feed:
                     last = before[-1].seq
                     if to_end and any(_ends(event) for event in before):
                         return
+            if to_end and await asyncio.to_thread(self._log.has_ended, topic.run, last):
+                return
             async for line in _follow(listener, last, topic):
                 yield line.text if line is not None else STILL_HERE
                 if to_end and line is not None and _ends(line.event):
@@ -95,15 +114,36 @@ class Feed:
         finally:
             self._listeners.discard(listener)
 
+    async def follow(self, topic: Topic) -> AsyncGenerator[EventView | None]:
+        """Events from now on; None first, once nothing that comes after is missed, and now and then."""
+        listener = Listener()
+        self._listeners.add(listener)
+        try:
+            yield None
+            async for line in _follow(listener, -1, topic):
+                yield None if line is None else line.event
+        finally:
+            self._listeners.discard(listener)
+
+    def look(self) -> None:
+        """There is something new in the log: look now. From any thread."""
+        self._new.set()
+
     def _look(self) -> None:
         last: int | None = None
-        while not self._closing.wait(LOOK_S):
+        lost = False
+        while not self._closing.is_set():
+            self._new.wait(LOOK_S)
+            self._new.clear()
             try:
                 last = self._log.last() if last is None else last
                 events = self._log.after(last, AT_ONCE)
             except ModallabError as error:
-                LOG.warning("events cannot be read: %s", error)
+                if not lost:
+                    LOG.warning("events cannot be read: %s", error)
+                lost = True
                 continue
+            lost, self._read = False, (time.monotonic(), utc_now())
             if events and self._loop is not None:
                 last = events[-1].seq
                 lines = [Line(event, _text(event)) for event in events]
@@ -112,7 +152,7 @@ class Feed:
     def _wait_for(self, handed_out: Future[None]) -> None:
         # One after the other: the order of events is that of the log.
         while not self._closing.is_set() and not handed_out.done():
-            wait([handed_out], LOOK_S)
+            wait([handed_out], HAND_OUT_S)
 
     async def _hand_out(self, lines: list[Line]) -> None:
         # Not all at once: a thousand listeners that wake together keep live samples and answers waiting.

@@ -33,9 +33,9 @@ def list_jobs(
     state: JobState | None = None,
     kind: JobKind | None = None,
 ) -> Page[JobView]:
-    """All jobs, the newest first."""
+    """All jobs, the newest first; without their results, which `/jobs/{job}` gives."""
     found = service.jobs.list(state=state, kind=kind, cursor=cursor, limit=limit)
-    return Page(items=tuple(_view(job) for job in found.jobs), next=found.cursor)
+    return Page(items=tuple(listed(job) for job in found.jobs), next=found.cursor)
 
 
 @router.get("/jobs/{job}", responses=documented(404))
@@ -70,8 +70,8 @@ def report(campaign: str, service: ServiceOf, operator: Operator, response: Resp
 
 @router.get("/campaigns/{campaign}/jobs", responses=documented(404))
 def list_campaign_jobs(campaign: str, service: ServiceOf, kind: JobKind | None = None) -> Page[JobView]:
-    """The jobs of a campaign, the newest first."""
-    return Page(items=tuple(_view(job) for job in campaign_jobs(service, campaign, kind)))
+    """The jobs of a campaign, the newest first; without their results."""
+    return Page(items=tuple(listed(job) for job in campaign_jobs(service, campaign, kind)))
 
 
 def _ordered(
@@ -80,6 +80,11 @@ def _ordered(
     job = order(service, campaign, kind, new or JobNew(), operator)
     response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
     return _view(job)
+
+
+def listed(job: Job) -> JobView:
+    """A job as it stands in a list: without its result, which may be large."""
+    return _view(job.model_copy(update={"result": None}))
 
 
 def _view(job: Job) -> JobView:

@@ -1,78 +1,112 @@
-"""Live samples by WebSocket: binary frames, for a look. Who is slow misses some; nobody is waited for."""
+"""Live by WebSocket: samples without holes, their envelope, and FRFs that grow with every block."""
 
 import asyncio
 import contextlib
-from dataclasses import dataclass, field
+from collections.abc import AsyncGenerator
+from typing import Annotated, TypeVar
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
+from modallab.core.errors import ModallabError
+from modallab.service.api.events import Feed
 from modallab.service.api.router import PREFIX
+from modallab.service.campaigns.live_frf_messages import FrfSelection, FrfWatch
+from modallab.service.campaigns.live_samples import LiveView, Selection
+from modallab.service.context import Service
+from modallab.service.records.event_log import Topic
 
 router = APIRouter(prefix=PREFIX)
-QUEUE = 8
-
-
-@dataclass(eq=False, slots=True)
-class Viewer:
-    """One who looks."""
-
-    queue: asyncio.Queue[bytes] = field(default_factory=lambda: asyncio.Queue(QUEUE))
-
-
-class LiveHub:
-    """Hands frames to everyone who looks."""
-
-    def __init__(self) -> None:
-        self._viewers: set[Viewer] = set()
-        self._loop: asyncio.AbstractEventLoop | None = None
-
-    def open(self) -> None:
-        """Begin; from the event loop."""
-        self._loop = asyncio.get_running_loop()
-
-    def show(self, content: bytes) -> None:
-        """Show a frame; from any thread."""
-        if self._loop is not None and self._viewers:
-            # The loop may be closed by now.
-            with contextlib.suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(self._hand_out, content)
-
-    def enter(self) -> Viewer:
-        """Someone looks."""
-        viewer = Viewer()
-        self._viewers.add(viewer)
-        return viewer
-
-    def leave(self, viewer: Viewer) -> None:
-        """He does no more."""
-        self._viewers.discard(viewer)
-
-    def _hand_out(self, content: bytes) -> None:
-        for viewer in self._viewers:
-            if viewer.queue.full():
-                viewer.queue.get_nowait()
-            viewer.queue.put_nowait(content)
+LOOK_S = 0.03
+WRONG = 4422
+"""Close code of a request that cannot be answered; the reason says why."""
+REASON = 100
+"""Bytes a reason may have."""
+CHANGES = frozenset({"block", "dropped", "verdict"})
+Name = Annotated[str, Query(max_length=64)]
+T = TypeVar("T")
+Channels = Annotated[list[str], Query(max_length=256)]
 
 
 @router.websocket("/live")
-async def show_live(socket: WebSocket) -> None:
-    """Frames of all rigs; what a frame holds stands at its beginning."""
-    hub: LiveHub = socket.app.state.live
+async def show_samples(
+    socket: WebSocket,
+    rig: Name = "",
+    run: Name = "",
+    channel: Channels = [],  # noqa: B006, FastAPI's way
+    after: Annotated[int | None, Query(ge=0, lt=2**62)] = None,
+) -> None:
+    """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
+    await _show(socket, Selection(rig, run, tuple(channel), after))
+
+
+@router.websocket("/live/envelope")
+async def show_envelope(
+    socket: WebSocket,
+    rig: Name = "",
+    run: Name = "",
+    channel: Channels = [],  # noqa: B006, FastAPI's way
+    columns_per_s: Annotated[float, Query(gt=0, le=2000)] = 50.0,
+) -> None:
+    """Least and largest value of each stretch of time, for a picture of a fixed width."""
+    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s))
+
+
+@router.websocket("/runs/{run}/frf/live")
+async def show_frf(
+    socket: WebSocket,
+    run: str,
+    output: Channels = [],  # noqa: B006, FastAPI's way
+    low_hz: Annotated[float, Query(ge=0)] = 0.0,
+    high_hz: Annotated[float, Query(gt=0)] = 1e9,
+) -> None:
+    """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
+    service: Service = socket.app.state.service
+    feed: Feed = socket.app.state.feed
+    watch = FrfWatch(service, FrfSelection(run, tuple(output), low_hz, high_hz))
     await socket.accept()
-    viewer = hub.enter()
+    async with _while_there(socket) as gone:
+        try:
+            async for event in _until(feed.follow(Topic(run=run)), gone):
+                if event is None or event.kind in CHANGES:
+                    for found in await asyncio.to_thread(watch.look):
+                        await socket.send_bytes(found)
+        except ModallabError as error:
+            await socket.close(WRONG, error.what[:REASON])
+
+
+async def _show(socket: WebSocket, chosen: Selection) -> None:
+    service: Service = socket.app.state.service
+
+    def rig_of(run: str) -> str:
+        entry = service.repository.entry(run)
+        return "" if entry is None else entry.rig
+
+    view = LiveView(service.folder, rig_of, chosen)
+    # Before it is accepted: nothing that begins after that is missed.
+    begun = await asyncio.to_thread(view.look)
+    await socket.accept()
+    try:
+        for found in begun:
+            await socket.send_bytes(found)
+        async with _while_there(socket) as gone:
+            while not gone.done():
+                for found in await asyncio.to_thread(view.look):
+                    await socket.send_bytes(found)
+                await asyncio.wait({gone}, timeout=LOOK_S)
+    except ModallabError as error:
+        await socket.close(WRONG, error.what[:REASON])
+    finally:
+        view.close()
+
+
+@contextlib.asynccontextmanager
+async def _while_there(socket: WebSocket) -> AsyncGenerator["asyncio.Future[None]"]:
+    """Done once the other side has left; that it leaves while something is sent to it is no error."""
     gone = asyncio.ensure_future(_until_gone(socket))
     try:
-        while not gone.done():
-            waiting = asyncio.ensure_future(viewer.queue.get())
-            await asyncio.wait({waiting, gone}, return_when=asyncio.FIRST_COMPLETED)
-            if not waiting.done():
-                waiting.cancel()
-                return
-            await socket.send_bytes(waiting.result())
-    except WebSocketDisconnect:
-        return
+        with contextlib.suppress(WebSocketDisconnect):
+            yield gone
     finally:
-        hub.leave(viewer)
         gone.cancel()
 
 
@@ -81,3 +115,21 @@ async def _until_gone(socket: WebSocket) -> None:
     with contextlib.suppress(WebSocketDisconnect):
         while True:
             await socket.receive_text()
+
+
+async def _until(found: AsyncGenerator[T], gone: "asyncio.Future[None]") -> AsyncGenerator[T]:
+    """What comes, as long as the other side is there."""
+    try:
+        while True:
+            following = asyncio.ensure_future(anext(found))
+            await asyncio.wait({following, gone}, return_when=asyncio.FIRST_COMPLETED)
+            if gone.done():
+                following.cancel()
+                with contextlib.suppress(asyncio.CancelledError):
+                    await following
+                return
+            yield following.result()
+    except StopAsyncIteration:
+        return
+    finally:
+        await found.aclose()

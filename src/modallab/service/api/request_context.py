@@ -27,7 +27,15 @@ def _operator(
         Header(alias=OPERATOR, max_length=80, pattern=_NO_CONTROL, description="Who asks, for the record."),
     ] = None,
 ) -> str:
-    return operator or "unknown"
+    return "unknown" if operator is None else _as_sent(operator)
+
+
+def _as_sent(text: str) -> str:
+    # Headers are bytes, read as Latin-1; most programs send UTF-8, browsers Latin-1.
+    try:
+        return text.encode("latin-1").decode()
+    except UnicodeError:
+        return text
 
 
 ServiceOf = Annotated[Service, Depends(_service)]
@@ -81,9 +89,12 @@ def place_of(cursor: str | None) -> str | None:
     if cursor is None:
         return None
     try:
-        return base64.urlsafe_b64decode(cursor.encode()).decode()
+        place = base64.urlsafe_b64decode(cursor.encode()).decode()
     except (binascii.Error, UnicodeError, ValueError) as error:
         raise _foreign(cursor) from error
+    if not place.isprintable():
+        raise _foreign(cursor)
+    return place
 
 
 def number_of(cursor: str | None) -> int | None:

@@ -1,6 +1,7 @@
 """The router all resources use: one prefix, the problems any may answer with, requests with a key done once."""
 
 import hashlib
+import re
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -10,10 +11,10 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.routing import APIRoute
 from sqlalchemy import Engine, delete, insert, select, update
 
-from modallab.core.errors import ModallabError
+from modallab.core.errors import DataError, ModallabError
 from modallab.service.api.problems import documented, of_error
 from modallab.service.api.request_context import OPERATOR
-from modallab.service.errors import ConflictError
+from modallab.service.errors import ConflictError, MediaTypeError
 from modallab.service.records.repository import key_limit, key_of_another
 from modallab.storage.engine import writing
 from modallab.storage.recorder import utc_now
@@ -23,7 +24,7 @@ HEADER = "Idempotency-Key"
 KEPT = ("location", "etag", "content-type", "retry-after")
 Handler = Callable[[Request], Coroutine[Any, Any, Response]]
 PREFIX = "/api/v1"
-ANY = (401, 403, 405, 413, 422, 500, 503)
+ANY = (401, 403, 405, 413, 415, 422, 500, 503)
 """Statuses any route may answer with."""
 
 OPEN: dict[str, Any] = {"security": []}
@@ -120,12 +121,45 @@ class IdempotentRoute(APIRoute):
         handler = super().get_route_handler()
 
         async def once(request: Request) -> Response:
+            await _require_usable(request)
             key = request.headers.get(HEADER)
             if request.method != "POST" or key is None or not 8 <= len(key) <= 128:
                 return await handler(request)
             return await _once(request, key, handler)
 
         return once
+
+
+_NUL = re.compile(rb"\x00|(?<!\\)(?:\\\\)*\\u0000")
+_JSON = re.compile(r"application/(?:[\w.+-]+\+)?json\s*(?:;.*)?", re.IGNORECASE)
+
+
+async def _require_usable(request: Request) -> None:
+    """Reject what no resource can use, before any looks at it.
+
+    Raises:
+        MediaTypeError: a body that does not say that it is JSON.
+        DataError: NUL in the address, the query or the body: not every database keeps it.
+    """
+    query = request.query_params.multi_items()
+    if "\0" in request.url.path or any("\0" in part for pair in query for part in pair):
+        raise _nul("the address")
+    if request.method not in ("POST", "PUT", "PATCH"):
+        return
+    body = await request.body()
+    kind = request.headers.get("content-type", "")
+    if body and not _JSON.fullmatch(kind):
+        raise MediaTypeError(
+            f"a body of the type {kind!r} cannot be taken" if kind else "the body has no type",
+            where="Content-Type",
+            remedy="send JSON, with the header Content-Type: application/json",
+        )
+    if _NUL.search(body):
+        raise _nul("the body")
+
+
+def _nul(where: str) -> DataError:
+    return DataError("holds the character NUL, which no text has", where=where, remedy="leave it out")
 
 
 async def _once(request: Request, key: str, handler: Handler) -> Response:

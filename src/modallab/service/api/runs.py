@@ -52,7 +52,9 @@ RunCommand = Annotated[
 def list_runs(campaign: str, service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[RunView]:
     """The runs of a campaign, the oldest first."""
     after = place_of(cursor)
-    names = [run for run in service.repository.campaign(campaign).runs if after is None or run > after]
+    names = service.repository.campaign(campaign).runs
+    if after is not None:
+        names = names[names.index(after) + 1 :] if after in names else ()
     return page([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
 
 
@@ -99,10 +101,7 @@ def get_frf(run: str, service: ServiceOf, response: Response, if_none_match: IfN
     tag = f"{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
     if unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
-    # Imported here, since it takes seconds: the service can be asked everything else meanwhile.
-    from modallab.service.campaigns.live_frf import live_frf
-
-    frf = live_frf(service.store, run)
+    frf = service.frfs().frf(run)
     mark(response, tag)
     return FrfView(
         run=run,

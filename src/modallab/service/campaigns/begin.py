@@ -8,14 +8,14 @@ from pathlib import Path
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.core.documents.runs import RunNew
 from modallab.core.errors import PlanError
-from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records.repository import RunKey
 from modallab.service.rigs.control import ControllerState, StartRun, rejection
-from modallab.storage.durable import require_room, require_space
-from modallab.storage.records import ENDED, BlockRecord
+from modallab.storage.durable import planned_blocks, require_room, require_space
+from modallab.storage.records import ENDED, BlockNote, BlockRecord
 from modallab.storage.samples import RESERVE_BYTES
 
 LEAST_BYTES = 2
@@ -104,6 +104,8 @@ def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
         if not points:
             raise _complete()
         return plan.model_copy(update={"points": points})
+    if isinstance(plan, BroadbandPlan):
+        return _remaining_levels(plan, good)
     have = {(note.level, note.frequency_hz) for note in good}
     missing = [(level, f) for level in plan.levels_v for f in plan.frequencies_hz if (level, f) not in have]
     if not missing:
@@ -111,6 +113,15 @@ def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
     levels = {level: volts for level, volts in plan.levels_v.items() if any(level == other for other, _ in missing)}
     frequencies = tuple(f for f in plan.frequencies_hz if any(f == g for _, g in missing))
     return plan.model_copy(update={"frequencies_hz": frequencies, "levels_v": levels})
+
+
+def _remaining_levels(plan: BroadbandPlan, good: Sequence[BlockNote]) -> BroadbandPlan:
+    # A level is taken anew whole: its blocks are averaged, and belong to one time.
+    counts = {level: sum(note.level == level for note in good) for level in plan.levels_v}
+    levels = {level: volts for level, volts in plan.levels_v.items() if counts[level] < plan.blocks}
+    if not levels:
+        raise _complete()
+    return plan.model_copy(update={"levels_v": levels})
 
 
 def _complete() -> ConflictError:
@@ -146,9 +157,7 @@ def _too_many(plan: Plan, rig: Rig) -> list[str]:
     found: list[str] = []
     if samples < 16 or samples * len(rig.channels) * _BYTES_A_SAMPLE > MAX_BLOCK_BYTES:
         found.append(f"a block of block_s at rate_hz has {samples:g} samples a channel; allowed: 16 to as many as fit")
-    blocks = (
-        len(plan.frequencies_hz) * len(plan.levels_v) if isinstance(plan, SinePlan) else len(plan.points) * plan.hits
-    )
+    blocks = planned_blocks(plan)
     if blocks > MAX_BLOCKS:
         found.append(f"{blocks} blocks; allowed: up to {MAX_BLOCKS}")
     return found

@@ -1,41 +1,188 @@
-"""FRF and coherence of a run as far as it has come."""
+"""FRF and coherence of runs as far as they have come: every block is read and looked at once."""
+
+from collections import OrderedDict
+from threading import Lock
 
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.frf.estimate import convert, group_by_point, impact_frf
-from modallab.frf.stepped import stepped_frf
+from modallab.frf.broadband import broadband_frf, driven_band
+from modallab.frf.estimate import convert
+from modallab.frf.running import RunningFrf
+from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
 from modallab.signals.full_scale import overloaded
-from modallab.signals.signals import to_signals_of
+from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
 
 LOWEST_HZ = 0.5
 USABLE = 0.4
 """Anti-alias filters hold the relation between channels up to this part of the rate."""
 
-
-def live_frf(store: Store, run: str) -> Frf:
-    """Mobility of a run's blocks that count now, with coherence where blocks are averaged.
-
-    Raises:
-        ConflictError: there is no block that counts yet.
-        DataError, StorageError: blocks that cannot be used, or not be read.
-    """
-    record = store.catalogue.run(run)
-    blocks = [block for block in store.blocks(run) if not overloaded(block, record.rig)]
-    if not blocks:
-        raise ConflictError(f"run {run} has no good block yet", where=run, remedy="wait for the first good block")
-    frf = _impact(blocks, record.rig) if record.test == "impact" else _sine(blocks, record.rig)
-    return convert(frf, "mobility")
+KEPT = 4
+"""Runs whose sums are held; of another one all blocks are read again."""
 
 
-def _impact(blocks: list[Block], rig: Rig) -> Frf:
-    groups = group_by_point(to_signals_of(blocks, rig))
-    return impact_frf(groups, rig, (LOWEST_HZ, USABLE * blocks[0].rate_hz))
+class LiveFrfs:
+    """FRFs of the runs that were asked for last. From any thread."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._lock = Lock()
+        self._runs: OrderedDict[str, _Followed] = OrderedDict()
+
+    def frf(self, run: str, points: tuple[int | None, ...] | None = None) -> Frf:
+        """Mobility of the blocks that count now, with coherence where blocks are averaged; of some points, or of all.
+
+        Raises:
+            ConflictError: there is no block that counts yet.
+            DataError, StorageError: blocks that cannot be used, or not be read.
+        """
+        followed = self._of(run)
+        with followed.lock:
+            followed.follow(self._store)
+            return convert(followed.sums.frf(points or followed.points), "mobility")
+
+    def revisions(self, run: str) -> dict[int | None, int]:
+        """Look at the blocks that are new or count no more; a number by point that grows when its FRF changes.
+
+        Raises:
+            ConflictError, DataError, StorageError: as `frf`.
+        """
+        followed = self._of(run)
+        with followed.lock:
+            followed.follow(self._store)
+            return dict(followed.revisions)
+
+    def _of(self, run: str) -> "_Followed":
+        with self._lock:
+            if run not in self._runs:
+                record = self._store.catalogue.run(run)
+                made = {"impact": _Hits, "sine": _Sines}.get(record.test, _Broadband)
+                sums = made(record.rig)
+                self._runs[run] = _Followed(run, sums)
+            self._runs.move_to_end(run)
+            while len(self._runs) > KEPT:
+                self._runs.popitem(last=False)
+            return self._runs[run]
 
 
-def _sine(blocks: list[Block], rig: Rig) -> Frf:
-    # One level only: FRFs of different levels are what is compared, never averaged.
-    level = blocks[-1].level
-    return stepped_frf(to_signals_of([b for b in blocks if b.level == level], rig), rig)
+class _Followed:
+    """One run: which of its blocks were looked at, and where each was driven."""
+
+    def __init__(self, run: str, sums: "_Hits | _Sines | _Broadband") -> None:
+        self.run, self.sums, self.lock = run, sums, Lock()
+        self.revisions: dict[int | None, int] = {}
+        self._seen: dict[int, int | None] = {}
+        self._added: set[int] = set()
+
+    @property
+    def points(self) -> tuple[int | None, ...]:
+        """Points that have blocks in the sums, in the order of time."""
+        return tuple(dict.fromkeys(self._seen[n] for n in sorted(self._added)))
+
+    def follow(self, store: Store) -> None:
+        """Look at what is new."""
+        rows = {row.n: row.note.drive_point for row in store.catalogue.blocks(self.run) if row.note.accepted}
+        counted = rows.keys()
+        gone = self._seen.keys() - counted
+        back = {n for n in counted - self._seen.keys() if self._seen and n < max(self._seen)}
+        # Such a point is summed anew: what was added cannot be taken away to the last digit, nor put between others.
+        changed = {self._seen[n] for n in gone} | {rows[n] for n in back}
+        self.sums.forget(gone, changed)
+        self._seen = {n: point for n, point in self._seen.items() if point not in changed}
+        self._added &= self._seen.keys()
+        for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
+            self._seen[block.order] = block.drive_point
+            if self.sums.add(block):
+                self._added.add(block.order)
+                changed.add(block.drive_point)
+        for point in changed:
+            self.revisions[point] = self.revisions.get(point, 0) + 1
+        if self.sums.empty:
+            raise ConflictError(
+                f"run {self.run} has no good block yet", where=self.run, remedy="wait for the first good block"
+            )
+
+
+class _Hits:
+    """Of an impact test."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._running: RunningFrf | None = None
+
+    @property
+    def empty(self) -> bool:
+        return self._running is None or not self._running.points
+
+    def add(self, block: Block) -> bool:
+        if overloaded(block, self._rig):
+            return False
+        signals = to_signals(block, self._rig)
+        if self._running is None:
+            self._running = RunningFrf(self._rig, signals, (LOWEST_HZ, USABLE * block.rate_hz))
+        self._running.add(signals)
+        return True
+
+    def forget(self, _numbers: set[int], points: set[int | None]) -> None:
+        if self._running is not None:
+            for point in points:
+                self._running.forget(point)
+
+    def frf(self, points: tuple[int | None, ...] | None) -> Frf:
+        assert self._running is not None
+        return self._running.frf(points)
+
+
+class _Sines:
+    """Of a sine test: one level only, the last one's, since FRFs of levels are what is compared, never averaged."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._lines: dict[int, tuple[str | None, Line]] = {}
+
+    @property
+    def empty(self) -> bool:
+        return not self._lines
+
+    def add(self, block: Block) -> bool:
+        if overloaded(block, self._rig):
+            return False
+        self._lines[block.order] = block.level, line_of(to_signals(block, self._rig), self._rig)
+        return True
+
+    def forget(self, numbers: set[int], _points: set[int | None]) -> None:
+        for n in numbers:
+            self._lines.pop(n, None)
+
+    def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
+        last = self._lines[max(self._lines)][0]
+        return frf_of_lines([line for level, line in self._lines.values() if level == last], self._rig)
+
+
+class _Broadband:
+    """Of a broadband test: the last level's blocks, all of which are read again when one comes or goes."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self._signals: dict[int, Signals] = {}
+
+    @property
+    def empty(self) -> bool:
+        return not self._signals
+
+    def add(self, block: Block) -> bool:
+        if overloaded(block, self._rig):
+            return False
+        self._signals[block.order] = to_signals(block, self._rig)
+        return True
+
+    def forget(self, numbers: set[int], _points: set[int | None]) -> None:
+        for n in numbers:
+            self._signals.pop(n, None)
+
+    def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
+        level = self._signals[max(self._signals)].block.level
+        chosen = [s for s in self._signals.values() if s.block.level == level]
+        return broadband_frf(chosen, self._rig, driven_band(chosen))

@@ -69,7 +69,7 @@ class LocalCampaign:
                 "a service uses this data folder", where=str(folder), remedy="ask the service, or name another folder"
             )
         self._ended: SimpleQueue[str] = SimpleQueue()
-        diary = Diary(self._store, EventLog(self._store.catalogue.engine))
+        diary = self._diary = Diary(self._store, EventLog(self._store.catalogue.engine))
         Recovery(diary).look()
         (self._rig,) = rig_ids([rig.name])
         leases = Leases(self._store.catalogue.engine, boot)
@@ -79,17 +79,21 @@ class LocalCampaign:
         self._lease = self._service.leases.take(self._rig, operator, LEASE_S)
         self.campaign = self._service.repository.create(CampaignNew(name=name, rig=self._rig), operator)
 
-    def run_all(self, plans: Sequence[Plan], notify: Callable[[EventView], None]) -> tuple[str, ...]:
+    def run_all(
+        self, plans: Sequence[Plan], notify: Callable[[EventView], None], ended: Callable[[], bool] = lambda: False
+    ) -> tuple[str, ...]:
         """Run plans in turn, each as `run`; returns the runs' names.
 
         A sine test that lengthens its bursts until they have settled, and names no modes, takes those of the impact
-        test before it.
+        test before it. Once `ended` says so, the plans that are left are not begun.
 
         Raises:
             ModallabError: as `run`; the plans after it are not begun.
         """
         runs: list[str] = []
         for plan in plans:
+            if ended():
+                break
             runs.append(self.run(with_known_modes(plan, lambda: self.recorded(runs)), notify))
         return tuple(runs)
 
@@ -133,6 +137,7 @@ class LocalCampaign:
         """Leave the bench at rest."""
         self._controllers.close()
         self._service.leases.release(self._rig, self._lease.id)
+        self._diary.close()
         self._service.close()
         self._lock.release()
         self._store.close()

@@ -116,12 +116,14 @@ def read_samples(service: Service, block: BlockRecord) -> Samples:
     return np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<"))
 
 
-def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | None) -> None:
+def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | None, operator: str = "unknown") -> None:
     """Accept or reject a block of a run, going on or ended.
+
+    One that has ended needs no lease, since nothing moves; `operator` is who judges then.
 
     Raises:
         NotFoundError: there is no such block.
-        LeaseNeededError: not without the lease of the run's rig.
+        LeaseNeededError: the run goes on, and its rig's lease is another's.
         ConflictError: the run belongs to no campaign, or a block is accepted while the run still asks for it again.
     """
     block, record, entry = block_record(service, run, n), record_of(service, run), service.repository.entry(run)
@@ -129,8 +131,8 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
         raise ConflictError(
             f"run {run} belongs to no campaign of this service", where=run, remedy="use its own program"
         )
-    operator = service.leases.require(entry.rig, lease).operator
     if record.state not in ENDED:
+        service.leases.require(entry.rig, lease)
         _while_running(service, entry.rig, run, n, verdict, lease)
         return
     if block.note.accepted == verdict.accepted:

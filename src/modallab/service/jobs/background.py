@@ -87,7 +87,8 @@ class AfterRun:
     def identify(self, run: str) -> Job:
         """Order the model of a run and of all it continues."""
         runs = self._repository.chain(run)
-        job = self._jobs.submit("identify", {}, runs, self._store.revision(runs))
+        job = self._jobs.submit("identify", {}, runs, self._store.revision(runs), automatic=True)
+        self._jobs.supersede(job)
         entry = self._repository.entry(run)
         if entry is not None:
             self._repository.add_job(entry.campaign, job, "service")

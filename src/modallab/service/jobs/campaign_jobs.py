@@ -25,7 +25,7 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
 
 
 def campaign_jobs(service: Service, campaign: str, kind: str | None = None) -> list[Job]:
-    """The jobs of a campaign, the newest first.
+    """The jobs of a campaign, the newest first, with their results.
 
     Raises:
         NotFoundError: no such campaign.
@@ -68,15 +68,17 @@ def newest_file(service: Service, campaign: str, kind: str, name: str) -> bytes:
     for job in jobs:
         if job.state == "done":
             return job_file(service, job, name)
-    raise _none_yet(campaign, _NOUN.get(kind, kind), next(iter(jobs), None))
+    raise none_yet(f"campaign {campaign}", kind, next(iter(jobs), None))
 
 
-def _none_yet(campaign: str, noun: str, newest: Job | None) -> NotFoundError:
+def none_yet(whose: str, kind: str, newest: Job | None) -> NotFoundError:
+    """What to raise where no job of a kind is done; `newest` is one that is not."""
+    noun = _NOUN.get(kind, kind)
     if newest is None:
-        return NotFoundError(f"campaign {campaign} has no {noun}", where=campaign, remedy="order one, and wait")
+        return NotFoundError(f"{whose} has no {noun}", where=whose, remedy="order one, and wait")
     why = f": {newest.error}" if newest.error else ""
     remedy = "order it again" if newest.ended else f"wait until job {newest.id} has ended"
-    return NotFoundError(f"the {noun} of campaign {campaign} is {newest.state}{why}", where=campaign, remedy=remedy)
+    return NotFoundError(f"the {noun} of {whose} is {newest.state}{why}", where=whose, remedy=remedy)
 
 
 def job_file(service: Service, job: Job, name: str) -> bytes:

@@ -2,6 +2,8 @@
 
 import logging
 import multiprocessing
+import os
+import pickle
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -10,6 +12,8 @@ from multiprocessing.process import BaseProcess
 from typing import cast
 
 import psutil
+
+from modallab.core.owned import run_owned
 
 LOG = logging.getLogger(__name__)
 AGAIN_S = 0.2
@@ -28,13 +32,28 @@ class Child:
     def __init__(
         self,
         name: str,
-        target: Callable[..., None],
+        target: str,
         arguments: tuple[object, ...],
         started: Callable[[Connection], None] = lambda _: None,
+        *,
+        handles: tuple[object, ...] = (),
+        grace_s: float = 0.0,
     ) -> None:
+        """Nothing is started yet.
+
+        Args:
+            name: of the process.
+            target: `module:function`, called with its end of the pipe, the handles and the arguments.
+            arguments: what can be pickled.
+            started: called with this end of its pipe.
+            handles: sockets.
+            grace_s: it lives so long at most after this process has died.
+        """
         self.name = name
         self._target = target
-        self._arguments = arguments
+        self._arguments = pickle.dumps(arguments)
+        self._handles = handles
+        self._grace_s = grace_s
         self._started = started
         self._pause_s = AGAIN_S
         self._next_s = 0.0
@@ -42,6 +61,7 @@ class Child:
         self._leave_by_s = 0.0
         self.process: BaseProcess | None = None
         self._connection: Connection | None = None
+        self._life: Connection | None = None
 
     @property
     def pid(self) -> int | None:
@@ -91,9 +111,14 @@ class Child:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
-        self.process = context.Process(target=self._target, args=(theirs, *self._arguments), name=self.name)
+        watched, life = context.Pipe(duplex=False)
+        about = (watched, os.getpid(), self._grace_s, self._target, self._arguments)
+        self.process = context.Process(target=run_owned, args=(*about, theirs, *self._handles), name=self.name)
         self.process.start()
         theirs.close()
+        watched.close()
+        # Held as long as this process lives, and closed with it.
+        self._life = cast("Connection", life)
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)
 

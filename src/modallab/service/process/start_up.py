@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 NAME = "token"
+LEAST = 16
 
 
 def token_path(settings: Settings) -> Path:
@@ -32,19 +33,36 @@ def require_token(settings: Settings) -> str:
     """
     if settings.token is not None:
         return settings.token
+    path = token_path(settings)
+    if not settings.is_local and settings.token_file is not None:
+        return _chosen(settings.token_file)
     if not settings.is_local:
         raise ServiceError(
             f"others can reach {settings.host}, and no token was chosen",
             where="host",
-            remedy="set MODALLAB_TOKEN to at least 16 characters, or listen on 127.0.0.1",
+            remedy="set MODALLAB_TOKEN to at least 16 characters, name a file that holds them, or listen on 127.0.0.1",
         )
-    path = token_path(settings)
     try:
         return _read(path) or _make(path)
     except OSError as error:
         raise ServiceError(
             f"the token file cannot be used: {error.strerror}", where=str(path), remedy="name another by --token-file"
         ) from error
+
+
+def _chosen(path: Path) -> str:
+    # Named on purpose, as a secret that an engine for containers puts there: who may read it is not ours to say.
+    try:
+        token = path.read_text(encoding="ascii").strip()
+    except (OSError, UnicodeError) as error:
+        raise ServiceError(
+            f"the token file cannot be used: {error}", where=str(path), remedy="write the token there, in ASCII"
+        ) from error
+    if len(token) < LEAST:
+        raise ServiceError(
+            f"the token has {len(token)} characters", where=str(path), remedy=f"choose at least {LEAST} characters"
+        )
+    return token
 
 
 def _read(path: Path) -> str:

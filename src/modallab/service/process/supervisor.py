@@ -3,7 +3,6 @@
 import logging
 import os
 import secrets
-import socket
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,9 +18,12 @@ from modallab.jobs import Jobs
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
+from modallab.service.process.descriptors import raise_limit
+from modallab.service.process.orphans import Orphans
+from modallab.service.process.ports import bound, taken
 from modallab.service.process.stop_listener import StopListener
 from modallab.service.process.wire import Counter
-from modallab.service.process.workers import Computing, run_api, run_jobs
+from modallab.service.process.workers import Computing
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.controller import Bench, Controller
@@ -33,8 +35,11 @@ from modallab.storage.lease import Lease
 LOG = logging.getLogger(__name__)
 LOOK_S = 0.1
 BEAT_LOOK_S = 0.05
-BACKLOG = 1024
 LOCK = "service.lock"
+API = "modallab.service.process.workers:run_api"
+JOBS = "modallab.service.process.workers:run_jobs"
+LEAVE_S = 5.0
+"""For the jobs to be given back, when the supervisor has died."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +61,11 @@ class Supervisor:
             ServiceError: another service uses the data folder, or a port is taken.
             StorageError: the data folder cannot be used.
         """
+        # Inherited by every process that is started from here.
+        raise_limit()
         self._settings = settings
         self._closing = Flag()
+        self._closed = Flag()
         self.store = Store(settings.data)
         self._lock = Lease(settings.data / LOCK)
         if not self._lock.acquire():
@@ -65,9 +73,11 @@ class Supervisor:
             raise ServiceError(
                 "another service uses this data folder", where=str(settings.data), remedy="stop it, or name another"
             )
+        self._orphans = Orphans(settings.data)
+        self._orphans.end_all()
         self._counter: Counter | None = None
         boot = secrets.token_hex(8)
-        log = EventLog(self.store.catalogue.engine)
+        log = EventLog(self.store.catalogue.engine, self._new_events)
         diary = Diary(self.store, log)
         jobs = self._queue = Jobs(self.store.catalogue.engine)
         self._diary = diary
@@ -80,23 +90,26 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, rig, url, settings.data), diary, after, self._show)
+                Controller(Bench(i, rig, url, settings.data), diary, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,
         )
         try:
-            self._stop = StopListener(settings.host, settings.stop_port, self.controllers.emergency_stop)
+            self._stop = StopListener(
+                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+            )
         except OSError as error:
             self.controllers.close()
-            raise _taken(settings.stop_port, error) from error
+            raise taken(settings.stop_port, error) from error
         self.place = Place(settings.host, listener.getsockname()[1], self._stop.port)
-        self._api = Child("api", run_api, (listener, settings, token, boot), self._api_started)
-        self._jobs = Child("jobs", run_jobs, (settings,), self._jobs_started)
+        settings = settings.model_copy(update={"stop_port": self._stop.port})
+        self._api = Child("api", API, (settings, token, boot), self._api_started, handles=(listener,))
+        self._jobs = Child("jobs", JOBS, (settings,), self._jobs_started, grace_s=LEAVE_S)
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
-        self._api.look()
+        self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
 
@@ -122,6 +135,9 @@ class Supervisor:
             child.close()
         if self._jobs_owner:
             self._free_jobs(self._jobs_owner)
+        self._diary.close()
+        self._closed.set()
+        self._orphans.close()
         self._lock.release()
         self.store.close()
 
@@ -159,24 +175,30 @@ class Supervisor:
         known = {"supervisor": os.getpid(), "api": self._api.pid, "jobs": self._jobs.pid}
         return {name: pid for name, pid in known.items() if pid is not None} | self._computing
 
-    def _show(self, content: bytes) -> None:
+    def _new_events(self) -> None:
         counter = self._counter
         if counter is not None:
-            counter.show(content)
+            counter.new_events()
 
     def _keep(self) -> None:
         """Housekeeping, which may wait for a disk."""
         while not self._closing.wait(LOOK_S):
             try:
-                self._api.look()
+                self._look_after(self._api)
                 if self._settings.jobs and self._counter is not None and self._counter.began:
                     # Its imports take seconds of processor time, and the REST service comes first.
-                    self._jobs.look()
+                    self._look_after(self._jobs)
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()
             except Exception:
                 LOG.exception("supervisor")
+        # The system ends children with the thread that started them.
+        self._closed.wait()
+
+    def _look_after(self, child: Child) -> None:
+        child.look()
+        self._orphans.note(child.name, child.pid)
 
     def _guard(self) -> None:
         """The heartbeat, which waits for nothing."""
@@ -205,25 +227,3 @@ class Supervisor:
             LOG.exception("heartbeat: %s", trouble)
         else:
             LOG.warning("%s; stopped: %s", trouble, ", ".join(stopped) or "nothing was driven")
-
-
-def bound(host: str, port: int) -> socket.socket:
-    """A socket that listens there; raises ServiceError where the port is taken."""
-    # Bound here, so that requests wait in line while the REST process is started again.
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # The protocol is named: asyncio sends small answers at once (TCP_NODELAY) only on sockets that name it. Without,
-    # each answer in two parts, head and body, waits 40 ms for the client's delayed acknowledgement.
-    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    try:
-        if os.name == "posix":
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen(BACKLOG)
-    except OSError as error:
-        listener.close()
-        raise _taken(port, error) from error
-    return listener
-
-
-def _taken(port: int, error: OSError) -> ServiceError:
-    return ServiceError(f"cannot listen on port {port}: {error.strerror}", where="port", remedy="name another port")

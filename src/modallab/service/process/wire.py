@@ -20,8 +20,6 @@ from modallab.service.rigs.control import Control, ControllerState, StartRun
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
-FRAMES = 4
-"""Live samples that may wait for a reader; the newer ones are not shown then."""
 CALLS = frozenset({"states", "processes", "start", "command", "emergency_stop", "reset"})
 
 
@@ -49,10 +47,8 @@ class Sign:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """Live samples, as they go on to whoever looks."""
-
-    content: bytes
+class NewEvents:
+    """There is something new in the log of events."""
 
 
 class RemoteControl:
@@ -66,7 +62,7 @@ class RemoteControl:
         self._waiting: dict[int, Future[Any]] = {}
         self._number = 0
         self._lost = Flag()
-        self.on_frame: Callable[[bytes], None] = _ignore
+        self.on_events: Callable[[], None] = _ignore
         Thread(target=self._hear, name="answers", daemon=True).start()
         Thread(target=self._beat, name="heartbeat", daemon=True).start()
 
@@ -114,11 +110,11 @@ class RemoteControl:
     def _hear(self) -> None:
         try:
             while True:
-                answer: Answer | Frame | None = self._connection.recv()
+                answer: Answer | NewEvents | None = self._connection.recv()
                 if answer is None:
                     break
-                if isinstance(answer, Frame):
-                    self.on_frame(answer.content)
+                if isinstance(answer, NewEvents):
+                    self.on_events()
                     continue
                 future = self._waiting.get(answer.number)
                 if future is None:
@@ -153,9 +149,9 @@ class Counter:
         self.heard_s = time.monotonic()
         self.began = False
         self._gone_s: float | None = None
-        self._frames: Queue[Frame | None] = Queue(FRAMES)
+        self._new: Queue[NewEvents | None] = Queue(1)
         self._pool = ThreadPoolExecutor(max_workers=16, thread_name_prefix="call")
-        for work in (self._hear, self._show):
+        for work in (self._hear, self._notify):
             Thread(target=work, name="calls", daemon=True).start()
 
     def _hear(self) -> None:
@@ -170,20 +166,21 @@ class Counter:
             self._gone_s = time.monotonic()
             self._pool.shutdown(wait=False)
             with suppress(Full):
-                self._frames.put_nowait(None)
+                self._new.put_nowait(None)
 
-    def show(self, content: bytes) -> None:
-        """Pass live samples on, if those before have been taken; whoever shows them waits for nobody."""
+    def new_events(self) -> None:
+        """Say that there is something new in the log; who says so waits for nobody."""
         if self._gone_s is None and self.began:
+            # One that waits already says all there is to say.
             with suppress(Full):
-                self._frames.put_nowait(Frame(content))
+                self._new.put_nowait(NewEvents())
 
-    def _show(self) -> None:
+    def _notify(self) -> None:
         # A REST process that is frozen reads nothing, and the run that is on must not stand still with it.
         with suppress(OSError):
-            while self._gone_s is None and (frame := self._frames.get()) is not None:
+            while self._gone_s is None and (new := self._new.get()) is not None:
                 with self._sending:
-                    self._connection.send(frame)
+                    self._connection.send(new)
 
     @property
     def since_heard_s(self) -> float:
@@ -213,8 +210,8 @@ class Counter:
             return
 
 
-def _ignore(_content: bytes) -> None:
-    """Nobody looks."""
+def _ignore() -> None:
+    """Nobody waits for events."""
 
 
 def _no_supervisor() -> RigUnavailableError:

@@ -40,8 +40,10 @@ def set_up(level: str) -> None:
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(Lines())
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
-    for talker in ("distributed", "uvicorn", "asyncio", "matplotlib"):
+    for talker in ("distributed", "asyncio", "matplotlib"):
         logging.getLogger(talker).setLevel(logging.WARNING)
+    # Whatever anyone sends, token or not, must not fill the disk with our log.
+    logging.getLogger("uvicorn").setLevel(logging.ERROR)
 
 
 def run_api(connection: Connection, listener: socket, settings: Settings, token: str, boot: str) -> None:
@@ -54,6 +56,8 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
 
     from modallab.service.api.app import create_app
     from modallab.service.context import open_service
+    from modallab.service.process.connections import guarded
+    from modallab.service.process.descriptors import raise_limit
 
     server: uvicorn.Server | None = None
 
@@ -66,13 +70,14 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
     control = RemoteControl(connection, gone)
     service = open_service(settings.data, control, boot)
     app = create_app(service, settings, token)
-    control.on_frame = app.state.live.show
+    control.on_events = app.state.feed.look
     server = uvicorn.Server(
         uvicorn.Config(
             app,
             log_config=None,
             access_log=False,
             server_header=False,
+            http=guarded(raise_limit()),
             ws="websockets-sansio",
             timeout_graceful_shutdown=1,
         )

@@ -1,7 +1,7 @@
 """The log of events: append-only, in one order, so that whoever was away reads on from where he was."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Lock
 from typing import Any
@@ -12,6 +12,7 @@ from modallab.core.documents.pages import EventView
 from modallab.core.errors import StorageError
 from modallab.storage.engine import reading, writing
 from modallab.storage.recorder import utc_now
+from modallab.storage.records import ENDED
 from modallab.storage.service_tables import EVENTS
 
 RENAMED = {"hit_wanted": "hit_requested", "hit_refused": "hit_rejected"}
@@ -33,13 +34,21 @@ class Topic:
 class EventLog:
     """Appends and reads events. A full disk delays them and never stops who reports them."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, written: Callable[[], None] = lambda: None) -> None:
+        """`written` is called after events were added; it must not wait."""
         self._engine = engine
+        self._written = written
         self._waiting: deque[dict[str, Any]] = deque(maxlen=MAX_WAITING)
-        self._lock = Lock()
+        self._adding = Lock()
+        self._writing = Lock()
 
     def append(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
         """Add an event; what the disk would not take is added with the next one, in order."""
+        self.append_later(kind, topic, content)
+        self.flush()
+
+    def append_later(self, kind: str, topic: Topic, content: Mapping[str, Any]) -> None:
+        """Add an event with the next `flush`: waits for no disk and no database."""
         row = {
             "utc": utc_now(),
             "rig": topic.rig,
@@ -48,13 +57,12 @@ class EventLog:
             "kind": kind,
             "content": dict(content),
         }
-        with self._lock:
+        with self._adding:
             self._waiting.append(row)
-            self._write_waiting()
 
     def flush(self) -> None:
         """Try again to write what waits."""
-        with self._lock:
+        with self._writing:
             self._write_waiting()
 
     @property
@@ -77,17 +85,30 @@ class EventLog:
         with reading(self._engine) as connection:
             return connection.scalar(select(func.max(EVENTS.c.seq))) or 0
 
+    def has_ended(self, run: str, seq: int) -> bool:
+        """Whether the events up to number `seq` say that a run has ended."""
+        mine = EVENTS.c.run == run, EVENTS.c.kind == "state", EVENTS.c.seq <= seq
+        query = select(EVENTS.c.content).where(*mine).order_by(EVENTS.c.seq.desc()).limit(1)
+        with reading(self._engine) as connection:
+            content = connection.scalar(query)
+        return run != "" and content is not None and content["state"] in ENDED
+
     def _write_waiting(self) -> None:
-        if not self._waiting:
+        with self._adding:
+            rows = list(self._waiting)
+        if not rows:
             return
-        rows = list(self._waiting)
         try:
             with writing(self._engine) as connection:
                 one_at_a_time(connection)
                 connection.execute(insert(EVENTS), rows)
         except StorageError:
             return
-        self._waiting.clear()
+        written = {id(row) for row in rows}
+        with self._adding:
+            while self._waiting and id(self._waiting[0]) in written:
+                self._waiting.popleft()
+        self._written()
 
 
 def _view(row: RowMapping) -> EventView:

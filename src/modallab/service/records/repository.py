@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Connection, Engine, delete, insert, select, update
+from sqlalchemy import Connection, Engine, delete, insert, or_, select, update
 
 from modallab.core.documents.campaigns import CampaignChange, CampaignNew, CampaignView
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.storage.engine import reading, writing
+from modallab.storage.engine import next_number, reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
 
@@ -71,7 +71,7 @@ class CampaignRepository:
             "revision": 1,
         }
         with writing(self._engine) as connection:
-            connection.execute(insert(CAMPAIGNS).values(row))
+            connection.execute(insert(CAMPAIGNS).values(row | {"seq": next_number(connection, CAMPAIGNS)}))
             audit.note(connection, operator, "create-campaign", row["id"], {"name": new.name, "rig": new.rig})
         return CampaignView(**row)
 
@@ -84,11 +84,17 @@ class CampaignRepository:
         with reading(self._engine) as connection:
             return _campaign(connection, campaign)
 
-    def campaigns(self, before: str | None, limit: int) -> list[CampaignView]:
-        """Up to `limit` campaigns before the one named `before`, newest first."""
-        query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.id.desc()).limit(limit)
+    def campaigns(self, before: str | None, limit: int, *, rig: str = "", text: str = "") -> list[CampaignView]:
+        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in it."""
+        query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.seq.desc()).limit(limit)
+        if rig:
+            query = query.where(CAMPAIGNS.c.rig == rig)
+        if text:
+            columns = CAMPAIGNS.c.name, CAMPAIGNS.c.note
+            query = query.where(or_(*(column.icontains(text, autoescape=True) for column in columns)))
         if before is not None:
-            query = query.where(CAMPAIGNS.c.id < before)
+            place = select(CAMPAIGNS.c.seq).where(CAMPAIGNS.c.id == before).scalar_subquery()
+            query = query.where(CAMPAIGNS.c.seq < place)
         with reading(self._engine) as connection:
             return [_campaign(connection, name) for name in connection.scalars(query).all()]
 
@@ -120,14 +126,15 @@ class CampaignRepository:
             StorageError: it could not be kept.
         """
         with writing(self._engine) as connection:
-            connection.execute(insert(CAMPAIGN_RUNS).values({name: getattr(entry, name) for name in _ENTRY}))
+            row = {name: getattr(entry, name) for name in _ENTRY} | {"seq": next_number(connection, CAMPAIGN_RUNS)}
+            connection.execute(insert(CAMPAIGN_RUNS).values(row))
             more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
             connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
             audit.note(connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan})
             if key is not None:
                 connection.execute(delete(RUN_KEYS).where(RUN_KEYS.c.created_utc < key_limit()))
-                row = {"key": key.key, "request": key.request, "run": entry.run, "created_utc": utc_now()}
-                connection.execute(insert(RUN_KEYS).values(row))
+                kept = {"key": key.key, "request": key.request, "run": entry.run, "created_utc": utc_now()}
+                connection.execute(insert(RUN_KEYS).values(kept))
 
     def run_of(self, key: RunKey) -> str | None:
         """The run that was begun under a key; None if there is none, or it was longer ago than `KEY_LIFE`.
@@ -155,7 +162,7 @@ class CampaignRepository:
         """What the repository says of a run; None if it belongs to no campaign."""
         with reading(self._engine) as connection:
             row = connection.execute(select(CAMPAIGN_RUNS).where(CAMPAIGN_RUNS.c.run == run)).mappings().one_or_none()
-        return None if row is None else RunEntry(**row)
+        return None if row is None else RunEntry(**{name: row[name] for name in _ENTRY})
 
     def chain(self, run: str) -> tuple[str, ...]:
         """A run with all it continues, the oldest first."""
@@ -210,5 +217,6 @@ def _campaign(connection: Connection, campaign: str) -> CampaignView:
     row = connection.execute(select(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)).mappings().one_or_none()
     if row is None:
         raise NotFoundError(f"there is no campaign {campaign!r}", remedy="look at the list of campaigns")
-    runs = select(CAMPAIGN_RUNS.c.run).where(CAMPAIGN_RUNS.c.campaign == campaign).order_by(CAMPAIGN_RUNS.c.run)
-    return CampaignView(**row, runs=tuple(connection.scalars(runs).all()))
+    runs = select(CAMPAIGN_RUNS.c.run).where(CAMPAIGN_RUNS.c.campaign == campaign).order_by(CAMPAIGN_RUNS.c.seq)
+    known = {name: value for name, value in row.items() if name != "seq"}
+    return CampaignView(**known, runs=tuple(connection.scalars(runs).all()))

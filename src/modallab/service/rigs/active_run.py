@@ -6,11 +6,12 @@ from concurrent.futures import TimeoutError as NotYetError
 from contextlib import suppress
 from threading import Lock
 
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.process.rig_process import RigProcess
-from modallab.core.documents.runs import Command, Drop, Repeat
+from modallab.core.documents.runs import Accept, Command, Drop, Repeat
 from modallab.core.errors import ModallabError, StorageError
 from modallab.core.events import Event, Failed, RunState, StateChanged
-from modallab.core.plan import Plan
+from modallab.core.plan import ImpactPlan, Plan
 from modallab.service.errors import NotFoundError, RigUnavailableError
 from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
@@ -121,6 +122,8 @@ class ActiveRun:
             process.repeat(command.frequency_hz, command.level or "")
         elif isinstance(command, Drop):
             process.drop(self._block_name(command.n), command.reason)
+        elif isinstance(command, Accept):
+            process.accept(self._block_name(command.n), command.reason, operator)
         else:
             simple[command.kind]()
         audit.enter(self.diary.engine, operator, command.kind, self.run, command.model_dump(mode="json"))
@@ -133,7 +136,7 @@ class ActiveRun:
 
     def _follow(self, process: RigProcess, begun: "Future[str]") -> ModallabError | None:
         try:
-            events = process.run(self.plan)
+            events = process.run(self.plan, self._expected(process))
             try:
                 self._begin(next(events))
                 begun.set_result(self.run)
@@ -147,6 +150,14 @@ class ActiveRun:
             self._ended_by(error)
             return None if begun.done() else error
         return None
+
+    def _expected(self, process: RigProcess) -> ExpectedModes | None:
+        if not isinstance(self.plan, ImpactPlan) or not self.plan.acceptance.check_point:
+            return None
+        # Here and not above: a service that runs no impact test starts without what it takes.
+        from modallab.pipelines.expected_modes import expected_modes
+
+        return expected_modes(process.rig)
 
     def _begin(self, first: Event) -> None:
         self.run = first.run

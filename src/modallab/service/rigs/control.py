@@ -51,6 +51,7 @@ class ControllerState:
         info: what the bench said of itself; None until it is open.
         run: the active run.
         error: why it is unavailable.
+        since: when it came to stand so, in UTC.
     """
 
     id: str
@@ -60,6 +61,7 @@ class ControllerState:
     info: BenchInfo | None
     run: str | None
     error: str
+    since: str = ""
 
 
 class Control(Protocol):

@@ -4,12 +4,12 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Event as Flag
 from threading import Lock, Thread
 
-from modallab.acquisition.monitor.live import frame
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.protocol import BenchInfo
@@ -21,6 +21,8 @@ from modallab.service.errors import ConflictError, NotFoundError, RigUnavailable
 from modallab.service.rigs.active_run import ActiveRun, RequestedRun
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.diary import Diary
+from modallab.service.rigs.emergency import EmergencyStop
+from modallab.storage.recorder import utc_now
 
 LOG = logging.getLogger(__name__)
 
@@ -49,7 +51,6 @@ class Controller:
         bench: Bench,
         diary: Diary,
         ended: Callable[[str], None],
-        live: Callable[[bytes], None] | None = None,
         begin_s: float = BEGIN_S,
     ) -> None:
         """Begin to open the bench.
@@ -58,17 +59,17 @@ class Controller:
             bench: the rig.
             diary: where it writes.
             ended: called with the name of every run that has ended.
-            live: called with a frame of samples now and then, while a run is on.
             begin_s: until a run must have begun.
         """
         self._begin_s = begin_s
-        self._live = live
         self.bench = bench
         self.latch = TripLatch(bench.folder, bench.url)
         self._diary = diary
+        self._stop = EmergencyStop(self.latch, partial(diary.tripped, bench.id))
         self._ended = ended
         self._state: RigState = "starting"
         self._error = ""
+        self._since = utc_now()
         self._active: ActiveRun | None = None
         self._process: RigProcess | None = None
         self._info: BenchInfo | None = None
@@ -84,7 +85,7 @@ class Controller:
     def driving(self) -> bool:
         """Whether a test that moves the output is on."""
         active = self._active
-        return active is not None and active.plan.kind == "sine"
+        return active is not None and active.plan.kind != "impact"
 
     @property
     def pid(self) -> int | None:
@@ -97,7 +98,9 @@ class Controller:
         active = self._active
         run = active.run if active is not None else None
         bench = self.bench
-        return ControllerState(bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error)
+        return ControllerState(
+            bench.id, bench.rig, bench.url, self._state, self._info, run or None, self._error, self._since
+        )
 
     def wait_until_settled(self, patience_s: float) -> ControllerState:
         """Wait until the bench is open or cannot be opened, and no run is on; how it stands then."""
@@ -130,6 +133,7 @@ class Controller:
         return None if order.key is None else self._diary.repository.run_of(order.key)
 
     def _start(self, order: StartRun, operator: str) -> str:
+        self._stop.require_latch()
         self.latch.require_reset()
         if self._active is not None:
             raise ConflictError(
@@ -161,16 +165,9 @@ class Controller:
         """Bring the output to 0 V and latch, whatever else goes on.
 
         Raises:
-            ModallabError: the output could not be reached, or the latch not be written.
+            ModallabError: the output could not be reached.
         """
-        process = self._process
-        try:
-            if process is not None:
-                process.emergency_stop(reason)
-            else:
-                self.latch.trip("emergency stop", reason)
-        finally:
-            self._diary.tripped(self.bench.id, reason, operator)
+        self._stop.press(self._process, reason, operator)
 
     def reset(self, reason: str, operator: str) -> None:
         """Let it be driven again.
@@ -178,7 +175,8 @@ class Controller:
         Raises:
             NotFoundError: it is not tripped.
         """
-        if self.latch.reset() is None:
+        unwritten = self._stop.reset()
+        if self.latch.reset() is None and not unwritten:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
         self._diary.reset(self.bench.id, reason, operator)
 
@@ -210,9 +208,6 @@ class Controller:
 
     def _open_and_serve(self) -> None:
         process = self._process = RigProcess(self.bench.url, self.bench.rig, self.bench.folder)
-        if self._live is not None:
-            show = self._live
-            process.on_live = lambda live: show(frame(self.bench.id, live))
         try:
             self._info = process.info
             self._is("idle")
@@ -263,5 +258,5 @@ class Controller:
 
     def _is(self, state: RigState, error: str = "") -> None:
         if (state, error) != (self._state, self._error):
-            self._state, self._error = state, error
+            self._state, self._error, self._since = state, error, utc_now()
             self._diary.rig_state(self.bench.id, state, error)

@@ -4,7 +4,8 @@ import logging
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
-from threading import Lock
+from queue import SimpleQueue
+from threading import Lock, Thread
 from typing import Protocol
 
 from sqlalchemy import Engine, func, select
@@ -21,6 +22,7 @@ from modallab.storage.service_tables import CAMPAIGN_RUNS, EVENTS
 
 CODE = "interrupted"
 LOOK_S = 2.0
+CLOSE_S = 0.5
 
 
 class Followed(Protocol):
@@ -74,22 +76,36 @@ class Diary:
         self.engine: Engine = store.catalogue.engine
         self.repository = CampaignRepository(self.engine)
         self.ends = Ends()
+        self._stops: SimpleQueue[tuple[str, str, str] | None] = SimpleQueue()
+        self._writer = Thread(target=self._enter_stops, name="stops", daemon=True)
+        self._writer.start()
+
+    def close(self) -> None:
+        """Write what still waits, if the database takes it soon."""
+        self._stops.put(None)
+        self._writer.join(CLOSE_S)
 
     def rig_state(self, rig: str, state: str, error: str) -> None:
         """The rig's process is in another state."""
         self.log.append("rig", Topic(rig=rig), {"kind": "rig", "rig": rig, "state": state, "error": error})
 
     def tripped(self, rig: str, reason: str, operator: str) -> None:
-        """Someone or something stopped the rig; a full disk does not undo that."""
+        """Someone or something stopped the rig. Whoever stops waits neither for the disk nor for the database."""
         content = {"kind": "tripped", "rig": rig, "reason": reason, "operator": operator}
-        self.log.append("tripped", Topic(rig=rig), content)
-        self._enter(operator, "emergency-stop", rig, reason)
+        self.log.append_later("tripped", Topic(rig=rig), content)
+        self._stops.put((operator, rig, reason))
 
     def reset(self, rig: str, reason: str, operator: str) -> None:
         """Someone has reset it."""
         content = {"kind": "reset", "rig": rig, "reason": reason, "operator": operator}
         self.log.append("reset", Topic(rig=rig), content)
         self._enter(operator, "reset", rig, reason)
+
+    def _enter_stops(self) -> None:
+        while (stop := self._stops.get()) is not None:
+            operator, rig, reason = stop
+            self.log.flush()
+            self._enter(operator, "emergency-stop", rig, reason)
 
     def _enter(self, operator: str, action: str, rig: str, reason: str) -> None:
         try:

@@ -1,0 +1,132 @@
+"""A burst on an analog output is ended by a fall from the value it has, by whoever reaches its task.
+
+A finite burst lies whole in its buffer and can't be changed while it plays. So it is stopped, whereupon the output
+holds the last sample; how many were generated says which one that is; and the same task then plays the fall from there.
+The task is committed before it starts: when it is stopped it keeps the output and the count. What is played is written
+into the description of its channel, so that another process knows it too.
+"""
+
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Self
+
+import nidaqmx.errors
+import numpy as np
+from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior, Edge
+from numpy.typing import NDArray
+
+from modallab.bench.fall import fall_samples
+from modallab.bench.protocol import Burst
+from modallab_drivers.ni_daqmx.zero_volts import GROUP_BY_CHANNEL, WAIT_S
+from modallab_drivers.order import burst_samples
+
+DESCRIPTION = 0x1926
+GENERATED = 0x192B
+OUTPUT_BUFFER = 0x186D
+IDLE = 0x2240
+FALLING = "modallab: falls to 0 V"
+SHAPED = "modallab: a wave that only its owner knows"
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What a task plays.
+
+    Attributes:
+        burst: from its start.
+        rate_hz: of the output.
+    """
+
+    burst: Burst
+    rate_hz: float
+
+    def described(self) -> str:
+        """For the channel's description."""
+        b = self.burst
+        return " ".join(map(repr, (b.frequency_hz, b.amplitude_v, b.ramp_s, b.hold_s, float(self.rate_hz))))
+
+    def wave(self) -> tuple[NDArray[np.float64], float]:
+        """(n,) in V, and their rate."""
+        return burst_samples(self.burst, self.rate_hz), self.rate_hz
+
+    @classmethod
+    def read(cls, text: str) -> Self:
+        """From a channel's description.
+
+        Raises:
+            ValueError: it is no burst of ours.
+        """
+        frequency_hz, amplitude_v, ramp_s, hold_s, rate_hz = map(float, text.split())
+        return cls(Burst(frequency_hz, amplitude_v, ramp_s, hold_s), rate_hz)
+
+
+def fall_to_zero(
+    interpreter: Any, task: Any, physical: str, own: tuple[NDArray[np.float64], float] | None = None
+) -> None:
+    """Stop what a task plays and let it fall; returns at 0 V, or with whoever else does the same.
+
+    It does nothing where the device brings an idle output to 0 V by itself and can't be kept from it: the stop is then
+    a step.
+
+    Args:
+        interpreter: the package's way to the driver.
+        task: handle of a committed task with one output.
+        physical: the output.
+        own: (n,) what the task plays in V, and its rate, for who knows it; else the description says it.
+
+    Raises:
+        ValueError: what the task plays is not known.
+        DaqError: the task is gone, or could not be played: the output is wherever it is.
+    """
+    described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
+    if described != FALLING:
+        known = own or Played.read(described).wave()
+        if not _holds(interpreter, task, physical):
+            return
+        # One who comes a moment later must not take the fall for the burst.
+        interpreter.set_chan_attribute_string(task, physical, DESCRIPTION, FALLING)
+        wave, rate_hz = known
+        volts = float(wave[min(_stopped_at(interpreter, task, rate_hz), len(wave) - 1)])
+        _play(interpreter, task, fall_samples(volts, float(np.abs(wave).max()), rate_hz), rate_hz)
+    interpreter.wait_until_task_done(task, WAIT_S)
+
+
+def _holds(interpreter: Any, task: Any, physical: str) -> bool:
+    hold = AOIdleOutputBehavior.MAINTAIN_EXISTING_VALUE.value
+    try:
+        idle = interpreter.get_chan_attribute_int32(task, physical, IDLE)
+    except nidaqmx.errors.DaqError:
+        # Most devices know no other way.
+        return True
+    if idle == hold:
+        return True
+    with suppress(nidaqmx.errors.DaqError):
+        interpreter.set_chan_attribute_int32(task, physical, IDLE, hold)
+        return True
+    return False
+
+
+def _stopped_at(interpreter: Any, task: Any, rate_hz: float) -> int:
+    """Place of the last sample it has generated."""
+    before = int(interpreter.get_write_attribute_uint64(task, GENERATED))
+    asked_s = time.monotonic()
+    interpreter.stop_task(task)
+    took_s = time.monotonic() - asked_s
+    count = 0
+    with suppress(nidaqmx.errors.DaqError):
+        count = int(interpreter.get_write_attribute_uint64(task, GENERATED))
+    if count < before:
+        # A driver that forgets the count with the stop leaves no better guess than the middle of the call.
+        count = before + round(took_s / 2 * rate_hz)
+    return max(0, count - 1)
+
+
+def _play(interpreter: Any, task: Any, volts: Any, rate_hz: float) -> None:
+    count = len(volts)
+    edge, finite = Edge.RISING.value, AcquisitionType.FINITE.value
+    interpreter.cfg_samp_clk_timing(task, rate_hz, "", edge, finite, count)
+    # The buffer of the burst would want to be filled before it starts.
+    interpreter.set_buffer_attribute_uint32(task, OUTPUT_BUFFER, count)
+    interpreter.write_analog_f64(task, count, False, WAIT_S, GROUP_BY_CHANNEL, volts)
+    interpreter.start_task(task)

@@ -1,0 +1,1 @@
+"""What each attribute answers, by the family it belongs to."""

@@ -1,0 +1,8 @@
+"""Lists as the wire carries them."""
+
+from collections.abc import Iterable
+
+
+def joined(names: Iterable[str]) -> str:
+    """Names with commas between them."""
+    return ", ".join(names)

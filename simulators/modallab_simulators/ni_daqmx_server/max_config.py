@@ -1,0 +1,77 @@
+"""Systems as the vendor's configuration files describe them: devices, scales, saved channels and tasks."""
+
+from configparser import ConfigParser
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from modallab_simulators.ni_daqmx_server.catalogue import CHASSIS_KINDS
+from modallab_simulators.ni_daqmx_server.modules import Module
+from modallab_simulators.ni_daqmx_server.systems import Chassis, Layout, module
+
+Section = dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Saved:
+    """What else a configuration holds, each by its name."""
+
+    scales: dict[str, Section] = field(default_factory=dict[str, Section])
+    channels: dict[str, Section] = field(default_factory=dict[str, Section])
+    tasks: dict[str, Section] = field(default_factory=dict[str, Section])
+    accessories: dict[str, str] = field(default_factory=dict[str, str])
+
+
+def read(files: list[Path]) -> tuple[Layout, Saved]:
+    """Everything that these files describe together.
+
+    Raises:
+        KeyError: a product that cannot be simulated.
+    """
+    chassis: dict[str, Chassis] = {}
+    modules: dict[str, Module] = {}
+    saved = Saved()
+    for file in files:
+        parser = ConfigParser(interpolation=None, strict=False)
+        parser.optionxform = str  # pyright: ignore[reportAttributeAccessIssue]  # names keep their case
+        parser.read_string(file.read_text(encoding="utf-8-sig"))
+        for title in parser.sections():
+            kind, _, name = title.partition(" ")
+            section = {key: value.strip().strip('"') for key, value in parser[title].items()}
+            if kind == "DAQmxCDAQChassis":
+                chassis[name] = _chassis(name, section)
+            elif kind in ("DAQmxDevice", "DAQmxCDAQModule"):
+                modules[name] = _module(name, section)
+            else:
+                _keep(saved, kind, name, section)
+    return Layout(tuple(chassis.values()), tuple(modules.values())), saved
+
+
+def _chassis(name: str, section: Section) -> Chassis:
+    product = section["ProductType"]
+    if product not in CHASSIS_KINDS:
+        raise KeyError(f"the chassis {product} cannot be simulated")
+    return Chassis(name, product, int(section["DevSerialNum"], 16), section["DevIsSimulated"] == "1")
+
+
+def _module(name: str, section: Section) -> Module:
+    made = module(
+        section["ProductType"], name, int(section["DevSerialNum"], 16),
+        section.get("CompactDAQ.ChassisDevName", ""), int(section.get("CompactDAQ.SlotNum", "0")),
+    )  # fmt: skip
+    return replace(
+        made,
+        simulated=section["DevIsSimulated"] == "1",
+        product_number=int(section.get("ProductNum", "0"), 16),
+    )
+
+
+def _keep(saved: Saved, kind: str, name: str, section: Section) -> None:
+    if kind == "DAQmxScale":
+        saved.scales[name] = section
+    elif kind == "DAQmxChannel":
+        saved.channels[name] = section
+    elif kind == "DAQmxTask":
+        saved.tasks[name] = section
+    elif kind == "DAQmxAccessory":
+        accessory, device = name.split("/")[:2]
+        saved.accessories[device] = accessory

@@ -1,0 +1,108 @@
+"""What is looked at in every chunk of a sine test: the limits, and whether the channels can be believed."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from modallab.acquisition.monitor.limits import LimitWatch, watch_of
+from modallab.acquisition.monitor.plausibility import Plausibility
+from modallab.acquisition.monitor.rest_noise import RestNoise
+from modallab.acquisition.monitor.stream import Stream
+from modallab.bench.protocol import Burst, Chunk
+from modallab.core.errors import SafetyError
+from modallab.core.rig import Limits, Rig
+from modallab.signals.conversion import Conversion
+from modallab.storage.samples import Samples
+
+if TYPE_CHECKING:
+    from modallab.acquisition.monitor.motion_limits import MotionWatch
+
+
+@dataclass(slots=True)
+class BurstWatch:
+    """Raises on the first chunk with which the drive must end.
+
+    Attributes:
+        limits: of what the channels measure.
+        plausible: whether they measure at all.
+        motion: limits of what must be integrated; None where there are none.
+        own: noise of each channel at the start of the test.
+    """
+
+    limits: LimitWatch
+    plausible: Plausibility
+    motion: "MotionWatch | None" = None
+    own: RestNoise | None = field(default=None)
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Look at a chunk.
+
+        Raises:
+            SafetyError: says what is beyond which limit, or which channel cannot be believed.
+        """
+        self.limits(chunk)
+        if self.motion is not None:
+            self.motion(chunk)
+        self.plausible(chunk)
+
+    def require_alive(self, rest: Samples, *, counts: bool) -> RestNoise:
+        """Look, before a burst, at a (channels, n) window at rest; returns its noise.
+
+        Raises:
+            SafetyError: a channel shows less than its own noise.
+        """
+        noise = RestNoise.of(rest, counts=counts)
+        if self.own is None:
+            self.own = noise
+        dead = self.own.fallen(noise) | self.own.ends_frozen(rest)
+        fallen = np.flatnonzero(dead & np.isfinite(self.limits.limit))
+        if fallen.size:
+            names = ", ".join(self.limits.names[channel] for channel in fallen)
+            raise SafetyError(
+                f"{names} shows less than its own noise: dead or frozen; nothing was driven",
+                remedy="check the channel's sensor, cable and input; the blocks before are kept",
+            )
+        return noise.no_longer_than(self.own)
+
+    def begin(self, burst: Burst, start: int, rest: Samples, noise: RestNoise, unseen: int) -> None:
+        """A burst begins at sample `start`, after `rest`; `unseen` is the next sample that comes."""
+        self.plausible.begin(burst, start, rest, noise, unseen)
+        if self.motion is not None:
+            self.motion.begin(burst, start)
+
+    def end(self) -> None:
+        """The burst has ended, or was ended."""
+        self.plausible.end()
+        if self.motion is not None:
+            self.motion.end()
+
+    def restart(self) -> None:
+        """The stream begins anew."""
+        self.end()
+        if self.motion is not None:
+            self.motion.restart()
+
+    def used(self, samples: Samples) -> float:
+        """The largest part of a limit that the (channels, n) samples of a burst take."""
+        return max(self.limits.used(samples), self.motion.used if self.motion is not None else 0.0)
+
+
+def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream, lowest_hz: float) -> BurstWatch:
+    """The watch for a rig's limits; `lowest_hz` is the lowest frequency that will be driven."""
+    watched = watch_of(rig, limits, conversion)
+    plausible = Plausibility(
+        conversion.names,
+        conversion.si_per_count,
+        stream.scale,
+        conversion.force,
+        [int(channel) for channel in np.flatnonzero(np.isfinite(watched.limit))],
+        stream.rate_hz,
+    )
+    motion = None
+    if limits.velocity_m_s or limits.displacement_m or limits.stroke_m:
+        # Its filters take more than a second to import, which most tests need not wait for.
+        from modallab.acquisition.monitor.motion_limits import motion_watch
+
+        motion = motion_watch(rig, limits, conversion, stream.rate_hz, lowest_hz)
+    return BurstWatch(watched, plausible, motion)

@@ -1,0 +1,164 @@
+"""Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
+
+While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
+envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one.
+Where the two part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the
+same cut at a level (clipped), or what another channel should do (swapped). A structure does none of these from one
+window to the next; that it merely parts, as after a knock on the table, is no fault of the channel.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real = NDArray[np.float64]
+
+BETTER = 4.0
+"""What became of a channel must explain it so many times better than that all is well."""
+
+OVER_NOISE = 3.0
+"""A channel is judged where it parts from what was foreseen by so many times its noise at rest."""
+
+OVER_MISFIT = 6.0
+"""And by so many times what the earlier window left unexplained: an amplitude that rises or falls along a line parts by
+4.7 times that over the windows used here, however fast it does."""
+
+OVER_SIGNAL = 0.02
+"""And by this part of its own amplitude."""
+
+STILL = 2.0
+MOVING = 8.0
+"""A channel is dead that stays within so many times its noise and parts from what was foreseen by more than so many."""
+
+APART = 0.5
+"""Or, of a tone that is slow, by this part of it."""
+
+ASTRAY = 10.0
+"""A channel has gone astray that parts by so many times its noise and what was left unexplained before."""
+
+LEAST_CUT = 5
+CUT_PART = 0.1
+"""So many samples, and this part of the window, must lie flat where more was foreseen."""
+
+UNBEATEN = 1.15
+"""A weak tone is steady that leaves no more than so many times the noise unexplained."""
+
+LOST_SIGMA = 5.0
+"""A weak channel is lost where its power is that of its noise and was to be above it, each by so many deviations."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Foreseen:
+    """What an earlier window says of a later one.
+
+    Attributes:
+        amplitude: (channels,) of the tone at the full level of the drive.
+        misfit: (channels,) rms that the earlier window leaves unexplained.
+        level: (channels,) rms of the tone in the earlier window.
+        later: (channels, n) foreseen.
+    """
+
+    amplitude: Real
+    misfit: Real
+    level: Real
+    later: Real
+
+
+def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
+    """(n, 3): a constant, and the two quadratures under the drive's envelope."""
+    phase = 2 * np.pi * frequency_hz * times_s
+    return np.stack([np.ones_like(times_s), envelope * np.cos(phase), envelope * np.sin(phase)], axis=1)
+
+
+def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
+    """Fit (channels, n) samples by least squares and carry the fit on to a later window."""
+    solved = np.linalg.pinv(earlier_basis) @ earlier.T
+    fitted = earlier_basis @ solved
+    return Foreseen(
+        amplitude=np.hypot(solved[1], solved[2]),
+        misfit=_rms(earlier.T - fitted, axis=0),
+        level=_rms(fitted - solved[0], axis=0),
+        later=(later_basis @ solved).T,
+    )
+
+
+def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
+    """What has become of channels, in words by channel; none for those that follow, or merely part from it.
+
+    Args:
+        seen: (channels, n) the later window, all in the same unit.
+        foreseen: of it.
+        noise: (channels,) rms at rest.
+        white: (channels,) the part of it that goes from sample to sample, to which a dead channel falls.
+    """
+    parted = _rms(seen - foreseen.later, axis=1)
+    least = np.maximum.reduce(
+        [OVER_NOISE * noise, OVER_MISFIT * foreseen.misfit, OVER_SIGNAL * np.sqrt(2) * foreseen.level]
+    )
+    found: dict[int, str] = {}
+    suspects = np.flatnonzero(parted > least)
+    for channel in suspects:
+        top = _cut_at(seen[channel], foreseen.later[channel], float(white[channel]), float(parted[channel]) / BETTER)
+        if top is not None:
+            found[int(channel)] = f"is cut off at {100 * top:.0f} % of what was foreseen: clipped"
+    for one, other in combinations(range(len(seen)), 2):
+        pair = [one, other]
+        if not (parted[pair] > least[pair]).any():
+            continue
+        # Two plugs change places: each must read what the other was to read.
+        if (_rms(seen[pair] - foreseen.later[pair[::-1]], axis=1) < parted[pair] / BETTER).all():
+            found |= {
+                int(one): f"and {{{other}}} have changed places",
+                int(other): f"and {{{one}}} have changed places",
+            }
+    return found
+
+
+def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
+    """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
+    spread = LOST_SIGMA / np.sqrt(2 * seen.shape[1])
+    expected = np.hypot(_still(foreseen.later), white)
+    steady = foreseen.misfit < UNBEATEN * white
+    return steady & (_still(seen) < white * (1 + spread)) & (expected > white * (1 + 3 * spread))
+
+
+def kept_up(seen: Real, foreseen: Foreseen) -> Real:
+    """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
+    return _still(seen) / np.maximum(_still(foreseen.later), 1e-300)
+
+
+def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
+    """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
+    # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
+    least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
+    moving = (_still(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
+    return (_still(seen) < STILL * white) & moving
+
+
+def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+    """(channels,) whether what followed the drive well parts from what was foreseen by as much as it moved."""
+    least = np.maximum.reduce([ASTRAY * noise, ASTRAY * foreseen.misfit, foreseen.level])
+    return _rms(seen - foreseen.later, axis=1) > least
+
+
+def _still(values: Real) -> Real:
+    """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
+    ramp = np.arange(values.shape[1]) - (values.shape[1] - 1) / 2
+    centred = values - values.mean(axis=1, keepdims=True)
+    return _rms(centred - np.outer(centred @ ramp / (ramp @ ramp), ramp), axis=1)
+
+
+def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | None:
+    """The part of what was foreseen at which a channel is cut off flat; None if it is not."""
+    top = float(np.abs(own).max())
+    above = np.abs(later) > top
+    if above.sum() < max(LEAST_CUT, CUT_PART * own.size) or _rms(own - np.clip(later, -top, top), axis=0) >= at_most:
+        return None
+    flat = np.abs(own[above])
+    return top / float(np.abs(later).max()) if flat.std() < STILL * white else None
+
+
+def _rms(values: Real, axis: int) -> Real:
+    return np.sqrt(np.mean(values**2, axis=axis))

@@ -1,0 +1,150 @@
+"""What the shaker plays in a broadband test: finite waves of known peak, each from 0 V to 0 V.
+
+Source: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2nd ed. (2012), chapter 5, on the
+signals and their crest factors.
+"""
+
+from dataclasses import dataclass
+from math import ceil, floor, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.bench.protocol import Waveform
+from modallab.core.plan import BroadbandPlan
+
+Real = NDArray[np.float64]
+
+OVERSAMPLED = 10.0
+LEAST_RATE_HZ = 5000.0
+MARGIN_S = 0.1
+"""Past the last block: a converter delays its samples by up to some 40 periods of its rate."""
+
+BURST_BEGINS = 0.05
+"""Of a block, before its burst: a block must hold all of it, whatever the converters delay."""
+
+BURST_EDGE = 0.1
+"""Of a burst, of the cosine taper at each end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How one wave is laid out in time.
+
+    Attributes:
+        lead_s: from its start to its first block.
+        blocks: it holds.
+        block_s: of one, as the device counts.
+        end_s: when it has come to 0 V.
+    """
+
+    lead_s: float
+    blocks: int
+    block_s: float
+    end_s: float
+
+
+def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> Layout:
+    """The wave of so many blocks; a burst-random begins each block at rest and needs no lead and no taper."""
+    if plan.signal == "burst-random":
+        return Layout(0.0, blocks, block_s, blocks * block_s + MARGIN_S)
+    return Layout(plan.settle_s, blocks, block_s, plan.settle_s + blocks * block_s + MARGIN_S + plan.ramp_s)
+
+
+def blocks_a_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
+    """How many blocks fit into the longest wave that the rig allows; 0 if not one does."""
+    around_s = layout_of(plan, 0, plan.block_s).end_s
+    return max(0, min(plan.blocks, floor((max_burst_s - around_s) / plan.block_s + 1e-9)))
+
+
+def wave_of(plan: BroadbandPlan, level: str, number: int, layout: Layout) -> Waveform:
+    """One wave.
+
+    Args:
+        plan: signal, band, levels, seed.
+        level: one of the plan's.
+        number: of the wave at this level, from 0; each has phases of its own.
+        layout: in time.
+    """
+    rng = np.random.default_rng([plan.seed, list(plan.levels_v).index(level), number])
+    period = ceil(layout.block_s * max(LEAST_RATE_HZ, OVERSAMPLED * plan.band_hz[1]))
+    rate_hz = period / layout.block_s
+    count = ceil(layout.end_s * rate_hz) + 1
+    samples = plan.levels_v[level] * _unit(plan, rng, period, rate_hz, count, layout)
+    if plan.signal != "burst-random":
+        samples *= _taper(np.arange(count) / rate_hz, layout.end_s, plan.ramp_s)
+    samples[0] = samples[-1] = 0.0
+    return Waveform(samples, rate_hz)
+
+
+def peak_v(wave: Waveform) -> float:
+    """Largest magnitude in V."""
+    return float(np.abs(wave.samples).max())
+
+
+def slew_v_per_s(wave: Waveform) -> float:
+    """Steepest rise or fall in V/s."""
+    return float(np.abs(np.diff(wave.samples)).max() * wave.rate_hz)
+
+
+def _unit(
+    plan: BroadbandPlan, rng: np.random.Generator, period: int, rate_hz: float, count: int, layout: Layout
+) -> Real:
+    """(count,) of a root mean square of 1 while it is on."""
+    if plan.signal == "random":
+        return _noise(rng, count, rate_hz, plan.band_hz)
+    if plan.signal == "burst-random":
+        return _bursts(plan, rng, period, rate_hz, count, layout)
+    one = (
+        _sweep(period, rate_hz, plan.band_hz) if plan.signal == "chirp" else _lines(rng, period, rate_hz, plan.band_hz)
+    )
+    # A block begins with a period, whatever came before it.
+    return one[(np.arange(count) - round(layout.lead_s * rate_hz)) % period]
+
+
+def _band(count: int, rate_hz: float, band_hz: tuple[float, float]) -> slice:
+    line_hz = rate_hz / count
+    return slice(max(1, ceil(band_hz[0] / line_hz - 1e-9)), floor(band_hz[1] / line_hz + 1e-9) + 1)
+
+
+def _noise(rng: np.random.Generator, count: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+    spectrum = np.zeros(count // 2 + 1, complex)
+    inside = spectrum[_band(count, rate_hz, band_hz)]
+    inside[:] = rng.standard_normal(inside.size) + 1j * rng.standard_normal(inside.size)
+    return _of_unit_rms(np.fft.irfft(spectrum, count))
+
+
+def _lines(rng: np.random.Generator, period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+    spectrum = np.zeros(period // 2 + 1, complex)
+    inside = spectrum[_band(period, rate_hz, band_hz)]
+    inside[:] = np.exp(2j * np.pi * rng.random(inside.size))
+    return _of_unit_rms(np.fft.irfft(spectrum, period))
+
+
+def _sweep(period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+    chosen = _band(period, rate_hz, band_hz)
+    first, last = chosen.start, chosen.stop - 1
+    # A whole number of cycles in a period: it joins itself without a jump.
+    last -= (first + last) % 2
+    share = np.arange(period) / period
+    return sqrt(2) * np.sin(2 * np.pi * (first * share + (last - first) * share**2 / 2))
+
+
+def _bursts(
+    plan: BroadbandPlan, rng: np.random.Generator, period: int, rate_hz: float, count: int, layout: Layout
+) -> Real:
+    samples = np.zeros(count)
+    on, begins = int(plan.burst_share * period), int(BURST_BEGINS * period)
+    for block in range(layout.blocks):
+        noise = _noise(rng, period, rate_hz, plan.band_hz)[:on]
+        first = block * period + begins
+        samples[first : first + on] = noise * _taper(np.arange(on) / on, 1.0, BURST_EDGE)
+    return samples
+
+
+def _taper(at: Real, end: float, ramp: float) -> Real:
+    return (1 - np.cos(np.pi * np.clip(np.minimum(at, end - at) / ramp, 0, 1))) / 2
+
+
+def _of_unit_rms(values: Real) -> Real:
+    return values / sqrt(float(np.mean(values**2)))

@@ -1,0 +1,203 @@
+"""Waiting for rest before a hit: no longer than the plan's own limit asks for, and never past a hit that came early."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.settled import Floor, SettledCheck, largest_ratio, own_motion, ringing_lines
+from modallab.acquisition.procedures.trigger import Trigger
+from modallab.bench.protocol import Chunk
+from modallab.core.events import HitTooEarly
+from modallab.core.plan import ImpactPlan
+
+LOOKS_A_BLOCK = 4
+"""Looks at rest for every block that is waited."""
+
+SHARE, FIRST_SHARE, FEW = 0.8, 0.5, 4
+"""Of the weakest hit so far: the next one may be weaker than those before, the more so the fewer these were."""
+
+APART_S = 0.5
+"""Contacts closer than this are one hit that came early."""
+
+Real = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class EarlyHits:
+    """Sees every chunk while nothing is requested, and reports whoever strikes.
+
+    Attributes:
+        context: the bench.
+        plan: the trigger.
+        point: that will be struck.
+        last: sample of the last early hit; None if there was none since the bench was started.
+        seen: how many there were.
+    """
+
+    context: Context
+    plan: ImpactPlan
+    point: int
+    last: int | None = None
+    seen: int = 0
+    _trigger: Trigger = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._trigger = Trigger(self.plan.trigger_n, self.plan.hysteresis_n)
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Look at a chunk."""
+        force = self.context.conversion.force_n(chunk.samples)
+        found = self._trigger.scan(force)
+        if found is None:
+            return
+        at = chunk.first_sample + found
+        if self.last is None or at - self.last > self.context.stream.samples_of(APART_S):
+            self.seen += 1
+            peak = float(force[found:].max())
+            self.context.emit(HitTooEarly(run=self.context.recorder.run, point=self.point, peak_n=peak))
+        self.last = at
+
+    def restarted(self) -> None:
+        """The bench counts from 0 again."""
+        self.last = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HitMotion:
+    """How much the hits that count have moved the structure, line by line.
+
+    Attributes:
+        per_newton: own motion over the force, line by line, by name of the record.
+        sensors: the motion of each sensor, (channels, lines), by the same name.
+        forces: (lines,) of the force, by the same name.
+        point_of: by the same name.
+        sensed_at: (channels,) point of each motion channel, 0 where it has none.
+    """
+
+    sensed_at: tuple[int, ...]
+    per_newton: dict[str, Real] = field(default_factory=dict[str, Real])
+    sensors: dict[str, Real] = field(default_factory=dict[str, Real])
+    point_of: dict[str, int] = field(default_factory=dict[str, int])
+    forces: dict[str, Real] = field(default_factory=dict[str, Real])
+
+    def keep(self, name: str, point: int, force_n: Real, block: Real, n: int, floor: Floor) -> None:
+        """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
+        self.forces[name] = np.abs(np.fft.rfft(force_n - np.median(force_n), n))
+        self.per_newton[name] = own_motion(block, n, floor) / np.maximum(self.forces[name], 1e-300)
+        spectrum = np.abs(np.fft.rfft(block - block.mean(axis=1, keepdims=True), n, axis=1))
+        self.sensors[name] = spectrum / floor.rms[:, None]
+        self.point_of[name] = point
+
+    def forget(self, name: str) -> None:
+        """It counts no longer."""
+        for known in (self.per_newton, self.sensors, self.point_of, self.forces):
+            known.pop(name, None)
+
+    def expected(self, point: int) -> Real | None:
+        """(lines,) own motion that a weak hit at a point will make; None while nothing says so.
+
+        A point that was not struck yet moves the structure as much more or less than one that was as its sensor moves
+        more or less than the sensor there: by reciprocity, and near a mode.
+        """
+        if not self.forces:
+            return None
+        share = SHARE if len(self.forces) > FEW else FIRST_SHARE
+        weakest = share * np.min(list(self.forces.values()), axis=0)
+        here = [name for name, at in self.point_of.items() if at == point]
+        if here:
+            return weakest * np.min([self.per_newton[name] for name in here], axis=0)
+        if point not in self.sensed_at:
+            return None
+        row = self.sensed_at.index(point)
+        found = [self._moved(name, row) for name, at in self.point_of.items() if at in self.sensed_at]
+        return weakest * np.min(found, axis=0) if found else None
+
+    def _moved(self, name: str, row: int) -> Real:
+        sensors = self.sensors[name]
+        there = sensors[self.sensed_at.index(self.point_of[name])]
+        return self.per_newton[name] * sensors[row] / np.maximum(there, 1e-300)
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """How the structure stands before a hit.
+
+    Attributes:
+        check: against the noise floor.
+        ratio: what moves as part of what the hit will make; None if that is not known.
+        hz: where it is largest.
+        good: whether the plan lets the hit come.
+    """
+
+    check: SettledCheck
+    ratio: float | None
+    hz: float
+    good: bool
+
+    def facts(self, line_hz: float) -> dict[str, float | str]:
+        """For the catalogue."""
+        return self.check.facts(line_hz) | ({} if self.ratio is None else {"expected_residual_ratio": self.ratio})
+
+
+@dataclass(slots=True)
+class RestWait:
+    """Waits for rest before each hit.
+
+    Attributes:
+        context: the bench.
+        plan: limit and patience.
+        floor: noise at rest.
+        early: sees who strikes meanwhile.
+        motion: what hits make.
+    """
+
+    context: Context
+    plan: ImpactPlan
+    floor: Floor
+    early: EarlyHits
+    motion: HitMotion
+
+    def wait(self, point: int, ended: Callable[[], bool], report: Callable[[Rest, float | None], None]) -> Rest:
+        """Read until the plan lets the hit come; past its patience go on with what there is.
+
+        Args:
+            point: that will be struck.
+            ended: asked at every look; True ends the wait.
+            report: called about once a block with how it stands, and how many seconds it will take, if that is known.
+        """
+        stream, context = self.context.stream, self.context
+        self.early.point = point
+        last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
+        looks, before = 0, None
+        while not (rest := self._look(point)).good and stream.next < last and not ended():
+            if looks % LOOKS_A_BLOCK == 0:
+                report(rest, self._remaining_s(before, rest))
+                before = rest
+            looks += 1
+            stream.advance_to(stream.next + max(1, context.block // LOOKS_A_BLOCK), self.early)
+        return rest
+
+    def _look(self, point: int) -> Rest:
+        context, stream = self.context, self.context.stream
+        check = context.check_settled_now(self.floor, self.early)
+        moves, lines = ringing_lines(context.motion(stream.next - context.window, context.window), self.floor)
+        expected = self.motion.expected(point)
+        ratio, line = None, check.line
+        if expected is not None:
+            ratio, line = largest_ratio(moves, lines, expected) if lines.size else (0.0, 0)
+        # A hit at a window's end hardly shows in it: the window must lie after the hit.
+        struck = self.early.last is not None and stream.next - self.early.last < context.window
+        allowed = self.plan.acceptance.max_residual_ratio
+        good = not struck and (check.settled or (ratio is not None and ratio <= allowed))
+        return Rest(check, ratio, line * context.line_hz, good)
+
+    def _remaining_s(self, before: Rest | None, now: Rest) -> float | None:
+        """From how fast the ratio falls, a block apart."""
+        if before is None or not before.ratio or not now.ratio or now.ratio >= before.ratio or now.hz != before.hz:
+            return None
+        blocks = log(now.ratio / self.plan.acceptance.max_residual_ratio) / log(before.ratio / now.ratio)
+        return max(0.0, blocks * self.context.block / self.context.stream.rate_hz)

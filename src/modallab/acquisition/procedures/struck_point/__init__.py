@@ -1,0 +1,1 @@
+"""Which point a hit has struck, by what the structure answers."""

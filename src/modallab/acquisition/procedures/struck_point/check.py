@@ -1,0 +1,199 @@
+"""Whether a hit has struck the point that was requested: held against the hits before and the expected modes."""
+
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.procedures.struck_point.answer import Answer
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+from modallab.acquisition.procedures.struck_point.frfs_so_far import FrfsSoFar
+from modallab.acquisition.procedures.struck_point.participation import participation
+from modallab.core.rig import Rig
+from modallab.signals.conversion import Conversion
+
+Real = NDArray[np.float64]
+
+NEARER = 0.6
+"""Another point must be nearer than the requested one by this factor before a hit is said to be there."""
+FAR_BY_MODES = 0.12
+"""Distance in shape, as part of each mode's largest, that a hit at the right point does not reach: 0.05 for 2 mm and
+1 %. Neighbouring points of a cantilever with ten are 0.2 to 0.5 apart."""
+FAR_BY_FRFS = 0.12
+"""Distance of FRFs that hits at one point do not reach among each other: 0.06 for 2 mm and 1 %."""
+FEWEST_MODES = 3
+OFF_SCALE = 0.2
+"""A hit that moved the beam by so much more or less than those before at this point was oblique, or the hammer's
+reading is wrong: the cosine of 37 degrees."""
+
+SCATTER = 0.05
+"""Hits at other points say something of a new point only if the model fits them alike, to this part."""
+
+NEAR = 1.5
+"""A hit is said to be at another point only if it is within this factor of `FAR_...` of it: where a sensor is turned or
+the beam is another than believed it is near to none, and nothing follows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Struck:
+    """What one hit says of where it landed.
+
+    Attributes:
+        looks_like: the point it is nearest to; 0 if nothing is known.
+        distance: from what is known of the requested point, 0 for the same; NaN if nothing is.
+        scale: motion a newton over what is known of the requested point; NaN if nothing is.
+        reasons: why it is rejected; empty if it may count.
+    """
+
+    looks_like: int = 0
+    distance: float = float("nan")
+    scale: float = float("nan")
+    reasons: tuple[str, ...] = ()
+
+    def facts(self) -> dict[str, float]:
+        """For the catalogue."""
+        found = {"looks_like_point": float(self.looks_like), "point_distance": self.distance, "hit_scale": self.scale}
+        return {name: value for name, value in found.items() if value and not np.isnan(value)}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Look:
+    frf: NDArray[np.complex128]
+    modes: NDArray[np.int64]
+    shape: Real
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StruckPointCheck:
+    """Knows what the hits so far were like.
+
+    Attributes:
+        frfs: of the hits that count.
+        channels: rows of the motion channels.
+        up_to_hz: band in which FRFs are compared.
+        expected: the modes that are believed; None without a model.
+        shapes: shapes found where hits landed, (modes,) with NaN where not excited, by name of the record.
+        looks: hits that were looked at since the last that counts, by the name they have if rejected.
+    """
+
+    frfs: FrfsSoFar
+    channels: tuple[int, ...]
+    up_to_hz: float
+    expected: ExpectedModes | None
+    shapes: dict[str, Real] = field(default_factory=dict[str, Real])
+    looks: dict[str, _Look] = field(default_factory=dict[str, _Look])
+
+    @classmethod
+    def of(cls, rig: Rig, conversion: Conversion, up_to_hz: float, expected: ExpectedModes | None) -> Self:
+        """Nothing was struck yet."""
+        sensors = [rig.channels[i] for i in conversion.motion]
+        kinds = sorted({c.quantity for c in sensors})
+        alike = tuple(kinds.index(c.quantity) for c in sensors)
+        return cls(FrfsSoFar(tuple(c.point or 0 for c in sensors), alike), conversion.motion, up_to_hz, expected)
+
+    def look(self, name: str, point: int, answer: Answer) -> Struck:
+        """Hold a hit against all that is known; `name` is that of its record should it be rejected."""
+        look = self._measure(answer)
+        self.looks[name] = look
+        by_modes = self._by_modes(point, look)
+        if by_modes is None or not self.frfs.hits_at(point):
+            return by_modes or self._by_frfs(point, look)
+        # Measured against measured: what is wrong with the bench is in both. The model may know more points by name.
+        by_frfs = self._by_frfs(point, look)
+        return by_modes if by_frfs.reasons and by_modes.looks_like != point else by_frfs
+
+    def keep(self, looked_at: str, name: str, point: int) -> None:
+        """The hit that was looked at under one name counts, at this point, and its record has the other."""
+        look = self.looks.get(looked_at)
+        self.looks.clear()
+        if look is None:
+            return
+        self.frfs.keep(name, point, look.frf)
+        if self.expected is not None:
+            shape = np.full(len(self.expected.frequency_hz), np.nan)
+            shape[look.modes] = look.shape
+            self.shapes[name] = shape
+
+    def forget(self, name: str) -> None:
+        """A hit was dropped."""
+        self.frfs.forget(name)
+        self.shapes.pop(name, None)
+
+    def _measure(self, answer: Answer) -> _Look:
+        frf = answer.frf(self.channels, self.up_to_hz)
+        if self.expected is None:
+            return _Look(frf, np.zeros(0, dtype=np.int64), np.zeros(0))
+        motion = answer.motion[list(self.expected.channels)]
+        found = participation(answer.force_n, motion, answer.rate_hz, answer.band_hz, self.expected)
+        return _Look(frf, found.modes, found.shape)
+
+    def _by_modes(self, point: int, look: _Look) -> Struck | None:
+        expected = self.expected
+        if expected is None or len(look.modes) < FEWEST_MODES or point not in expected.points:
+            return None
+        largest = np.abs(expected.at_points[:, look.modes]).max(axis=0)
+        known = {p: self._known(p)[look.modes] / largest for p in expected.points}
+        shape = look.shape / largest
+        away = {p: float(np.sqrt(np.mean((shape - k) ** 2))) for p, k in known.items()}
+        struck = self.frfs.hits_at(point)
+        scale = _scale(shape, known[point]) if struck else self._scale_beside_others(point, look)
+        return _judge(point, away, scale, FAR_BY_MODES, struck)
+
+    def _scale_beside_others(self, point: int, look: _Look) -> float:
+        """Motion a newton over what the model says, beside the same of hits at other points; NaN without any.
+
+        A gain of the hammer or a mass that is not as believed is in all of them.
+        """
+        assert self.expected is not None
+        others: list[float] = []
+        for name, seen in self.shapes.items():
+            found = np.flatnonzero(~np.isnan(seen))
+            others.append(_scale(seen[found], self._believed(self.frfs.point_of[name])[found]))
+        usual = float(np.median(others)) if others else float("nan")
+        if not others or float(np.std(others)) > SCATTER * usual:
+            return float("nan")
+        return _scale(look.shape, self._believed(point)[look.modes]) / usual
+
+    def _believed(self, point: int) -> Real:
+        assert self.expected is not None
+        return self.expected.at_points[self.expected.points.index(point)]
+
+    def _known(self, point: int) -> Real:
+        """(modes,) what hits there have shown; where none has, what is expected."""
+        believed = self._believed(point)
+        seen = [self.shapes[name] for name, at in self.frfs.point_of.items() if at == point and name in self.shapes]
+        if not seen:
+            return believed
+        count = np.sum(~np.isnan(seen), axis=0)
+        return np.where(count > 0, np.nansum(seen, axis=0) / np.maximum(count, 1), believed)
+
+    def _by_frfs(self, point: int, look: _Look) -> Struck:
+        away = self.frfs.distances(look.frf)
+        if point not in away:
+            return Struck()
+        return _judge(point, away, self.frfs.scale(look.frf, point), FAR_BY_FRFS, self.frfs.hits_at(point))
+
+
+def _scale(shape: Real, known: Real) -> float:
+    return float(shape @ known / (known @ known))
+
+
+def _judge(point: int, away: dict[int, float], scale: float, far: float, struck: int) -> Struck:
+    nearest = min(away, key=lambda p: away[p])
+    own = away[point]
+    reasons: list[str] = []
+    if own > far and nearest != point and away[nearest] < min(NEARER * own, NEAR * far):
+        reasons.append(f"this looks like point {nearest}; {point} was requested")
+    elif abs(scale - 1) > OFF_SCALE:
+        than = f"after the {struck} before at point {point}" if struck else "hits at other points lead to expect"
+        reasons.append(
+            f"the structure moved {scale:.2g} times as much a newton as {than},"
+            f" at least {1 - OFF_SCALE:g}, at most {1 + OFF_SCALE:g}: struck obliquely, or beside the point"
+        )
+    elif struck and own > far:
+        reasons.append(
+            f"{100 * own:.0f} % off the {struck} before at point {point}, at most {100 * far:.0f} %: struck beside the"
+            " point, or something touched the structure"
+        )
+    return Struck(nearest, own, scale, tuple(reasons))

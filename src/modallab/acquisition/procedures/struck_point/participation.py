@@ -1,0 +1,139 @@
+"""How much of each mode a hit has excited, per newton second: the mode's shape at the point that was struck.
+
+About each expected frequency the block is fitted by one mode and a straight background. The pole is looked for, since
+believed frequencies are off by a per cent or two and believed damping by a factor; what the sensors then read of the
+mode, over the shape that is believed there, is the shape where the hammer landed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+REACH = 0.07
+"""Lines within this part of a mode's frequency are fitted, and at least `LEAST_LINES` on either side."""
+LEAST_LINES = 4
+SEARCH = 0.04
+"""A pole is looked for within this part of its frequency."""
+DAMPING = (0.15, 5.0)
+"""And within these factors of the believed damping."""
+FREQUENCIES, DAMPINGS, ZOOMS = 25, 7, 2
+LEAST_SENSED = 0.15
+"""A mode is of use if some sensor stands where it has this part of its largest shape."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Participation:
+    """What one hit has excited.
+
+    Attributes:
+        modes: (used,) places in the expected modes.
+        shape: (used,) their shapes where the hammer landed, kg^-1/2.
+    """
+
+    modes: NDArray[np.int64]
+    shape: Real
+
+
+def participation(
+    force_n: Real, motion: Real, rate_hz: float, band_hz: float, expected: ExpectedModes
+) -> Participation:
+    """Fit the expected modes up to `band_hz` to a block.
+
+    Args:
+        force_n: (n,) N, zero but for the hit.
+        motion: (sensors, n) SI units, from rest.
+        rate_hz: rate of both.
+        band_hz: up to which the hit excites.
+        expected: the modes.
+    """
+    n = force_n.size
+    force, answer = np.fft.rfft(force_n), np.fft.rfft(motion, axis=1)
+    df = rate_hz / n
+    used: list[int] = []
+    shapes: list[float] = []
+    for mode, hz in enumerate(expected.frequency_hz):
+        sensed, largest = expected.at_sensors[:, mode], np.abs(expected.at_points[:, mode]).max()
+        if hz > band_hz or np.abs(sensed).max() < LEAST_SENSED * largest:
+            continue
+        reach = max(REACH * hz, LEAST_LINES * df)
+        lines = np.arange(max(1, int((hz - reach) / df)), min(force.size, int((hz + reach) / df) + 2))
+        fit = _Fit(force_n, force[lines], answer[:, lines], lines, rate_hz, expected.derivative)
+        amplitude = fit.amplitude(float(hz), expected.damping_ratio)
+        used.append(mode)
+        shapes.append(float(amplitude @ sensed / (sensed @ sensed)))
+    return Participation(np.array(used, dtype=np.int64), np.array(shapes))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Fit:
+    pulse: Real
+    force: Complex
+    answer: Complex
+    lines: NDArray[np.int64]
+    rate_hz: float
+    derivative: NDArray[np.int64]
+
+    def amplitude(self, hz: float, damping: float) -> Real:
+        """(sensors,) real residue of the mode at its best pole."""
+        low, high = hz * (1 - SEARCH), hz * (1 + SEARCH)
+        least, most = np.log(damping * DAMPING[0]), np.log(damping * DAMPING[1])
+        best = np.zeros(self.answer.shape[0])
+        for _ in range(1 + ZOOMS):
+            frequencies = np.linspace(low, high, FREQUENCIES)
+            dampings = np.exp(np.linspace(least, most, DAMPINGS))
+            f, z = (a.ravel() for a in np.meshgrid(frequencies, dampings, indexing="ij"))
+            error, amplitudes = self._solve(f, z)
+            at = int(np.argmin(error))
+            best = amplitudes[at]
+            wide, tall = 1.5 * (high - low) / FREQUENCIES, 1.5 * (most - least) / DAMPINGS
+            low, high, least, most = f[at] - wide, f[at] + wide, np.log(z[at]) - tall, np.log(z[at]) + tall
+        return best
+
+    def _solve(self, hz: Real, zeta: Real) -> tuple[Real, Real]:
+        """(poles,) squared error and (poles, sensors) residues, over poles."""
+        mode = self._mode(hz, zeta)
+        away = (self.lines - self.lines.mean()) / self.lines.size
+        error, found = np.zeros(hz.size), np.zeros((hz.size, self.answer.shape[0]))
+        for order in np.unique(self.derivative):
+            rows = self.derivative == order
+            turn = self._s ** (int(order) - 2)
+            basis = np.stack(
+                [mode * turn, *(np.broadcast_to(self.force * away**p * turn, mode.shape) for p in (0, 1))], axis=2
+            )
+            real = np.concatenate([basis.real, basis.imag], axis=1)
+            seen = np.concatenate([self.answer[rows].real, self.answer[rows].imag], axis=1).T
+            scale = np.maximum(np.linalg.norm(real, axis=1), 1e-300)[:, None, :]
+            real = real / scale
+            normal = real.transpose(0, 2, 1) @ real + 1e-9 * np.eye(3)
+            right = real.transpose(0, 2, 1) @ seen
+            solution = np.linalg.solve(normal, right)
+            error += np.sum(seen**2) - np.einsum("pbs,pbs->p", solution, right)
+            found[:, rows] = solution[:, 0] / scale[:, :, 0]
+        return error, found
+
+    @property
+    def _s(self) -> Complex:
+        return np.asarray(2j * np.pi * self.lines * self.rate_hz / self.pulse.size, dtype=np.complex128)
+
+    def _mode(self, hz: Real, zeta: Real) -> Complex:
+        """(poles, lines) acceleration of a unit mode in the block, what rings on after its end cut off."""
+        omega, n, dt = 2 * np.pi * hz, self.pulse.size, 1 / self.rate_hz
+        damped = omega * np.sqrt(1 - zeta**2)
+        total = np.zeros((hz.size, self.lines.size), dtype=np.complex128)
+        struck = np.flatnonzero(self.pulse)
+        times, pulse = struck * dt, self.pulse[struck]
+        for sign in (1, -1):
+            pole = -zeta * omega + 1j * sign * damped
+            residue = sign / (2j * damped)
+            # Through exp(pole (T - t)) and never exp(-pole t), which runs over for strong damping.
+            left = np.exp(pole[:, None] * (n * dt - times)) @ pulse * dt
+            forced = self._s**2 / (self._s - pole[:, None]) * self.force
+            tail = (pole**2 * left)[:, None] / (1 - np.exp(pole[:, None] * dt - self._s * dt)) if n else 0
+            total += residue[:, None] * (forced - tail)
+        return total

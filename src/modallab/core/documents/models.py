@@ -1,0 +1,125 @@
+"""Models, their judgement, comparisons and diagnoses as resources of campaigns and runs."""
+
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.frozen import Frozen, RealArray
+from modallab.core.model import ModalModel
+
+
+class VerdictView(Frozen):
+    """An assumption of the identification: whether it holds, the number that says so, and its limit."""
+
+    assumption: str
+    holds: bool
+    value: float | None
+    limit: float | None
+    words: str
+
+
+class Unjudged(Frozen):
+    """An assumption that could not be judged."""
+
+    assumption: str
+    why: str
+
+
+class AssessmentView(Frozen):
+    """How far a model can be relied on.
+
+    Attributes:
+        verdicts: the assumptions that could be judged.
+        unjudged: the others.
+        confidence: (modes,) 0 to 1; null where not known.
+        mpc: (modes,) modal phase collinearity.
+        mpd_rad: (modes,) mean phase deviation.
+        auto_mac: (modes, modes).
+    """
+
+    verdicts: tuple[VerdictView, ...]
+    unjudged: tuple[Unjudged, ...]
+    confidence: RealArray
+    mpc: RealArray
+    mpd_rad: RealArray
+    auto_mac: RealArray
+
+
+class TestModel(Frozen):
+    """The model of one test.
+
+    Attributes:
+        model: modes, modal constants, residual terms, shapes.
+        frac: (outputs, inputs) FRAC of measured and regenerated FRFs; None where it could not be formed.
+        assessment: None where there is none.
+    """
+
+    __test__ = False
+
+    model: ModalModel
+    frac: RealArray | None
+    assessment: AssessmentView | None
+
+
+class Missing(Frozen):
+    """A test without a model."""
+
+    test: str
+    error: str
+
+
+class ModelsView(Frozen):
+    """The newest models of a campaign or of a run.
+
+    Attributes:
+        job: that computed them.
+        runs: they are of.
+        current: whether the blocks that count now are still those they were computed from.
+        code_version: of the modallab that computed them.
+        models: one for each test.
+        without_model: tests that gave none, and why.
+    """
+
+    job: str
+    runs: tuple[str, ...]
+    current: bool
+    code_version: str
+    models: tuple[TestModel, ...]
+    without_model: tuple[Missing, ...]
+
+
+class DiagnosisView(Frozen):
+    """The newest diagnosis of a campaign; `current` as in the models."""
+
+    job: str
+    runs: tuple[str, ...]
+    current: bool
+    code_version: str
+    diagnosis: Diagnosis
+
+
+class ComparisonView(Frozen):
+    """The modes that the models of two runs share, over the points that both have.
+
+    Attributes:
+        runs: the two.
+        tests: the test of each model.
+        modes: (pairs) places of a mode in the one and in the other, from 0.
+        frequency_hz: (pairs, 2).
+        difference_percent: (pairs,) of the second frequency from the first.
+        sigmas: (pairs,) the same in joint sigmas; null where one is not known.
+        damping_ratio: (pairs, 2).
+        mac: (pairs,) of the shapes; None where fewer than two points are shared.
+        points: that both have.
+        comac: (points,); None as for `mac`.
+        alone: (2,) places of the modes that only one has.
+    """
+
+    runs: tuple[str, str]
+    tests: tuple[str | None, str | None]
+    modes: tuple[tuple[int, int], ...]
+    frequency_hz: RealArray
+    difference_percent: RealArray
+    sigmas: RealArray
+    damping_ratio: RealArray
+    mac: RealArray | None
+    points: tuple[int, ...]
+    comac: RealArray | None
+    alone: tuple[tuple[int, ...], tuple[int, ...]]

@@ -1,0 +1,95 @@
+"""FRFs of a broadband test: H1 over its blocks, with the window that its signal asks for."""
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
+from modallab.frf.estimate import combine, lines, output_quantity
+from modallab.signals.block_sets import check_outputs, check_test
+from modallab.signals.signals import Signals
+
+DRIVEN_DB = 20.0
+"""A line is driven where the force's spectrum, smoothed over some lines, is within this of its highest."""
+
+SMOOTHED = 9
+
+
+def broadband_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+    """H1 and ordinary coherence of blocks of one level.
+
+    Blocks of random drive get a Hann window, which keeps leakage low and widens every peak by a line and a half. Blocks
+    of the other signals hold whole periods, or a burst and its decay, and get none.
+
+    Args:
+        signals: blocks, equal in rate and length.
+        rig: names, points and quantities.
+        band_hz: lines to give.
+
+    Raises:
+        DataError: no blocks, blocks that differ, of several signals or of another test, or a band without lines.
+    """
+    check_test(signals)
+    first = signals[0]
+    check_outputs(first, rig)
+    tests = {s.block.test for s in signals}
+    if len(tests) > 1 or first.block.test not in BROADBAND:
+        raise DataError(
+            f"blocks of {', '.join(sorted(tests))} make no broadband FRF", remedy="give the blocks of one signal"
+        )
+    n, rate = first.force.size, first.rate_hz
+    chosen = lines(n, rate, band_hz)
+    window = _window(n, hann=first.block.test == "random")
+    force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
+    response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
+    values, coherence = combine(force, response)
+    return Frf(
+        frequency_hz=chosen * rate / n,
+        values=values[:, None],
+        quantity=output_quantity(rig),
+        outputs=first.outputs,
+        output_points=tuple(c.point for c in rig.responses),
+        input_points=(first.block.drive_point,),
+        coherence=coherence[:, None],
+        averages=(len(signals),),
+    )
+
+
+def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
+    """From the lowest to the highest frequency that the force holds.
+
+    Raises:
+        DataError: no blocks, or blocks that differ.
+    """
+    check_test(signals)
+    n, rate = signals[0].force.size, signals[0].rate_hz
+    # Leakage of a plain cut would reach far beyond the band; a window would take the ends off a chirp.
+    window = _window(n, hann=signals[0].block.test in ("random", "burst-random"))
+    power = np.mean([np.abs(_spectrum(s.force, window)) ** 2 for s in signals], axis=0)
+    smooth = np.convolve(power, np.ones(SMOOTHED) / SMOOTHED, mode="same")
+    driven = np.flatnonzero(smooth > smooth.max() * 10 ** (-DRIVEN_DB / 10))
+    # Smoothing reaches half its width beyond the band.
+    half = SMOOTHED // 2
+    low, high = max(1, int(driven[0]) + half - 1), int(driven[-1]) - half + 1
+    return low * rate / n, max(low + 4, ceil(high)) * rate / n
+
+
+def of_one_level(signals: Sequence[Signals]) -> list[Signals]:
+    """The blocks of the level that has most: FRFs of different levels are compared, never averaged."""
+    levels = [s.block.level for s in signals]
+    most = max(levels, key=levels.count, default=None)
+    return [s for s in signals if s.block.level == most]
+
+
+def _window(n: int, *, hann: bool) -> NDArray[np.float64]:
+    return np.asarray(signal.windows.hann(n, sym=False)) if hann else np.ones(n)
+
+
+def _spectrum(values: NDArray[np.float64], window: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.fft.rfft((values - values.mean(axis=-1, keepdims=True)) * window)

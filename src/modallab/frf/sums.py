@@ -1,0 +1,107 @@
+"""What the FRF of one input is made of: powers and cross powers, summed over blocks as they come."""
+
+from dataclasses import dataclass
+from functools import reduce
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+Estimator = Literal["H1", "H2", "Hv"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PowerSums:
+    """Sums over the blocks of one input.
+
+    Attributes:
+        force: (lines,) power of the force.
+        response: (outputs, lines) powers of the responses.
+        cross: (outputs, lines) cross power, conj(force) times response.
+        averages: blocks summed.
+    """
+
+    force: Real
+    response: Real
+    cross: Complex
+    averages: int
+
+    @classmethod
+    def of(cls, force: Complex, response: Complex) -> Self:
+        """Of some blocks.
+
+        Args:
+            force: (blocks, lines) spectra.
+            response: (blocks, outputs, lines) spectra.
+
+        Raises:
+            DataError: shapes that do not belong together, or numbers that are not finite.
+        """
+        _check(force, response)
+        # Block by block: a sum over an axis would copy what is the largest array of a run.
+        each = (cls(_power(f), _power(y), np.conj(f) * y, 1) for f, y in zip(force, response, strict=True))
+        return reduce(cls.plus, each)
+
+    def plus(self, other: Self) -> Self:
+        """Of the blocks of both."""
+        return type(self)(
+            self.force + other.force,
+            self.response + other.response,
+            self.cross + other.cross,
+            self.averages + other.averages,
+        )
+
+    def frf(self, estimator: Estimator = "H1") -> tuple[Complex, Real]:
+        """The FRF and the ordinary coherence.
+
+        H1 = Sfy / Sff is unbiased under noise on the response, H2 = Syy / Syf under noise on the force,
+        Hv (total least squares of the two, equal relative noise) lies between.
+
+        Args:
+            estimator: which of the three.
+
+        Returns:
+            FRF (outputs, lines) and coherence (outputs, lines) in 0 to 1; with one block it is 1 by construction.
+
+        Raises:
+            DataError: a line without force.
+        """
+        if np.any(self.force == 0):
+            raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
+        h1 = self.cross / self.force
+        common = _power(self.cross)
+        product = self.force * self.response
+        coherence = np.divide(common, product, out=np.zeros_like(common), where=product > 0)
+        if estimator == "H1":
+            return h1, coherence
+        magnitude = np.sqrt(common)
+        safe = np.where(magnitude > 0, magnitude, 1.0)
+        h2_magnitude = self.response / safe
+        phase: Complex = np.where(magnitude > 0, self.cross / safe, 1.0 + 0j)
+        if estimator == "H2":
+            return phase * h2_magnitude, coherence
+        return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
+
+
+def _power(spectrum: Complex) -> Real:
+    # Without the root that an absolute value takes, which costs more than all the rest.
+    return spectrum.real**2 + spectrum.imag**2
+
+
+def _check(force: Complex, response: Complex) -> None:
+    if (
+        force.ndim != 2
+        or response.ndim != 3
+        or (response.shape[0], response.shape[2]) != force.shape
+        or not response.size
+    ):
+        raise DataError(
+            f"force {force.shape} and response {response.shape} do not belong together",
+            remedy="give spectra (blocks, lines) of the force and (blocks, outputs, lines) of the responses",
+        )
+    if not (np.isfinite(force).all() and np.isfinite(response).all()):
+        raise DataError("the spectra hold NaN or infinite values", remedy="look at the blocks they were made from")

@@ -1,0 +1,63 @@
+"""A campaign's runs as a file of a format that others read."""
+
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from modallab.core.errors import DataError
+from modallab.formats.format import find_writer
+from modallab.service.context import Service
+from modallab.service.errors import ConflictError
+from modallab.storage.records import ENDED
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """A file in a folder of its own, which whoever sends it removes.
+
+    Attributes:
+        path: of the file.
+        notes: what had no place in the format, in plain sentences.
+    """
+
+    path: Path
+    notes: tuple[str, ...]
+
+    def remove(self) -> None:
+        """Remove the file with its folder."""
+        shutil.rmtree(self.path.parent, ignore_errors=True)
+
+
+def export_campaign(service: Service, campaign: str, format_: str) -> Exported:
+    """Write the valid runs of a campaign, with the blocks that count, as one file.
+
+    Raises:
+        NotFoundError: there is no such campaign.
+        ConflictError: it has no valid run with good blocks that has ended.
+        DataError: no such format, or one that is a folder, or that holds nothing of it.
+        StorageError, DiskFullError: it cannot be read or written.
+    """
+    # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.formats.exporter import write_export
+    from modallab.storage.campaigns import campaign_of
+
+    used = find_writer(format_)
+    if not used.endings:
+        raise DataError(f"{format_} is a folder, no file", remedy="export it with modallab export")
+    runs = tuple(run for run in service.repository.campaign(campaign).runs if _counts(service, run))
+    if not runs:
+        raise ConflictError("there is no ended, valid run with good blocks", where=campaign, remedy="record one first")
+    folder = Path(tempfile.mkdtemp(prefix="modallab-export-", dir=service.folder))
+    exported = Exported(folder / f"{campaign}{used.endings[0]}", ())
+    try:
+        notes = write_export(campaign_of(service.store, runs), exported.path, format_)
+    except BaseException:
+        exported.remove()
+        raise
+    return Exported(exported.path, notes)
+
+
+def _counts(service: Service, run: str) -> bool:
+    record = service.store.catalogue.run(run)
+    return record.state in ENDED and record.valid and any(b.note.accepted for b in service.store.catalogue.blocks(run))

@@ -1,0 +1,95 @@
+"""FRFs that grow with every block, as messages for one viewer."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from modallab.core.errors import DataError
+from modallab.core.frf import UNIT, Frf
+from modallab.service.campaigns.live_samples import message
+from modallab.service.campaigns.runs import record_of
+from modallab.service.context import Service
+from modallab.service.errors import ConflictError
+
+
+@dataclass(frozen=True, slots=True)
+class FrfSelection:
+    """What a viewer wants to see.
+
+    Attributes:
+        run: of this run.
+        outputs: channel names; none for all.
+        low_hz: lines from here.
+        high_hz: up to here.
+    """
+
+    run: str
+    outputs: tuple[str, ...]
+    low_hz: float
+    high_hz: float
+
+
+@dataclass(eq=False, slots=True)
+class FrfWatch:
+    """One viewer of one run's FRFs.
+
+    Attributes:
+        service: that knows them.
+        chosen: what is to be seen.
+    """
+
+    service: Service
+    chosen: FrfSelection
+    _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
+
+    def look(self) -> list[bytes]:
+        """A message for each point whose FRF is another one than at the last look; none before the first block.
+
+        Its array is (2, outputs, lines) complex64, mobility and coherence, the latter only where blocks are averaged.
+
+        Raises:
+            NotFoundError: there is no such run.
+            DataError: there is no such output.
+        """
+        record_of(self.service, self.chosen.run)
+        try:
+            now = self.service.frfs().revisions(self.chosen.run)
+        except ConflictError:
+            return []
+        changed = tuple(point for point, revision in now.items() if self._seen.get(point) != revision)
+        self._seen = now
+        return [self._message(self.service.frfs().frf(self.chosen.run, (point,)), point) for point in changed]
+
+    def _message(self, frf: Frf, point: int | None) -> bytes:
+        chosen = self.chosen
+        unknown = set(chosen.outputs) - set(frf.outputs)
+        if unknown:
+            raise DataError(
+                f"there is no output {', '.join(sorted(unknown))}", remedy=f"choose from {', '.join(frf.outputs)}"
+            )
+        rows = [i for i, name in enumerate(frf.outputs) if not chosen.outputs or name in chosen.outputs]
+        band = (frf.frequency_hz >= chosen.low_hz) & (frf.frequency_hz <= chosen.high_hz)
+        parts = [frf.values[rows, 0][:, band]]
+        if frf.coherence is not None:
+            parts.append(frf.coherence[rows, 0][:, band].astype(complex))
+        lines = frf.frequency_hz[band]
+        about: dict[str, object] = {
+            "run": chosen.run,
+            "quantity": frf.quantity,
+            "unit": UNIT[frf.quantity],
+            "input_point": point,
+            "averages": frf.averages[0],
+            "outputs": [frf.outputs[row] for row in rows],
+            "output_points": [frf.output_points[row] for row in rows],
+            "coherence": frf.coherence is not None,
+            "frequency_hz": _axis(lines),
+        }
+        return message(about, np.stack(parts).astype(np.complex64))
+
+
+def _axis(lines: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> dict[str, float] | list[float]:
+    """First line and step where the lines are evenly apart, else all of them."""
+    step = (lines[-1] - lines[0]) / (lines.size - 1) if lines.size > 1 else 0.0
+    if lines.size > 2 and np.allclose(np.diff(lines), step, rtol=1e-9):
+        return {"first": float(lines[0]), "step": float(step), "count": float(lines.size)}
+    return [float(line) for line in lines]

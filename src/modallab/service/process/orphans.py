@@ -1,0 +1,61 @@
+"""Processes that a service of this data folder left behind: noted when they are started, ended by the next one."""
+
+import json
+import logging
+from pathlib import Path
+
+import psutil
+
+LOG = logging.getLogger(__name__)
+NAME = "service.processes"
+END_S = 5.0
+CLOCK_S = 2.0
+"""The moment a process began is known to so much."""
+
+
+class Orphans:
+    """The list of one data folder. Only who holds the folder's lock may use it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / NAME
+        self._known: dict[str, tuple[int, float]] = {}
+
+    def end_all(self) -> tuple[int, ...]:
+        """End those that still live: their service is dead, or the lock would be held. Returns their numbers."""
+        left = [process for pid, began_s in self._read() if (process := _living(pid, began_s)) is not None]
+        for process in left:
+            LOG.warning("process %d is left of an earlier service of this folder, and is ended", process.pid)
+            process.kill()
+        psutil.wait_procs(left, timeout=END_S)
+        self._path.unlink(missing_ok=True)
+        return tuple(process.pid for process in left)
+
+    def note(self, name: str, pid: int | None) -> None:
+        """A process was started."""
+        if pid is None or self._known.get(name, (0, 0.0))[0] == pid:
+            return
+        try:
+            self._known[name] = (pid, psutil.Process(pid).create_time())
+            self._path.write_text(json.dumps(list(self._known.values())), encoding="ascii")
+        except (psutil.Error, OSError) as error:
+            # It ends by itself with its owner; this list is for whatever keeps it from doing so.
+            LOG.warning("process %d was not noted: %s", pid, error)
+
+    def close(self) -> None:
+        """None is left."""
+        self._path.unlink(missing_ok=True)
+
+    def _read(self) -> list[tuple[int, float]]:
+        try:
+            return [(int(pid), float(began_s)) for pid, began_s in json.loads(self._path.read_text(encoding="ascii"))]
+        except (OSError, ValueError, TypeError):
+            return []
+
+
+def _living(pid: int, began_s: float) -> psutil.Process | None:
+    try:
+        process = psutil.Process(pid)
+        # A number that is used anew is another process.
+        return process if abs(process.create_time() - began_s) < CLOCK_S else None
+    except psutil.Error:
+        return None

@@ -1,0 +1,91 @@
+"""Every stop of a burst is a fall from the value the output has, seen on the output's own trace at 51.2 kHz."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from ni_server import NiServer
+from stop_trace import RATE_HZ, Stop, seen
+
+from modallab.bench.fall import FALL_S, fall_s, fall_samples
+from modallab.bench.loader import open_bench, open_output
+from modallab.bench.protocol import Bench, Burst, Request
+from modallab.core.rig import Rig
+
+MOST_PER_MS = 0.05
+LEVEL_V = 2.0
+
+
+@pytest.fixture(scope="module")
+def paced(rig: Rig) -> Iterator[NiServer]:
+    with NiServer(rig, "9215", "--pace", virtual=False) as server:
+        server.say("preamplifiers sine")
+        yield server
+
+
+def playing(server: NiServer, rig: Rig, burst: Burst, after_s: float) -> Bench:
+    bench = open_bench(server.url, rig)
+    bench.configure(Request("sine", 2000.0))
+    bench.start()
+    bench.play(burst)
+    bench.read(round(2000 * after_s), 5.0)
+    return bench
+
+
+def traced(server: NiServer, burst: Burst) -> Stop:
+    time.sleep(0.1)
+    return seen(np.array(server.say(f"trace 0.4 {RATE_HZ}")["volts"]), burst.frequency_hz, burst.amplitude_v)
+
+
+@pytest.mark.parametrize("way", ["zero", "stop", "close", "supervisor"])
+@pytest.mark.parametrize("frequency_hz", [20.0, 110.0])
+def test_a_stop_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: str, frequency_hz: float) -> None:
+    rng = np.random.default_rng()
+    burst = Burst(frequency_hz, LEVEL_V, 0.1, 20.0)
+    bench = playing(paced, rig, burst, float(rng.uniform(0.05, 0.6)))
+    if way == "supervisor":
+        handle = open_output(paced.url, rig)
+        assert handle is not None
+        handle.zero()
+        handle.close()
+    else:
+        getattr(bench, way)()
+    found = traced(paced, burst)
+    bench.close()
+    assert found.end_v == 0.0
+    assert found.jump == 0.0
+    assert found.per_ms <= MOST_PER_MS
+    assert found.took_s < 0.3
+
+
+def test_a_device_that_takes_no_value_on_demand_is_brought_to_0_v_by_a_short_buffer(rig: Rig) -> None:
+    with NiServer(rig_of_four(rig), "4431", "--pace", virtual=False) as server:
+        bench = playing(server, rig_of_four(rig), Burst(20.0, 1.0, 0.1, 20.0), 0.4)
+        bench.zero()
+        assert server.say("levels 0.01")["Dev1/ao0"] == 0.0
+        bench.close()
+
+
+def test_a_burst_that_has_ended_needs_no_fall(paced: NiServer, rig: Rig) -> None:
+    bench = playing(paced, rig, Burst(20.0, LEVEL_V, 0.1, 0.1), 0.6)
+    began = time.monotonic()
+    bench.zero()
+    assert time.monotonic() - began < 1.0
+    assert paced.say("levels 0.1")["cDAQ1Mod4/ao0"] == 0.0
+    bench.close()
+
+
+@pytest.mark.parametrize("from_v", [-5.0, -0.3, 0.0, 1.0, 5.0])
+def test_a_fall_begins_where_the_output_is_and_ends_at_exactly_0_v(from_v: float) -> None:
+    volts = fall_samples(from_v, 5.0, 51_200.0)
+    assert volts[0] == from_v
+    assert volts[-1] == 0.0
+    assert np.abs(volts[51:] - volts[:-51]).max(initial=0.0) <= MOST_PER_MS * 5.0 * 1.001
+    assert fall_s(from_v, 5.0) >= FALL_S
+
+
+def rig_of_four(rig: Rig) -> Rig:
+    assert rig.limits is not None
+    limits = rig.limits.model_copy(update={"drive_v": 3.0})
+    return rig.model_copy(update={"channels": rig.channels[:4], "limits": limits})

@@ -1,0 +1,119 @@
+"""Models, comparisons and diagnoses as resources: the same as the jobs gave, and whether they are still current."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from furnished import furnish
+from lab import RIG, Lab
+
+from modallab.core.documents.models import ComparisonView, ModelsView
+from modallab.core.rig import Rig
+from modallab.formats.importer import import_sources
+
+API = "/api/v1"
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:
+    made = furnish(tmp_path_factory.mktemp("results") / "data", link_rig)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def campaign(lab: Lab) -> str:
+    return next(c.id for c in lab.service.repository.campaigns(None, 10) if c.runs)
+
+
+@pytest.fixture(scope="module")
+def run(lab: Lab, campaign: str) -> str:
+    return lab.service.repository.campaign(campaign).runs[0]
+
+
+def test_a_model_is_that_of_its_job_and_lists_are_without_it(lab: Lab, campaign: str, run: str) -> None:
+    with lab.client() as client:
+        answer = client.get(f"{API}/campaigns/{campaign}/model").json()
+        assert client.get(f"{API}/runs/{run}/model").json() == answer
+        found = ModelsView.model_validate(answer)
+        job = client.get(f"{API}/jobs/{found.job}").json()
+        listed = client.get(f"{API}/campaigns/{campaign}/jobs").json()["items"]
+        of_run = client.get(f"{API}/runs/{run}/jobs").json()["items"]
+    (document,) = job["result"]["document"]["models"]
+    (model,) = found.models
+    np.testing.assert_array_equal(model.model.frequency_hz, document["frequency_hz"])
+    np.testing.assert_array_equal(model.frac, document["frac"])
+    assert model.assessment is not None
+    assert len(model.assessment.confidence) == model.model.n_modes
+    assert found.runs == (run,)
+    assert {one["id"] for one in listed} == {one["id"] for one in of_run}
+    assert all(one["result"] is None for one in listed + of_run)
+
+
+def test_a_run_compared_with_itself_does_not_differ(lab: Lab, run: str) -> None:
+    with lab.client() as client:
+        answer = client.get(f"{API}/comparison", params={"one": run, "other": run})
+        missing = client.get(f"{API}/comparison", params={"one": run, "other": "no-such-run"})
+    same = ComparisonView.model_validate(answer.json())
+    assert same.modes == tuple((n, n) for n in range(len(same.modes)))
+    np.testing.assert_array_equal(same.difference_percent, 0)
+    np.testing.assert_allclose(same.mac, 1, atol=1e-12)
+    assert same.alone == ((), ())
+    assert missing.status_code == 404
+
+
+def test_what_is_not_there_yet_says_how_to_get_it(lab: Lab, campaign: str) -> None:
+    with lab.client() as client:
+        gap = client.get(f"{API}/campaigns/{campaign}/gap")
+        empty = next(c.id for c in lab.service.repository.campaigns(None, 10) if not c.runs)
+        model = client.get(f"{API}/campaigns/{empty}/model")
+    assert gap.status_code == model.status_code == 404
+    assert "order one" in gap.json()["remedy"]
+
+
+def test_a_model_is_not_current_once_another_block_counts(lab: Lab, run: str) -> None:
+    """The run has ended: a verdict moves nothing, and needs no lease."""
+    with lab.client() as client:
+        place, headers = f"{API}/runs/{run}", {"Modallab-Operator": "Emmy"}
+        assert client.get(f"{place}/model").json()["current"]
+        for accepted in (False, True):
+            verdict = {"accepted": accepted, "reason": "a slip"}
+            client.put(f"{place}/blocks/0/verdict", json=verdict, headers=headers).raise_for_status()
+            assert client.get(f"{place}/model").json()["current"] is accepted
+        (entry, *_) = client.get(f"{API}/audit").json()["items"]
+    assert (entry["operator"], entry["action"]) == ("Emmy", "verdict")
+
+
+@pytest.mark.parametrize(("to", "ending"), [("hdf5", ".h5"), ("uff", ".uff")])
+def test_a_campaign_is_exported_as_a_file_that_holds_its_blocks(
+    lab: Lab, campaign: str, run: str, tmp_path: Path, to: str, ending: str
+) -> None:
+    with lab.client() as client:
+        answer = client.get(f"{API}/campaigns/{campaign}/export", params={"to": to}).raise_for_status()
+    assert f'filename="{campaign}{ending}"' in answer.headers["content-disposition"]
+    file = tmp_path / f"export{ending}"
+    file.write_bytes(answer.content)
+    found = import_sources([file], lab.store.catalogue.run(run).rig)
+    assert len(found.blocks) == len(lab.store.blocks(run))
+    assert not list(lab.store.folder.glob("modallab-export-*"))
+
+
+def test_campaigns_are_found_by_name_note_and_rig(lab: Lab) -> None:
+    with lab.client() as client:
+
+        def found(**query: str) -> list[str]:
+            return [c["name"] for c in client.get(f"{API}/campaigns", params=query).json()["items"]]
+
+        assert found(text="A MODEL") == ["with a model"]
+        assert found(text="with") == found(rig=RIG) == ["with nothing", "with a model"]
+        assert found(text="100%") == found(rig="another") == []
+
+
+def test_what_cannot_be_exported_says_why(lab: Lab, campaign: str) -> None:
+    with lab.client() as client:
+        unknown = client.get(f"{API}/campaigns/{campaign}/export", params={"to": "docx"})
+        empty = next(c.id for c in lab.service.repository.campaigns(None, 10) if not c.runs)
+        nothing = client.get(f"{API}/campaigns/{empty}/export")
+    assert (unknown.status_code, nothing.status_code) == (422, 409)
+    assert "hdf5" in unknown.text
