@@ -8,7 +8,7 @@ export OMP_NUM_THREADS ?= 1
 
 .PHONY: demo test check clean
 demo: $(VENV)/.ready
-	$(BIN)/modallab demo --clean --out demo
+	$(BIN)/modallab demo --out demo
 
 test: check
 	$(BIN)/pytest -n auto --dist worksteal

@@ -1,6 +1,6 @@
 """Draws the pictures of the pages from a campaign of the demo, with the figures of its report.
 
-modallab demo --clean --out demo
+modallab demo --out demo
 python docs/images/make.py demo docs/images
 """
 

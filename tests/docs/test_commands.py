@@ -36,9 +36,7 @@ def test_every_command_prints_what_its_page_says(tmp_path: Path, demo: Path, mon
     wrong: list[str] = []
     # The demo is run once for all tests.
     shutil.copytree(demo, tmp_path / "demo")
-    printed = {
-        "modallab demo --clean --out demo": (demo.parent / "printed.txt").read_text(encoding="utf-8").splitlines()
-    }
+    printed = {"modallab demo --out demo": (demo.parent / "printed.txt").read_text(encoding="utf-8").splitlines()}
     for page in WALK:
         if name(page) not in ELSEWHERE:
             wrong += _walk(fenced(page), tmp_path, printed)

@@ -37,5 +37,5 @@ def record_demo(folder: Path) -> None:
     printed = io.StringIO()
     with pytest.MonkeyPatch.context() as patch, chdir(folder), redirect_stdout(printed), redirect_stderr(printed):
         patch.setenv("COLUMNS", "80")
-        assert main(["demo", "--clean", "--out", "demo", "--seed", "1"]) == 0
+        assert main(["demo", "--out", "demo", "--seed", "1"]) == 0
     (folder / "printed.txt").write_text(printed.getvalue(), encoding="utf-8")

@@ -31,10 +31,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Run both tests, identify, verify, and leave everything in one folder."""
     folder: Path = arguments.out
     folder.mkdir(parents=True, exist_ok=True)
-    rig = demo_rig() if arguments.clean else _as_built(demo_rig())
+    rig = _as_built(demo_rig()) if arguments.as_built else demo_rig()
     console = Console()
     effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
-    built = "" if arguments.clean else "&tolerances=stated"
+    built = "&tolerances=stated" if arguments.as_built else ""
     url = f"sim://cantilever?seed={arguments.seed}{built}{effects}"
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     with Display(console) as display:
