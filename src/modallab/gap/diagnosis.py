@@ -200,5 +200,6 @@ def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
     for fit in choice.rivals:
         if before**2 - 1 > 0.02 and fit.problem.candidates:
             after = squares(twin_of(fit, clean), clean).gap
-            return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
+            # What leaves more than no effect closes nothing.
+            return {"+".join(c.effect for c in fit.problem.candidates): max(closed(before, after), 0.0)}
     return {}
