@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request
+from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform, WavePlaying
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
 KINDS: tuple[Kind, ...] = ("dead", "frozen", "unplugged", "clipped", "swapped")
@@ -95,6 +95,15 @@ class FaultyBench:
         start = self._bench.play(burst)
         if self._bursts == self._fault.burst:
             self.at = start + round(self._fault.part * burst.duration_s * self._rate_hz)
+        return start
+
+    def play_wave(self, wave: Waveform) -> int:
+        """As the bench does; a wave counts as a burst."""
+        assert isinstance(self._bench, WavePlaying)
+        self._bursts += 1
+        start = self._bench.play_wave(wave)
+        if self._bursts == self._fault.burst:
+            self.at = start + round(self._fault.part * wave.duration_s * self._rate_hz)
         return start
 
     def prompt_hit(self, point: int) -> None:

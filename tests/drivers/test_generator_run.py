@@ -39,3 +39,19 @@ def test_of_a_burst_that_was_changed_by_hand_no_block_is_kept(rig: Rig, tmp_path
             record(bench, driven, PLAN, store, lambda _: None, hand)
         bench.close()
         assert store.catalogue.blocks(store.catalogue.runs()[-1].id) == ()
+
+
+def test_a_complete_run_keeps_each_block_with_what_the_generator_said_it_played(rig: Rig, tmp_path: Path):
+    plan = PLAN.model_copy(update={"frequencies_hz": (30.0, 40.0)})
+    with NiServer(rig, "9215", "--generator", "rigol-dg1000") as server, Store(tmp_path / "data") as store:
+        server.say("preamplifiers sine")
+        driven = driven_by(rig, server)
+        bench = open_bench(server.url, driven)
+        run = record(bench, driven, plan, store, lambda _: None)
+        rows = store.catalogue.blocks(run)
+        bench.close()
+        assert [(row.note.frequency_hz, row.note.accepted) for row in rows] == [(30.0, True), (40.0, True)]
+        for row in rows:
+            assert row.note.facts["generator_frequency_hz"] == row.note.frequency_hz
+            assert row.note.facts["generator_amplitude_v"] == 0.5
+            assert row.note.facts["force_n"] == pytest.approx(0.25, rel=0.02)

@@ -1,7 +1,9 @@
 """Every stop of a burst is a fall from the value the output has, seen on the output's own trace at 51.2 kHz."""
 
+import tempfile
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from stop_trace import RATE_HZ, Stop, seen
 
 from modallab.bench.fall import FALL_S, fall_s, fall_samples
 from modallab.bench.loader import open_bench, open_output
-from modallab.bench.protocol import Bench, Burst, Request
+from modallab.bench.protocol import Bench, Burst, Request, Waveform, WavePlaying
 from modallab.core.rig import Rig
 
 MOST_PER_MS = 0.05
@@ -57,6 +59,60 @@ def test_a_stop_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: st
     assert found.jump == 0.0
     assert found.per_ms <= MOST_PER_MS
     assert found.took_s < 0.3
+
+
+def wave_like_noise(rng: np.random.Generator) -> Waveform:
+    rate_hz, count = 5000.0, 50_000
+    times = np.arange(count) / rate_hz
+    lines = 4.0 + 3.0 * np.arange(20)
+    volts = np.sin(2 * np.pi * (lines[:, None] * times + rng.random((20, 1)))).sum(axis=0) * np.hanning(count) ** 0.2
+    volts *= LEVEL_V / np.abs(volts).max()
+    volts[0] = volts[-1] = 0.0
+    return Waveform(volts, rate_hz)
+
+
+@pytest.mark.parametrize("way", ["zero", "stop", "close", "supervisor"])
+@pytest.mark.parametrize("_moment", range(3))
+def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: str, _moment: int) -> None:
+    rng = np.random.default_rng()
+    wave = wave_like_noise(rng)
+    bench = open_bench(paced.url, rig)
+    assert isinstance(bench, WavePlaying)
+    bench.configure(Request("random", 2000.0))
+    bench.start()
+    bench.play_wave(wave)
+    bench.read(round(2000 * rng.uniform(0.3, 1.5)), 5.0)
+    began = time.monotonic()
+    if way == "supervisor":
+        handle = open_output(paced.url, rig)
+        assert handle is not None
+        handle.zero()
+        handle.close()
+    else:
+        getattr(bench, way)()
+    assert time.monotonic() - began < 1.0
+    time.sleep(0.1)
+    # No stretch of the wave is steeper than a sine of its highest frequency at its peak.
+    found = seen(np.array(paced.say(f"trace 0.6 {RATE_HZ}")["volts"]), 61.0, LEVEL_V)
+    bench.close()
+    assert found.end_v == 0.0
+    assert found.jump == 0.0
+    assert found.per_ms <= MOST_PER_MS
+    assert found.took_s < 0.3
+
+
+def test_the_file_of_a_wave_is_there_while_it_plays_and_no_longer(paced: NiServer, rig: Rig) -> None:
+    wave = wave_like_noise(np.random.default_rng())
+    before = set(Path(tempfile.gettempdir()).glob("modallab-wave-*"))
+    bench = open_bench(paced.url, rig)
+    assert isinstance(bench, WavePlaying)
+    bench.configure(Request("random", 2000.0))
+    bench.start()
+    bench.play_wave(wave)
+    assert len(set(Path(tempfile.gettempdir()).glob("modallab-wave-*")) - before) == 1
+    bench.zero()
+    assert not set(Path(tempfile.gettempdir()).glob("modallab-wave-*")) - before
+    bench.close()
 
 
 def test_a_device_that_takes_no_value_on_demand_is_brought_to_0_v_by_a_short_buffer(rig: Rig) -> None:

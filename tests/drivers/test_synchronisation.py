@@ -104,6 +104,19 @@ def test_devices_that_cannot_be_in_one_task_are_rejected_with_the_reason(rig: Ri
         bench.close()
 
 
+@pytest.mark.parametrize("clock", ["PXIe_Clk100", "PXI_Clk10"])
+def test_devices_on_usb_have_no_clock_of_a_backplane(rig: Rig, clock: str):
+    wanted = on(rig, ["Dev1/ai0", "Dev1/ai1", "Dev2/ai0", "Dev2/ai1"], "reference-clock")
+    wanted = wanted.model_copy(
+        update={"synchronisation": Synchronisation(method="reference-clock", reference_clock=clock)}
+    )
+    with NiServer(wanted, "two-4431", "--cables", device="Dev1,Dev2") as server:
+        bench = open_bench(server.url, wanted)
+        with pytest.raises(ConfigurationError, match=f"by {clock}: .*-89120"):
+            check_synchronisation(bench)
+        bench.close()
+
+
 def test_channels_of_several_tasks_stand_in_the_order_of_the_rig(rig: Rig):
     mixed = on(rig, ["PXI1Slot3/ai0", "PXI1Slot2/ai1", "PXI1Slot3/ai1", "PXI1Slot2/ai0"], "reference-clock")
     with NiServer(mixed, "4461", "--cables", device="PXI1Slot2,PXI1Slot3") as server:

@@ -58,7 +58,7 @@ def two_tasks(options: Any, wired: str) -> tuple[NDArray[np.float64], NDArray[np
             task.ai_channels.add_ai_voltage_chan(f"{card}/ai0")
             task.timing.cfg_samp_clk_timing(RATE_HZ, sample_mode=AcquisitionType.CONTINUOUS)
             if "clock" in wired:
-                task.timing.ref_clk_src = "PXIe_Clk100"
+                task.timing.ref_clk_src = "PXI_Clk10"
         if "pulse" in wired:
             second.timing.sync_pulse_src = "/PXI1Slot2/SyncPulse"
         if "trigger" in wired:

@@ -174,7 +174,7 @@ def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
 
 def test_a_database_that_is_none_is_reported(tmp_path: Path) -> None:
     (tmp_path / "modallab.db").write_bytes(b"not a database, but long enough to look at" * 100)
-    with pytest.raises(StorageError, match="not a database"):
+    with pytest.raises(StorageError, match="is no database"):
         Store(tmp_path)
 
 

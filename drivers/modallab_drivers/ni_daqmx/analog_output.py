@@ -13,7 +13,7 @@ from modallab.bench.protocol import Burst, Waveform
 from modallab.core.errors import BenchError, OutputLostError
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated, typed
 from modallab_drivers.ni_daqmx.guards import after_expiry
-from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, SHAPED, Played, fall_to_zero
+from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 from modallab_drivers.ni_daqmx.zero_volts import write_zero
 from modallab_drivers.order import burst_samples, wave_samples
@@ -46,6 +46,7 @@ class AnalogOutput:
         self._where = f"{route.address.url}, output {physical}"
         self._task: Any = None
         self._wave: NDArray[np.float64] = np.zeros(1)
+        self._played: Played | PlayedWave | None = None
         # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
         behaviour = AOIdleOutputBehavior
         self._idle = behaviour.MAINTAIN_EXISTING_VALUE if guarded else behaviour.ZERO_VOLTS
@@ -64,17 +65,17 @@ class AnalogOutput:
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
         """Write the whole burst to the device and start it: from here on it ends without us."""
         requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-        self._start(requested, lambda rate: burst_samples(burst, rate), lambda rate: Played(burst, rate).described())
+        self._start(requested, lambda rate: burst_samples(burst, rate), lambda rate, _: Played(burst, rate))
 
     def play_wave(self, wave: Waveform) -> None:
         """Write the whole wave to the device and start it: from here on it ends without us."""
-        self._start(wave.rate_hz, lambda rate: wave_samples(wave, rate), lambda _rate: SHAPED)
+        self._start(wave.rate_hz, lambda rate: wave_samples(wave, rate), lambda rate, v: PlayedWave.kept(v, rate))
 
     def _start(
         self,
         requested: float,
         samples_at: Callable[[float], NDArray[np.float64]],
-        described_at: Callable[[float], str],
+        played_at: Callable[[float, NDArray[np.float64]], Played | PlayedWave],
     ) -> None:
         self._drop()
         with translated(self._where):
@@ -88,12 +89,14 @@ class AnalogOutput:
                         requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
-                self._describe(task, described_at(float(task.timing.samp_clk_rate)))
+                self._played = played_at(float(task.timing.samp_clk_rate), wave)
+                self._describe(task, self._played.described())
                 task.write(wave, auto_start=False)
                 # Committed, so that a stop keeps the output and the count of what was generated.
                 task.control(TaskMode.TASK_COMMIT)
                 task.start()
             except BaseException:
+                self._forget()
                 task.close()
                 raise
         self._task, self._wave = task, wave
@@ -142,6 +145,12 @@ class AnalogOutput:
     def abandon(self) -> None:
         """Forget the task of a device that is gone."""
         self._task = None
+        self._forget()
+
+    def _forget(self) -> None:
+        played, self._played = self._played, None
+        if isinstance(played, PlayedWave):
+            played.forget()
 
     def _write_zero(self) -> None:
         task = self._new("")
@@ -177,6 +186,7 @@ class AnalogOutput:
 
     def _drop(self) -> None:
         task, self._task = self._task, None
+        self._forget()
         if task is None:
             return
         try:

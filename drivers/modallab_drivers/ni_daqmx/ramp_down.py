@@ -3,12 +3,16 @@
 A finite burst lies whole in its buffer and can't be changed while it plays. So it is stopped, whereupon the output
 holds the last sample; how many were generated says which one that is; and the same task then plays the fall from there.
 The task is committed before it starts: when it is stopped it keeps the output and the count. What is played is written
-into the description of its channel, so that another process knows it too.
+into the description of its channel, so that another process knows it too: a burst by its numbers, a wave by the name of
+a file that holds its samples for as long as it plays.
 """
 
+import os
+import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 import nidaqmx.errors
@@ -26,7 +30,8 @@ GENERATED = 0x192B
 OUTPUT_BUFFER = 0x186D
 IDLE = 0x2240
 FALLING = "modallab: falls to 0 V"
-SHAPED = "modallab: a wave that only its owner knows"
+SHAPED = "modallab-wave"
+"""Before the rate and the file of a wave."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +66,62 @@ class Played:
         return cls(Burst(frequency_hz, amplitude_v, ramp_s, hold_s), rate_hz)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class PlayedWave:
+    """What a task plays that is no sine.
+
+    Attributes:
+        samples: (n,) in V.
+        rate_hz: of the output.
+        file: that holds them, for other processes of this machine.
+    """
+
+    samples: NDArray[np.float64]
+    rate_hz: float
+    file: Path
+
+    @classmethod
+    def kept(cls, samples: NDArray[np.float64], rate_hz: float) -> Self:
+        """With its samples written to a new file."""
+        handle, name = tempfile.mkstemp(prefix="modallab-wave-", suffix=".npy")
+        with os.fdopen(handle, "wb") as file:
+            np.save(file, samples, allow_pickle=False)
+        return cls(samples, rate_hz, Path(name))
+
+    def described(self) -> str:
+        """For the channel's description."""
+        return f"{SHAPED} {float(self.rate_hz)!r} {self.file}"
+
+    def wave(self) -> tuple[NDArray[np.float64], float]:
+        """(n,) in V, and their rate."""
+        return self.samples, self.rate_hz
+
+    def forget(self) -> None:
+        """Remove the file."""
+        self.file.unlink(missing_ok=True)
+
+    @classmethod
+    def read(cls, text: str) -> Self:
+        """From a channel's description.
+
+        Raises:
+            ValueError: it is no wave of ours.
+            OSError: its file is not on this machine.
+        """
+        _, rate_hz, name = text.split(" ", 2)
+        return cls(np.load(name, allow_pickle=False), float(rate_hz), Path(name))
+
+
+def read_description(text: str) -> Played | PlayedWave:
+    """What a channel's description says that its task plays.
+
+    Raises:
+        ValueError: nothing of ours.
+        OSError: the file of a wave is not on this machine.
+    """
+    return PlayedWave.read(text) if text.startswith(SHAPED) else Played.read(text)
+
+
 def fall_to_zero(
     interpreter: Any, task: Any, physical: str, own: tuple[NDArray[np.float64], float] | None = None
 ) -> None:
@@ -76,12 +137,12 @@ def fall_to_zero(
         own: (n,) what the task plays in V, and its rate, for who knows it; else the description says it.
 
     Raises:
-        ValueError: what the task plays is not known.
+        ValueError, OSError: what the task plays is not known.
         DaqError: the task is gone, or could not be played: the output is wherever it is.
     """
     described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
     if described != FALLING:
-        known = own or Played.read(described).wave()
+        known = own or read_description(described).wave()
         if not _holds(interpreter, task, physical):
             return
         # One who comes a moment later must not take the fall for the burst.

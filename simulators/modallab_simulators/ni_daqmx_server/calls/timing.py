@@ -8,7 +8,7 @@ from modallab_simulators.ni_daqmx_server import status
 from modallab_simulators.ni_daqmx_server.acquisition import AcquiringTask
 from modallab_simulators.ni_daqmx_server.bench import SimulatedSystem
 from modallab_simulators.ni_daqmx_server.calls.channel_names import joined, split
-from modallab_simulators.ni_daqmx_server.catalogue import DIGITAL
+from modallab_simulators.ni_daqmx_server.catalogue import DIGITAL, PXI, PXIE
 from modallab_simulators.ni_daqmx_server.counter_task import CounterInputTask, CounterOutputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
 from modallab_simulators.ni_daqmx_server.max_config import Section
@@ -24,6 +24,8 @@ LEAST_FINITE = 2
 NO_TRIGGER = 10230
 SAMPLE_CLOCK, ON_DEMAND, IMPLICIT = 10388, 10390, 10451
 HANDSHAKE, BURST, CHANGE_DETECTION, PIPELINED = 10389, 12548, 12504, 14668
+BACKPLANE_CLOCKS = {"PXI_CLK10": (PXI, PXIE), "PXIE_CLK100": (PXIE,)}
+"""What a device must be plugged into to see them."""
 _TERMINALS = ("PFI", "RTSI", "PXI", "CLOCK", "CLK", "TIMEBASE", "TRIGGER", "INTERNAL", "CTR", "APFI", "EVENT",
               "SYNCPULSE", "COMPARATOR", "FREQOUT", "GATE")  # fmt: skip
 
@@ -56,9 +58,20 @@ def require_routes(system: SimulatedSystem, task: Task) -> None:
     """
     for attribute in ("SAMP_CLK_SRC", "DIG_EDGE_START_TRIG_SRC"):
         require_terminal(system, task.get(attribute, ""))
+    _require_backplane(task)
     count = task.get("SAMP_QUANT_SAMP_PER_CHAN", LEAST_FINITE)
     if task.timing == "clocked" and task.get("SAMP_QUANT_SAMP_MODE") == FINITE and count < LEAST_FINITE:
         raise StatusError(status.INVALID_VALUE, f"Property: SampQuant.SampPerChan\nRequested Value: {count}")
+
+
+def _require_backplane(task: Task) -> None:
+    """Reject a clock of a backplane where a channel's device is not plugged into one that has it."""
+    source = str(task.get("REF_CLK_SRC") or "")
+    buses = BACKPLANE_CLOCKS.get(source.rpartition("/")[2].upper())
+    for channel in task.all_channels() if buses else ():
+        if buses and channel.module.bus not in buses:
+            said = f"Property: RefClk.Src\nSource Device: {channel.module.name}\nSource Terminal: {source}"
+            raise StatusError(status.BAD_ROUTE, said)
 
 
 def verify(system: SimulatedSystem, task: Task) -> None:

@@ -1,4 +1,4 @@
-"""What is looked at in every chunk of a sine test: the limits, and whether the channels can be believed."""
+"""What is looked at in every chunk while the shaker drives: the limits, and whether the channels can be believed."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from modallab.storage.samples import Samples
 
 if TYPE_CHECKING:
     from modallab.acquisition.monitor.motion_limits import MotionWatch
+    from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 
 
 @dataclass(slots=True)
@@ -27,12 +28,14 @@ class BurstWatch:
         limits: of what the channels measure.
         plausible: whether they measure at all.
         motion: limits of what must be integrated; None where there are none.
+        waves: whether they measure at all, in a drive that is no sine; None where there is none.
         own: noise of each channel at the start of the test.
     """
 
     limits: LimitWatch
     plausible: Plausibility
     motion: "MotionWatch | None" = None
+    waves: "WavePlausibility | None" = None
     own: RestNoise | None = field(default=None)
 
     def __call__(self, chunk: Chunk) -> None:
@@ -45,6 +48,8 @@ class BurstWatch:
         if self.motion is not None:
             self.motion(chunk)
         self.plausible(chunk)
+        if self.waves is not None:
+            self.waves(chunk)
 
     def require_alive(self, rest: Samples, *, counts: bool) -> RestNoise:
         """Look, before a burst, at a (channels, n) window at rest; returns its noise.
@@ -74,6 +79,8 @@ class BurstWatch:
     def end(self) -> None:
         """The burst has ended, or was ended."""
         self.plausible.end()
+        if self.waves is not None:
+            self.waves.end()
         if self.motion is not None:
             self.motion.end()
 

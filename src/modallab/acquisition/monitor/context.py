@@ -17,6 +17,7 @@ from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped,
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
+from modallab.storage.samples import Samples
 
 MotionWindow = NDArray[np.float64]
 
@@ -34,6 +35,19 @@ DRIVING_CHUNK_S = 0.02
 
 WINDOW_BLOCKS = 2
 """Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HeldBlock:
+    """A block in memory: while the output is on, nothing is written.
+
+    Attributes:
+        samples: (channels, n) as delivered, with the ends that a change of rate needs.
+        note: what is known about it.
+    """
+
+    samples: Samples
+    note: BlockNote
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,14 +118,25 @@ class Context:
 
     def record(self, first: int, note: BlockNote) -> BlockAcknowledged:
         """Keep the block from sample `first` and report that it is kept."""
-        if self.recut is not None:
-            # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
-            self.stream.advance_to(first + self.recut.native - self.recut.lead)
-            ends = self.stream.overload(first - self.recut.lead, self.recut.native)
-            note = replace(note, overload=ends, facts=note.facts | self.recut.facts())
-            kept = self.recorder.record(self.stream.cut(first - self.recut.lead, self.recut.native), note)
-        else:
-            kept = self.recorder.record(self.stream.cut(first, self.block), note)
+        return self.write(self.held(first, note))
+
+    def end_of(self, first: int) -> int:
+        """The sample (exclusive) up to which a block from `first` must be read before it can be held."""
+        return first + (self.block if self.recut is None else max(self.block, self.recut.native - self.recut.lead))
+
+    def held(self, first: int, note: BlockNote) -> "HeldBlock":
+        """The block from sample `first`, as it will be written."""
+        if self.recut is None:
+            return HeldBlock(self.stream.cut(first, self.block), note)
+        # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
+        self.stream.advance_to(first + self.recut.native - self.recut.lead)
+        ends = self.stream.overload(first - self.recut.lead, self.recut.native)
+        note = replace(note, overload=ends, facts=note.facts | self.recut.facts())
+        return HeldBlock(self.stream.cut(first - self.recut.lead, self.recut.native), note)
+
+    def write(self, block: "HeldBlock") -> BlockAcknowledged:
+        """Keep a block and report that it is kept."""
+        kept = self.recorder.record(block.samples, block.note)
         self.emit(kept)
         return kept
 

@@ -119,22 +119,22 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
 def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
     spread = LOST_SIGMA / np.sqrt(2 * seen.shape[1])
-    expected = np.hypot(_still(foreseen.later), white)
+    expected = np.hypot(about_line_rms(foreseen.later), white)
     steady = foreseen.misfit < UNBEATEN * white
-    return steady & (_still(seen) < white * (1 + spread)) & (expected > white * (1 + 3 * spread))
+    return steady & (about_line_rms(seen) < white * (1 + spread)) & (expected > white * (1 + 3 * spread))
 
 
 def kept_up(seen: Real, foreseen: Foreseen) -> Real:
     """(channels,) rms over what was foreseen; where the structure itself beats, it falls in all responses at once."""
-    return _still(seen) / np.maximum(_still(foreseen.later), 1e-300)
+    return about_line_rms(seen) / np.maximum(about_line_rms(foreseen.later), 1e-300)
 
 
 def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
     # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
     least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
-    moving = (_still(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
-    return (_still(seen) < STILL * white) & moving
+    moving = (about_line_rms(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
+    return (about_line_rms(seen) < STILL * white) & moving
 
 
 def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
@@ -143,7 +143,7 @@ def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
     return _rms(seen - foreseen.later, axis=1) > least
 
 
-def _still(values: Real) -> Real:
+def about_line_rms(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
     ramp = np.arange(values.shape[1]) - (values.shape[1] - 1) / 2
     centred = values - values.mean(axis=1, keepdims=True)

@@ -6,8 +6,9 @@ from math import ceil
 import numpy as np
 
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
-from modallab.acquisition.monitor.context import Context
+from modallab.acquisition.monitor.context import Context, HeldBlock
 from modallab.acquisition.monitor.requests import DropBlock
+from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
 from modallab.acquisition.procedures.broadband_wave import (
     Layout,
     blocks_a_wave,
@@ -63,7 +64,8 @@ class BroadbandTest:
         context: the bench.
         plan: signal, band, levels, blocks.
         limits: of the rig.
-        watch: looks at the limits, and before each wave whether the channels are alive.
+        watch: looks at the limits, and whether the channels can be believed.
+        believed: the part of it that is to know what plays.
         kept: names of the blocks that count, by level.
         waves: played so far, by level.
         rejected: blocks that did not count.
@@ -74,6 +76,7 @@ class BroadbandTest:
     plan: BroadbandPlan
     limits: Limits
     watch: BurstWatch
+    believed: WavePlausibility
     kept: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
     waves: dict[str, int] = field(default_factory=dict[str, int])
     rejected: int = 0
@@ -108,7 +111,7 @@ class BroadbandTest:
         stream.advance_to(stream.next + max(stream.samples_of(self.plan.wait_s), context.window), self.watch)
         context.pause_if_requested(self.watch)
         rest = stream.cut(stream.next - context.window, context.window)
-        self.watch.require_alive(rest, counts=stream.counts)
+        noise = self.watch.require_alive(rest, counts=stream.counts)
         rest_n = float(np.std(context.conversion.force_n(rest)))
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
         missing = self.plan.blocks - len(self.kept[level])
@@ -121,11 +124,52 @@ class BroadbandTest:
         stream.poll()
         assert isinstance(context.bench, WavePlaying)
         start = context.bench.play_wave(wave)
-        for place in range(fitting):
-            self._take(self._note(level, number, place, start, layout, wave), rest_n)
-        stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
+        self.believed.begin(wave, start, rest, noise, layout.block_s)
+        held: list[HeldBlock] = []
+        try:
+            while len(held) < fitting:
+                held.append(self._take(self._note(level, number, len(held), start, layout, wave), rest_n))
+            stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
+        except BaseException as error:
+            self._end_early(held, error, self._note(level, number, len(held), start, layout, wave))
+            raise
+        self.watch.end()
         context.excitation.on = False
+        self._keep(held)
+        self._require_patience(held)
         self._obey()
+
+    def _end_early(self, held: list[HeldBlock], error: BaseException, note: BlockNote) -> None:
+        """End the drive, then keep what was recorded; what may hold the fault does not count."""
+        context, stream = self.context, self.context.stream
+        try:
+            context.bench.zero()
+        finally:
+            self.watch.end()
+            # A channel that is cut off may have been so for a while, in few samples, before it was found.
+            doubt = f"in one wave with: {error}" if self.believed.failed else ""
+            self._keep([_doubted(block, doubt) if doubt else block for block in held])
+        if isinstance(error, SafetyError):
+            first = stream.next - context.block
+            overload = stream.overload(first, context.block)
+            name = f"{note.name}_tripped"
+            context.record(
+                first,
+                replace(note, name=name, first_sample=first, accepted=False, reason=error.what, overload=overload),
+            )
+
+    def _keep(self, held: list[HeldBlock]) -> None:
+        """Write the blocks of a wave that is over: a disk that is slow must not hold up the watch."""
+        for block in held:
+            note = block.note
+            self.context.write(block)
+            if note.accepted:
+                self.kept[note.level or ""].append(note.name)
+            else:
+                self.rejected += 1
+            done = sum(map(len, self.kept.values()))
+            what = f"level {note.level}, {self.plan.signal}"
+            self.context.progress(done, self.plan.blocks * len(self.kept), what)
 
     def _note(self, level: str, number: int, place: int, start: int, layout: Layout, wave: Waveform) -> BlockNote:
         lead = self.context.stream.samples_of(layout.lead_s)
@@ -144,28 +188,15 @@ class BroadbandTest:
             },
         )
 
-    def _take(self, note: BlockNote, rest_n: float) -> None:
-        """Read one block, and keep it."""
+    def _take(self, note: BlockNote, rest_n: float) -> HeldBlock:
+        """Read one block, and hold it until its wave is over."""
         context, stream = self.context, self.context.stream
-        try:
-            stream.advance_to(note.first_sample + context.block, self.watch, context.driving_chunk)
-            self._require_force(note, rest_n)
-        except SafetyError as error:
-            context.bench.zero()
-            first = stream.next - context.block
-            tripped = replace(note, name=f"{note.name}_tripped", first_sample=first, accepted=False, reason=error.what)
-            context.record(first, replace(tripped, overload=stream.overload(first, context.block)))
-            raise
+        stream.advance_to(context.end_of(note.first_sample), self.watch, context.driving_chunk)
+        self._require_force(note, rest_n)
         overload = stream.overload(note.first_sample, context.block)
         reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
-        context.record(note.first_sample, replace(note, overload=overload, accepted=not overload, reason=reason))
-        if overload:
-            self.rejected += 1
-            self._require_patience(reason)
-        else:
-            self.kept[note.level or ""].append(note.name)
-        done = sum(map(len, self.kept.values()))
-        context.progress(done, self.plan.blocks * len(self.kept), f"level {note.level}, {self.plan.signal}")
+        held = replace(note, overload=overload, accepted=not overload, reason=reason)
+        return context.held(note.first_sample, held)
 
     def _require_force(self, note: BlockNote, rest_n: float) -> None:
         block = self.context.stream.cut(note.first_sample, self.context.block)
@@ -177,10 +208,11 @@ class BroadbandTest:
                 remedy="check the force sensor, the amplifier and the stinger, or drive harder",
             )
 
-    def _require_patience(self, reason: str) -> None:
-        if self.rejected > self.plan.max_rejections:
+    def _require_patience(self, held: list[HeldBlock]) -> None:
+        reasons = [block.note.reason for block in held if not block.note.accepted]
+        if reasons and self.rejected > self.plan.max_rejections:
             raise PlanError(
-                f"{self.rejected} blocks were rejected, the last one: {reason}",
+                f"{self.rejected} blocks were rejected, the last one: {reasons[-1]}",
                 remedy="lower the drive, or give the channel a larger range",
             )
 
@@ -192,13 +224,20 @@ class BroadbandTest:
                         names.remove(request.block)
 
 
+def _doubted(block: HeldBlock, reason: str) -> HeldBlock:
+    return replace(block, note=replace(block.note, accepted=False, reason=reason))
+
+
 def run_broadband(context: Context, plan: BroadbandPlan) -> None:
     """Run the test; see `BroadbandTest`."""
     limits = context.rig.limits
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
-    BroadbandTest(context, plan, limits, watch).run()
+    limited = [int(channel) for channel in np.flatnonzero(np.isfinite(watch.limits.limit))]
+    waves = WavePlausibility(context.conversion.names, context.conversion.force, limited, context.stream.rate_hz)
+    watch.waves = waves
+    BroadbandTest(context, plan, limits, watch, waves).run()
 
 
 def require_waves(plan: BroadbandPlan, bench: object, rig: Rig) -> None:

@@ -1,0 +1,154 @@
+"""The samples of one burst as they come, averaged down, with the two windows that each look compares."""
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
+from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
+from modallab.bench.protocol import Burst
+from modallab.storage.samples import Samples
+
+Real = NDArray[np.float64]
+
+HOP_S = 0.02
+"""Between two looks, on a grid from the burst's start: what is found does not depend on how it was read."""
+
+EARLIER_S = 0.1
+"""Length of the earlier window, or one period of the drive if that is longer."""
+
+GAP_S = 0.06
+"""Between the two windows, three hops: so many looks find a fault in all of the later one, and in none of the other."""
+
+LATER_S = 0.05
+LATER_PERIODS = 0.4
+WEAK_LATER_S = 0.14
+"""Length of the later window, in a low tone longer; the longest is also for tones that are weak beside the noise."""
+
+WEAK_EARLIER_S = 0.5
+"""Length of the earlier window for these: long enough that two tones of a structure that beat do not pass for one."""
+
+LEAST_RATE_HZ = 1000.0
+SAMPLES_PER_PERIOD = 32
+"""What is looked at is averaged down to a rate not far above both, so that a look takes the same time at any rate."""
+
+MOST_SAMPLES = 2000
+"""Longest window, in averaged samples; above 600 Hz the windows get shorter for it."""
+
+
+class BurstLook:
+    """The samples of one burst as they come, averaged down, with the two windows of each look."""
+
+    def __init__(
+        self, burst: Burst, start: int, rate_hz: float, rest: Samples, volts: Real, noise: RestNoise, unseen: int
+    ) -> None:
+        self.burst, self.noise = burst, noise
+        self.repetition = Repetition(len(volts))
+        self.tone: Real | None = None
+        self.gone = np.zeros(len(volts), dtype=np.int64)
+        self._step = max(1, int(rate_hz // max(SAMPLES_PER_PERIOD * burst.frequency_hz, LEAST_RATE_HZ)))
+        self._dt = self._step / rate_hz
+        self._volts = volts[:, None]
+        # Times count from the burst's start; samples before it, which are still to come, are passed over.
+        self._skip = start - unseen
+        self._early_s = max(-self._skip, 0) / rate_hz
+        self._rest: Real = np.zeros((len(volts), 0))
+        self._kept: Real = np.zeros((len(volts), 0))
+        self._first = 0
+        self._raw: Samples = rest[:, :0]
+        self._raw_count = ceil(max(EARLIER_S, 1 / burst.frequency_hz) * rate_hz)
+        self._hop = 0
+        self._earlier = self._whole_periods(EARLIER_S)
+        self._gap = round(GAP_S / self._dt)
+        self.later_s = min(max(LATER_S, LATER_PERIODS / burst.frequency_hz), WEAK_LATER_S)
+        averaged = _averaged(rest * self._volts, self._step)
+        rounding = np.maximum(noise.step * volts, np.finfo(float).tiny) / np.sqrt(12 * self._step)
+        self.noise_v = np.maximum(averaged.std(axis=1), rounding)
+        # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
+        self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
+        self.sigma_v = self.noise_v * np.sqrt(2 / self._earlier)
+
+    @property
+    def envelope_earlier(self) -> float:
+        """Of the drive in the middle of the earlier window, 0 to 1."""
+        middle = self._hop * HOP_S - self.later_s - (self._gap + self._earlier / 2) * self._dt
+        return float(self.burst.envelope(np.array([middle]))[0])
+
+    @property
+    def steady(self) -> bool:
+        """Whether both windows lie past the rise and before the fall."""
+        begins = (self._hop * HOP_S) - (self._earlier + self._gap) * self._dt - self.later_s
+        return begins >= self.burst.ramp_s and self._hop * HOP_S <= self.burst.duration_s - self.burst.ramp_s
+
+    def cut_off(self, samples: Samples) -> NDArray[np.bool_]:
+        """(channels,) whether the last period, as delivered, has flat tops."""
+        self._raw = np.concatenate([self._raw, samples], axis=1)[:, -max(self._raw_count, samples.shape[1]) :]
+        # Before the burst there is no sine that could be cut; what rests is within the noise.
+        return cut_off(self._raw, self.noise) & (self._raw.shape[1] >= self._raw_count)
+
+    def add(self, samples: Samples) -> None:
+        """Take in what came."""
+        if self._skip > 0:
+            passed = min(self._skip, samples.shape[1])
+            self._skip -= passed
+            samples = samples[:, passed:]
+        values = np.concatenate([self._rest, samples * self._volts], axis=1)
+        whole = values.shape[1] // self._step * self._step
+        self._kept = np.concatenate([self._kept, _averaged(values[:, :whole], self._step)], axis=1)
+        self._rest = values[:, whole:]
+
+    def next_hop(self) -> bool:
+        """Go on to the next look, if all it needs has come."""
+        end = self._at((self._hop + 1) * HOP_S)
+        if end > self._first + self._kept.shape[1]:
+            return False
+        self._hop += 1
+        needed = self._whole_periods(WEAK_EARLIER_S) + self._gap + self._count(WEAK_LATER_S)
+        drop = max(0, end - needed - self._first)
+        if drop > needed:
+            self._kept = self._kept[:, drop:].copy()
+            self._first += drop
+        return True
+
+    def foreseen(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, Foreseen] | None:
+        """The later window of this look, and what the earlier one says of it; None where it is not all of the burst."""
+        end, count = self._at(self._hop * HOP_S), self._count(later_s)
+        middle = end - count
+        begin = middle - self._gap - self._whole_periods(earlier_s)
+        stop = middle - self._gap
+        if begin < 0 or end * self._dt > self.burst.duration_s:
+            return None
+        if self.burst.envelope(self._times(begin, stop)).max() < 1e-6:
+            return None
+        foreseen = foresee(self._cut(begin, stop), self._basis(begin, stop), self._basis(middle, end))
+        return self._cut(middle, end), foreseen
+
+    def _at(self, seconds: float) -> int:
+        return int((seconds - self._early_s) / self._dt + 1e-9)
+
+    def _whole_periods(self, seconds: float) -> int:
+        frequency_hz = self.burst.frequency_hz
+        most = max(1, int(MOST_SAMPLES * self._dt * frequency_hz))
+        return round(min(ceil(seconds * frequency_hz), most) / (frequency_hz * self._dt))
+
+    def _count(self, seconds: float) -> int:
+        return min(max(8, round(seconds / self._dt)), MOST_SAMPLES)
+
+    def _cut(self, begin: int, end: int) -> Real:
+        return self._kept[:, begin - self._first : end - self._first]
+
+    def _times(self, begin: int, end: int) -> Real:
+        return (
+            np.arange(begin, end, dtype=np.float64) + (self._step - 1) / (2 * self._step)
+        ) * self._dt + self._early_s
+
+    def _basis(self, begin: int, end: int) -> Real:
+        times = self._times(begin, end)
+        return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
+
+
+def _averaged(values: Real, step: int) -> Real:
+    whole = values.shape[1] // step * step
+    mean: Real = values[:, :whole].reshape(len(values), -1, step).mean(axis=2).astype(np.float64)
+    return mean

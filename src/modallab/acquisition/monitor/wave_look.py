@@ -1,0 +1,142 @@
+"""The samples of one wave as they come, and what each look at them finds."""
+
+from collections import deque
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.flat_tops import flat_tops
+from modallab.acquisition.monitor.others_say import OthersSay
+from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise
+from modallab.acquisition.monitor.tone_prediction import about_line_rms
+from modallab.bench.protocol import Chunk, Waveform
+from modallab.storage.samples import Samples
+
+Real = NDArray[np.float64]
+
+HOP_S = 0.02
+WINDOW_HOPS = 4
+"""Between two looks, and what each looks at, in these."""
+
+UNSURE_HOPS = 8
+"""So many before the window are neither learned from nor part of the usual level: a fault may lie in them unfound."""
+
+FLAT_S = 0.12
+"""What is searched for flat tops."""
+
+LEAST_RATE_HZ = 1000.0
+WAVE_OVERSAMPLED = 2.5
+"""What is looked at is averaged down to a rate not far above both, so that a look takes the same time at any rate."""
+
+LEAST_LEARNED_S = 0.2
+FORGET = 0.02
+"""Of what is known, per hop: it is a second old on average."""
+
+USUAL_S = 1.0
+"""A channel's own level is its lowest in so long before the window, or in a period of the wave."""
+
+DRIVE_LAGS, LAG_S = 20, 0.001
+"""The drive counts by what it was in the last 20 ms: converters delay it by up to 40 periods of their rate."""
+
+DRIVE_SCALE = 100.0
+"""The drive's root mean square over the part of it that explains nothing."""
+
+STILL = 2.0
+"""A channel that stays within so many times its noise does not move."""
+
+MOVING = 10.0
+"""It was to move by so many times its noise."""
+
+UNEXPLAINED = 4.0
+"""And by so many times what the others leave unexplained."""
+
+DRIVEN = 0.3
+"""A fall from the usual level is judged while the drive has this part of its root mean square."""
+
+FORCE_STILL, OTHERS_SEEN = 4.0, 100.0
+"""Where another channel moves by so many times its noise, and the drive is on, the force must be seen."""
+
+GONE_LOOKS = 3
+"""A channel is gone after so many looks in a row."""
+
+
+class WaveLook:
+    """The samples of one wave: as delivered for flat tops, and averaged, over each channel's noise."""
+
+    def __init__(
+        self, wave: Waveform, start: int, rest: Samples, noise: RestNoise, rate_hz: float, period_s: float
+    ) -> None:
+        self._wave, self._start, self._noise, self._rate_hz = wave, start, noise, rate_hz
+        self._channels = len(noise.rms)
+        self._repetition = Repetition(self._channels)
+        self._average = max(1, int(rate_hz // max(LEAST_RATE_HZ, wave.rate_hz / WAVE_OVERSAMPLED)))
+        self._hop = self._average * max(1, round(HOP_S * rate_hz / self._average))
+        self._least_learned = LEAST_LEARNED_S * rate_hz / self._average
+        self._offset = rest.mean(axis=1, keepdims=True, dtype=np.float64)
+        rounding = np.maximum(noise.step, np.finfo(float).tiny) / np.sqrt(12)
+        self._white = np.maximum(noise.rms, rounding)[:, None] / np.sqrt(self._average)
+        self._level_v = float(np.sqrt(np.mean(wave.samples**2)))
+        self._raw: Samples = rest[:, :0]
+        self._seen_to = start
+        self._taken = start
+        self._said = OthersSay(self._channels + DRIVE_LAGS, FORGET)
+        self._hops: deque[Real] = deque(maxlen=WINDOW_HOPS + UNSURE_HOPS)
+        self._usual: deque[Real] = deque(maxlen=UNSURE_HOPS + ceil(max(USUAL_S, period_s) / HOP_S))
+        self._gone = np.zeros(self._channels, dtype=np.int64)
+
+    def frozen(self, samples: Samples) -> NDArray[np.bool_]:
+        """(channels,) whether one value is repeated."""
+        return self._repetition.longest(samples) >= self._noise.longest_run
+
+    def add(self, chunk: Chunk) -> None:
+        """Take in what came; what lies before the wave's start is passed over."""
+        late = max(0, self._start - chunk.first_sample)
+        self._raw = np.concatenate([self._raw, chunk.samples[:, late:]], axis=1)
+        self._seen_to = max(self._start, chunk.first_sample + chunk.samples.shape[1])
+
+    def next_hop(self) -> bool:
+        """Go on to the next look, if all it needs has come."""
+        if self._taken + self._hop > self._seen_to:
+            return False
+        self._taken += self._hop
+        keep = self._seen_to - self._taken + max(self._hop, round(FLAT_S * self._rate_hz))
+        self._raw = self._raw[:, -keep:]
+        if len(self._hops) == self._hops.maxlen:
+            self._said.learn(self._hops[0])
+        self._hops.append(self._rows())
+        return True
+
+    def cut_off(self) -> NDArray[np.bool_]:
+        """(channels,) whether the last samples, as delivered, have flat tops."""
+        end = self._raw.shape[1] - (self._seen_to - self._taken)
+        return flat_tops(self._raw[:, :end], self._noise)
+
+    def gone(self, force: int) -> NDArray[np.bool_]:
+        """(channels,) whether a channel has not moved for some looks, where it must."""
+        window = np.concatenate(list(self._hops)[-WINDOW_HOPS:], axis=1)
+        level = about_line_rms(window[: self._channels])
+        driven = float(np.sqrt(np.mean(window[self._channels] ** 2))) >= DRIVEN * DRIVE_SCALE
+        gone = np.zeros(self._channels, dtype=np.bool_)
+        if self._said.count >= self._least_learned:
+            foretold, unexplained = self._said.foretell(window, self._channels, 1.0)
+            gone |= about_line_rms(foretold) > np.maximum(MOVING, UNEXPLAINED * unexplained)
+        if driven and len(self._usual) == self._usual.maxlen:
+            gone |= np.min(list(self._usual)[:-UNSURE_HOPS], axis=0) > MOVING
+        self._usual.append(level)
+        gone &= level < STILL
+        gone[force] |= driven and level[force] < FORCE_STILL and bool((np.delete(level, force) > OTHERS_SEEN).any())
+        self._gone = np.where(gone, self._gone + 1, 0)
+        return self._gone >= GONE_LOOKS
+
+    def _rows(self) -> Real:
+        """(channels and lags of the drive, n) of the last hop: over the noise, and over a part of the drive's level."""
+        end = self._raw.shape[1] - (self._seen_to - self._taken)
+        raw = (self._raw[:, end - self._hop : end] - self._offset).reshape(self._channels, -1, self._average)
+        samples = raw.mean(axis=2) / self._white
+        middle = (self._average - 1) / 2
+        first = self._taken - self._hop - self._start
+        times = (first + middle + self._average * np.arange(samples.shape[1])) / self._rate_hz
+        lags = LAG_S * np.arange(DRIVE_LAGS)[:, None]
+        drive = self._wave.at((times - lags).ravel()).reshape(DRIVE_LAGS, -1)
+        return np.concatenate([samples, DRIVE_SCALE / self._level_v * drive])

@@ -1,0 +1,81 @@
+"""While a wave plays: whether the force, and every channel with a limit, still says what the drive must make it say.
+
+A wave has no period to carry on, so a channel is held against the others and the drive (`others_say`), against its own
+level of the last second, and against what no sound channel does: repeat a value, or end its tops at one value.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.acquisition.monitor.rest_noise import RestNoise
+from modallab.acquisition.monitor.wave_look import WaveLook
+from modallab.bench.protocol import Chunk, Waveform
+from modallab.core.errors import SafetyError
+from modallab.storage.samples import Samples
+
+REMEDY = "check the channel's sensor, cable and input; the blocks before this wave are kept, those in it do not count"
+
+
+class WavePlausibility:
+    """Holds each channel of a wave against the others and the drive; without a wave it sees nothing.
+
+    Attributes:
+        failed: whether a channel of the last wave could not be believed.
+    """
+
+    failed: bool
+
+    def __init__(self, names: Sequence[str], force: int, watched: Sequence[int], rate_hz: float) -> None:
+        """Watch channels.
+
+        Args:
+            names: of all channels.
+            force: the force's channel.
+            watched: channels of force and of limits.
+            rate_hz: of the device.
+        """
+        self._names, self._force, self._rate_hz = tuple(names), force, rate_hz
+        self._watched = np.isin(np.arange(len(names)), [force, *watched])
+        self._look: WaveLook | None = None
+        self.failed = False
+
+    def begin(self, wave: Waveform, start: int, rest: Samples, noise: RestNoise, period_s: float) -> None:
+        """A wave begins.
+
+        Args:
+            wave: as it was asked for.
+            start: its first sample.
+            rest: (channels, n) delivered numbers just before it.
+            noise: of the same.
+            period_s: after which it repeats, or is like itself.
+        """
+        self._look = WaveLook(wave, start, rest, noise, self._rate_hz, period_s)
+        self.failed = False
+
+    def end(self) -> None:
+        """The wave has ended."""
+        self._look = None
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Look at a chunk.
+
+        Raises:
+            SafetyError: names the channel and what has become of it.
+        """
+        look = self._look
+        if look is None:
+            return
+        self._require(look.frozen(chunk.samples), "repeats one value for longer than its noise can: frozen")
+        look.add(chunk)
+        while look.next_hop():
+            self._require(look.cut_off(), "is cut off: its highest samples read the same")
+            self._require(look.gone(self._force), "no longer follows the drive: dead, frozen or unplugged")
+
+    def _require(self, wrong: NDArray[np.bool_], what: str) -> None:
+        found = np.flatnonzero(wrong & self._watched)
+        if found.size:
+            self.failed = True
+            names = ", ".join(self._names[channel] for channel in found)
+            raise SafetyError(f"{names} {what}; the output was brought to 0 V", remedy=REMEDY)
