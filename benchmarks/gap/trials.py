@@ -2,6 +2,7 @@
 
     python benchmarks/gap/trials.py TRIALS --share report --each 2 --none 10 --out trials.jsonl
     python benchmarks/gap/trials.py TRIALS --share report --each 0 --none 0 --pairs 30 --out pairs.jsonl
+    python benchmarks/gap/trials.py TRIALS --share report --each 8 --none 200 --tolerances usual --out rough.jsonl
     python benchmarks/gap/practice.py TRIALS --score trials.jsonl
 
 Effects are drawn with gaps log-uniform from 1.5 to 300 noise units: the gap that is left once the beam is fitted within
@@ -9,7 +10,9 @@ the rig file's tolerances, as a diagnosis states it, where 1 is the floor. What 
 Of two effects at once each is drawn so that alone it would open a gap from 100 to 3000.
 Each trial has a folder in TRIALS with what the operator believes (rig.yaml) and the truth (truth.yaml), so that it is
 scored as a practice campaign is. A trial follows from its name: the two shares have no seed in common, and more trials
-of an effect leave those there are as they were. What is in the file already is skipped.
+of an effect leave those there are as they were. What is in the file already is skipped. With --tolerances usual a
+little of everything is wrong with each bench, its rig file says how much, and effects are drawn far beyond: gaps from
+30 to 3000. To spread trials over processes, give each a --part and a file of its own.
 """
 
 import argparse
@@ -26,7 +29,7 @@ from rigs import drawn_rig
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
-from modallab.core.rig import Rig
+from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import dump_rig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_before
@@ -38,6 +41,7 @@ SHARES = {"calibrate": 1, "report": 2}
 NONE = "none"
 PAIR = "pair"
 PAIR_GAP = (100.0, 3000.0)
+ROUGH_GAP = (30.0, 3000.0)
 TRIES = 3
 CLOSE = 0.2
 """Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
@@ -53,30 +57,36 @@ class Draw:
     share: str
     effect: str
     number: int
+    tolerances: str = "none"
 
     @property
     def name(self) -> str:
         """Of the trial's folder."""
-        return f"{self.effect}_{self.share}_{self.number:03d}"
+        built = "" if self.tolerances == "none" else f"_{self.tolerances}"
+        return f"{self.effect}_{self.share}{built}_{self.number:03d}"
 
     @property
     def seed(self) -> int:
         """Of everything in the trial; no two trials have the same."""
         names = [NONE, *kinds()]
+        share = SHARES[self.share] + (0 if self.tolerances == "none" else 20)
         if self.effect == PAIR:
-            return (10 + SHARES[self.share]) * len(names) * _MOST + self.number
-        return (SHARES[self.share] * len(names) + names.index(self.effect)) * _MOST + self.number
+            return (10 + share) * len(names) * _MOST + self.number
+        return (share * len(names) + names.index(self.effect)) * _MOST + self.number
 
 
-def draws(share: str, effects: list[str], each: int, none: int, pairs: int = 0) -> list[Draw]:
+def draws(share: str, effects: list[str], each: int, none: int, pairs: int = 0, tolerances: str = "none") -> list[Draw]:
     """The trials of a share, the first of every effect before the second."""
     counts = dict.fromkeys(effects, each) | {NONE: none, PAIR: pairs}
-    return [Draw(share, e, i) for i in range(max(counts.values())) for e, count in counts.items() if i < count]
+    most = range(max(counts.values()))
+    return [Draw(share, e, i, tolerances) for i in most for e, count in counts.items() if i < count]
 
 
 def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
     """The campaign of a trial and its truth, with the gap its effect opens in noise units."""
     rig = drawn_rig(draw.seed)
+    if draw.tolerances != "none":
+        return rough(draw, rig.model_copy(update={"tolerance": Tolerance.usual()}))
     if draw.effect == NONE:
         return make_trial(rig, draw.seed)
     if draw.effect == PAIR:
@@ -95,6 +105,19 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
         aim *= exp(min(max(short, -FURTHER), FURTHER))
     _, gap, campaign, truth = min(met, key=lambda m: m[0])
     return campaign, truth | {"gap_requested": requested, "gap": gap}
+
+
+def rough(draw: Draw, rig: Rig) -> tuple[Campaign, dict[str, object]]:
+    """The same on a bench as people build it; the effect is drawn by the gap it would open on an ideal one."""
+    if draw.effect == NONE:
+        return make_trial(rig, draw.seed, (), draw.tolerances)
+    if draw.effect == PAIR:
+        return make_trial(rig, draw.seed, pair(rig, draw.seed), draw.tolerances)
+    low, high = np.log(ROUGH_GAP)
+    gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
+    drawn = draw_effect(rig, draw.seed, draw.effect, gap)
+    campaign, truth = make_trial(rig, draw.seed, (drawn.effect,), draw.tolerances)
+    return campaign, truth | {"gap": drawn.gap}
 
 
 def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:
@@ -139,13 +162,15 @@ def main() -> None:
     parser.add_argument("--each", type=int, default=2, help="trials of each effect")
     parser.add_argument("--none", type=int, default=10, help="trials without effect")
     parser.add_argument("--pairs", type=int, default=0, help="trials of two effects")
+    parser.add_argument("--tolerances", choices=("none", "usual"), default="none", help="how well benches are built")
     parser.add_argument("--part", type=int, nargs=2, default=(0, 1), metavar=("I", "OF"))
     parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no trial after so many")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     first, of = arguments.part
     effects = arguments.effect or list(catalogue())
-    listed = draws(arguments.share, effects, arguments.each, arguments.none, arguments.pairs)[first::of]
+    counts = arguments.each, arguments.none, arguments.pairs
+    listed = draws(arguments.share, effects, *counts, arguments.tolerances)[first::of]
     begun = time.monotonic()
     for draw in left(listed, arguments.out):
         if time.monotonic() - begun > 60 * arguments.minutes:

@@ -1,6 +1,7 @@
 """A diagnosis of campaigns whose truth is known."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
 from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.conditioning.split import split
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.summary import sentence
@@ -176,3 +178,14 @@ def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
     for wrong in ("point:99", "every other", "last:2"):
         with pytest.raises(PlanError):
             split(blocks, wrong)
+
+
+def test_a_prediction_is_a_campaign_too(make: Make, tmp_path: Path) -> None:
+    other = make(TIP, seed=9)
+    found = diagnose(make(TIP), allowed=only("added_mass"))
+    write_campaign(predicted_campaign(found, other), tmp_path / "predicted.h5")
+    read = read_campaign(tmp_path / "predicted.h5")
+    rows = [c.index for c in read.rig.responses]
+    block, expected = read.blocks[0], predict(found, other)[read.blocks[0].name]
+    assert np.allclose(block.samples[rows] * block.scale[rows, None], expected)
+    assert len(read.blocks) == len(other.blocks)

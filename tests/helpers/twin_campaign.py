@@ -123,10 +123,11 @@ def built(
     seed: int = 1,
     tests: tuple[str, ...] = ("impact", "sine"),
     spoil: Callable[[np.ndarray, Block], np.ndarray] = lambda volts, _: volts,
+    alter: Callable[[Twin], Twin] = lambda twin: twin,
 ) -> Campaign:
-    """Campaign of a bench with effects; `spoil` may change the volts (rows, n) of each record."""
+    """Campaign of a bench with effects; `spoil` may change the volts (rows, n) of each record, `alter` the bench."""
     rng = np.random.default_rng(seed)
-    twin = bench(rig, effects)
+    twin = alter(bench(rig, effects))
     blocks: list[Block] = []
     if "impact" in tests:
         blocks += [make_hit(rig, twin, point, hit, rng, spoil) for point in (6, 10, 3) for hit in range(2)]

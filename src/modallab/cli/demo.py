@@ -11,6 +11,7 @@ from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
+from modallab.core.rig import Rig, Tolerance
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import write_rig
 from modallab.identification.options import Options
@@ -30,10 +31,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Run both tests, identify, verify, and leave everything in one folder."""
     folder: Path = arguments.out
     folder.mkdir(parents=True, exist_ok=True)
-    rig = demo_rig()
+    rig = _as_built(demo_rig()) if arguments.as_built else demo_rig()
     console = Console()
     effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
-    url = f"sim://cantilever?seed={arguments.seed}{effects}"
+    built = "&tolerances=stated" if arguments.as_built else ""
+    url = f"sim://cantilever?seed={arguments.seed}{built}{effects}"
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     with Display(console) as display:
         campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
@@ -50,6 +52,11 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("report.html", "campaign.h5", "models.json", "rig.yaml"):
         console.print(f"  {folder / name}", markup=False, highlight=False)
     return 0
+
+
+def _as_built(rig: Rig) -> Rig:
+    """The rig with the tolerances of an ordinary lab: no real bench is clean."""
+    return rig.model_copy(update={"tolerance": Tolerance.usual()})
 
 
 def demo_plans() -> tuple[Plan, ...]:

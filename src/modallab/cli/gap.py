@@ -94,12 +94,16 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     found = distinguishability(read_rig(arguments.rig), plans)
     console = Console()
     pairs = found.alike()
-    table = Table("effect", "and", "cosine")
+    table = Table("effect", "and", "cosine where they are most alike")
     for first, second, cosine in pairs:
         table.add_row(first, second, f"{cosine:.3f}")
     console.print(table if pairs else "Every two effects can be distinguished (cosine below 0.95).")
     if found.hidden():
         console.print(f"Hidden by the tolerances of the rig: {', '.join(found.hidden())}", markup=False)
+    sizes = Table("effect", "seen from this share of a plain size")
+    for name, least in sorted(zip(found.effects, found.least.tolist(), strict=True), key=lambda pair: pair[1]):
+        sizes.add_row(name, f"{least:.2g}")
+    console.print(sizes)
     for line in advice(found, plans):
         console.print(line, markup=False)
     return 0

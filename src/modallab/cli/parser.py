@@ -44,6 +44,7 @@ def _add_demo(commands: _Commands) -> None:
         metavar="NAME,NUMBER=VALUE,...",
         help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
     )
+    demo.add_argument("--as-built", action="store_true", help="a little of everything is wrong with the bench")
     demo.set_defaults(module="demo")
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
-from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.fit import Fit
@@ -22,7 +22,7 @@ from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
-from modallab.gap.report.inspected import inspected, shown
+from modallab.gap.report.inspected import harm, inspected, shown
 from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, squares
 from modallab.gap.report.next_step import next_experiment
@@ -61,13 +61,15 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
     choice = choose(bench, explain(bench), unseen if campaign.rig.tolerance.of_assembly else None)
-    seen = [f for f in inspected(prepared, twin_of(choice.fit, everything)) if allowed(f.effect)]
+    shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
+    seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
     withheld = [name for name in shown(prepared) if not allowed(name)]
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
     location = None if choice.flat else locate(bench, prepared, choice.base)
+    nonlinear = location is not None and location.nonlinear
     return Diagnosis(
         rig=campaign.rig.name,
         verdict=verdict,
@@ -76,16 +78,30 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates(ranked, seen, choice),
         shrink=_shrink(campaign, prepared, choice, unseen, [b.name for b in held or fitted], bool(held)),
-        next_experiment=next_experiment(verdict, ranked, campaign),
-        twin=calibrated(choice.fit, everything),
-        budget=budget(choice.fit, everything, usual=not stated),
-        notes=[
-            *([] if stated else [USUAL]),
-            *prepared.notes,
-            *contradictions(choice, prepared),
-            *(d.why for d in choice.dismissed),
-        ],
+        next_experiment=next_experiment(verdict, ranked, campaign, nonlinear),
+        twin=calibrated(choice.believed, everything),
+        budget=budget(choice.believed, everything, usual=not stated),
+        notes=_notes(prepared, choice, shows, stated, nonlinear),
     )
+
+
+def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:
+    return [
+        *([] if stated else [USUAL]),
+        *(n for n in prepared.notes if not (nonlinear and n == ONE_LEVEL)),
+        *contradictions(choice, prepared),
+        *(d.why for d in choice.dismissed),
+        *(
+            f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
+            for f in shows
+            if _harmless(prepared, f)
+        ),
+    ]
+
+
+def _harmless(prepared: Prepared, found: Found) -> bool:
+    tolerance = prepared.campaign.rig.tolerance
+    return tolerance.of_assembly and harm(prepared, found) < tolerance.response
 
 
 def _verdict(choice: Choice, seen: list[Found], withheld: list[str]) -> Verdict:
@@ -123,7 +139,8 @@ def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choi
     listed = [
         CandidateSet(effects=[*(c.effect for c in f.problem.candidates), *more], probability=float(p), gap=f.gap)
         for f, p in ranked[:8]
-        if f.problem.candidates or more
+        # What leaves more than no effect does explains nothing.
+        if (f.problem.candidates and f.gap < choice.base.gap) or (more and not f.problem.candidates)
     ]
     if not choice.explained:
         listed = [c.model_copy(update={"probability": c.probability * 0.3}) for c in listed]
@@ -140,7 +157,7 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         return str(1 + int(np.argmin(np.abs(np.log(np.array(hz) / max(f, 0.1)))))) if hz else "none"
 
     names = [campaign.rig.channels[c].name for c in raw.channels]
-    fitted = twin_of(choice.fit, data)
+    fitted = twin_of(choice.believed, data)
     after = squares(fitted, data)
     return Gap(
         before=raw.gap,
@@ -174,7 +191,7 @@ def _shrink(
     raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, full_scales))
     before = squares(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
-    after = squares(twin_of(choice.fit, clean), clean)
+    after = squares(twin_of(choice.believed, clean), clean)
     rival = _rival(choice, clean, before.gap)
     return shrink(names if held else [], before, after, rival, np.random.default_rng(SEED))
 
@@ -183,5 +200,6 @@ def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:
     for fit in choice.rivals:
         if before**2 - 1 > 0.02 and fit.problem.candidates:
             after = squares(twin_of(fit, clean), clean).gap
-            return {"+".join(c.effect for c in fit.problem.candidates): closed(before, after)}
+            # What leaves more than no effect closes nothing.
+            return {"+".join(c.effect for c in fit.problem.candidates): max(closed(before, after), 0.0)}
     return {}

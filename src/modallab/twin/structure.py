@@ -15,6 +15,8 @@ from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, 
 
 MODES = 15
 """Modes kept: well past the band."""
+ROOT = 0.1
+"""Relative deviation of a rotational spring at the root that a rig file states as "about" so much."""
 RIGID = 1e-9
 """Root compliance, in beam compliances, that counts as rigid."""
 

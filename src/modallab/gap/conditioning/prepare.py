@@ -33,6 +33,7 @@ from modallab.signals.signals import to_signals
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+ONE_LEVEL = "Only one level: whether the bench answers in proportion cannot be examined."
 REPEATS = 0.025
 """Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
@@ -248,5 +249,5 @@ def _notes(campaign: Campaign, blocks: Sequence[Block], at_full_scale: set[tuple
         notes.append("Only a sine test: the place of hits and ringing before them cannot be examined.")
     levels = {b.level for b in blocks if b.test == "sine"}
     if "sine" in tests and len(levels) < 2:
-        notes.append("Only one level: whether the bench answers in proportion cannot be examined.")
+        notes.append(ONE_LEVEL)
     return tuple(notes)

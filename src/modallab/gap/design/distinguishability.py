@@ -5,7 +5,7 @@ Numerical Methods for Least Squares Problems, 1996), their priors one row each. 
 separated by any fit: collinearity as in Brun, Reichert and Kunsch, Water Resour. Res. 37 (2001), 1015.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
+from modallab.gap.model.tolerances import with_tolerances
 from modallab.twin.candidate import Candidate, Slot
 from modallab.twin.effects import models
 
@@ -50,6 +51,11 @@ class Distinguishability:
     strength: Array
     left: Array
 
+    @property
+    def least(self) -> Array:
+        """(effects,) share of a plain size down to which an effect can be seen; above 1 a plain one is hidden."""
+        return SEEN / np.maximum(self.left, 1e-9)
+
     def hidden(self) -> list[str]:
         """Effects of a plain size that pass for a beam and a chain within their tolerances."""
         return [name for name, left in zip(self.effects, self.left, strict=True) if left < SEEN]
@@ -67,14 +73,20 @@ class Distinguishability:
 
 
 def distinguishability(rig: Rig, plans: Sequence[Plan]) -> Distinguishability:
-    """The distinguishability of a plan on a rig."""
-    return of_data(planned(rig, plans))
+    """The distinguishability of a plan on a rig, its tolerances free; a lab's usual ones where it states none."""
+    hits = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
+    return of_data(planned(with_tolerances(rig), plans), hits)
 
 
-def of_data(data: Reduced) -> Distinguishability:
-    """The distinguishability of reduced data, around the nominal bench."""
+def of_data(data: Reduced, hits: Collection[tuple[float, int]] = ()) -> Distinguishability:
+    """The distinguishability of reduced data, around the nominal bench.
+
+    Args:
+        data: of the nominal bench.
+        hits: place in m and number of the hits at each drive point.
+    """
     rig = data.rig
-    free = nuisances(rig, 450.0)
+    free = nuisances(rig, 450.0, hits)
     base = Problem(data, free)
     zero = np.zeros(free.size)
     r0 = base.residual(zero)

@@ -15,13 +15,9 @@ from modallab.core.errors import RigError
 from modallab.core.rig import Rig
 from modallab.gap.model.tolerances import Deviation, applied, deviations, held
 from modallab.twin.bench import Chain, Twin
-from modallab.twin.structure import MODES, Structure, believed_root
+from modallab.twin.structure import MODES, ROOT, Structure, believed_root
 
 Array = NDArray[np.float64]
-
-
-ROOT = 0.1
-"""Relative deviation of a rotational spring at the root that the rig file states as "about" so much."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -97,6 +93,9 @@ class Nuisances:
         nominal = Structure.of(beam, damping.guess)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
         u = np.concatenate([held(u[:3]), u[3:]])
+        # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
+        root = self.root and ("clamp_compliance", None) not in replaced
+        softer = float(np.exp(held(u[-2]) * ROOT)) if root else 1.0
         zeta = nominal.zeta.copy()
         zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
         structure = replace(
@@ -105,7 +104,7 @@ class Nuisances:
             thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
             density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
             zeta=np.minimum(zeta, 0.95),
-            root_rotation=nominal.root_rotation * float(np.exp(held(u[-2]) * ROOT)) if self.root else 0.0,
+            root_rotation=nominal.root_rotation * softer,
         )
         # Between none of the modes left out and all of them, with some room for what else is stiff and light.
         twin = Twin(structure, Chain.of(self.rig), residual_compliance=float(0.5 + held(u[-1] - 0.5, 0.6, 1.0)))

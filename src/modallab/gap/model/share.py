@@ -19,7 +19,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 NODE = 0.03
 """Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
-DROWNED = 100.0
+DROWNED = 2500.0
 """A record whose squares are fewer times its noise's says nothing of a percent."""
 HALF_WIDTHS = 3.0
 """Half-power half-widths about a frequency that count as at resonance, at this damping ratio:"""

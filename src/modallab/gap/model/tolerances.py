@@ -17,6 +17,7 @@ from scipy.special import ndtr, ndtri
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab.twin.bench import Twin
 from modallab.twin.elements import FIELD_TERMS
+from modallab.twin.structure import believed_root
 
 Array = NDArray[np.float64]
 
@@ -29,8 +30,8 @@ LEAST = -5.0
 MEAN, SPREAD = float(np.sqrt(2 / np.pi)), float(np.sqrt(1 - 2 / np.pi))
 """Of a half-normal number, in its tolerance."""
 
-DAMPERS = 6
-"""Places at which dampers stand for one that may be anywhere: the modal damping is smooth in its place."""
+DAMPERS = 12
+"""Places at which dampers stand for one that may be anywhere: two for each half wave of the products of two modes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,8 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     assert rig.beam is not None
     tip = rig.beam.length_m - 1e-9
     sensors = [(float(c.index), rig.x_of(c.point)) for c in rig.responses if c.point is not None]
-    one = [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
+    # A root whose spring the rig file states has a tolerance of its own.
+    one = [] if believed_root(rig.beam) else [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
     if rig.shaker_point is not None:
         one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
     # A sensitivity that the rig file does not speak of is no licence to turn it.

@@ -114,10 +114,7 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
         # What the damping of a mode is nobody knows before the test.
         listed = [r for r in rows if r.kind == "tolerance" and r.name != "damping_ratio"]
         worth = [r for r in listed if r.share > NAMED][:MOST]
-        return [
-            f"Within tolerance: {r.said} ({abs(r.sigmas or 0):.1f} sigma), {r.share:.0%} of what you see."
-            for r in worth
-        ]
+        return [_within(r) for r in worth]
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]

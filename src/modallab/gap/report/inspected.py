@@ -54,6 +54,22 @@ def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
     return [found for name in shown(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
 
 
+def harm(prepared: Prepared, found: Found) -> float:
+    """Share of a row's response that noise or hum make up, median over records, on the row where it is most.
+
+    Of what is neither it is infinite: it is no matter of size.
+    """
+    if found.effect not in ("mains_hum", "noisy_channel"):
+        return float("inf")
+    levels = [np.std(b.samples * b.scale[:, None], axis=1) for b in prepared.campaign.blocks]
+    level = np.maximum(np.median(np.array(levels), axis=0), 1e-300)
+    if found.effect == "noisy_channel":
+        row = int(found.place["channel"])
+        return float(prepared.measured_v[row] / level[row])
+    assert prepared.hum is not None
+    return float(np.max(prepared.hum.volts / np.sqrt(2) / level))
+
+
 def _found(
     effect: str, parameters: dict[str, float], interval: dict[str, tuple[float, float]], place: dict[str, Any]
 ) -> Found:

@@ -50,6 +50,7 @@ class Location:
     channels: tuple[int, ...]
     tests: tuple[str, ...]
     why: tuple[str, ...]
+    nonlinear: bool = False
 
 
 def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
@@ -67,7 +68,8 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
         return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
         why = f"{harmonic:.0%} of the sine responses hold overtones of the drive that the force does not."
-        return Location("structure", (), tests, (why, "The bench does not answer in proportion: it is in the beam."))
+        said = (why, "The bench does not answer in proportion: it is in the beam.")
+        return Location("structure", (), tests, said, nonlinear=True)
     return _of_beam_or_test(bench, base, tests)
 
 
@@ -86,7 +88,8 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
         if len(bad) == 1 and not (levels and bad == ("sine",)):
             return Location("excitation", (), bad, (*why, f"Only the {bad[0]} test disagrees, and not by its poles."))
     if levels:
-        return Location("structure", (), tests, (*why, "The two levels of the sine test disagree with each other."))
+        said = (*why, "The two levels of the sine test disagree with each other.")
+        return Location("structure", (), tests, said, nonlinear=True)
     if shift >= POLE_SHIFT:
         return Location("structure", (), tests, (*why, "No beam within its tolerances has such poles."))
     return _of_chain(bench, base, tests, why)

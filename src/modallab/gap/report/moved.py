@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.tolerances import Deviation, held
+from modallab.twin.structure import ROOT
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,9 @@ def moved(problem: Problem, u: Array) -> list[Moved]:
     own = u[free.first_deviation :]
     found += [_deviation(d, float(v), rig) for d, v in zip(free.deviations, own, strict=False)]
     if free.root:
-        found.append(Moved("clamp", "", f"spring at the root {np.expm1(float(held(u[free.size - 2])) * 0.1):+.1%}"))
+        found.append(
+            Moved("clamp", "", f"compliance of the root {np.expm1(float(held(u[free.size - 2])) * ROOT):+.1%}")
+        )
     return [*found, Moved("residual_terms", "", "modes above those of the twin")]
 
 

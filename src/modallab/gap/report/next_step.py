@@ -6,10 +6,22 @@ from modallab.gap.model.fit import Fit
 from modallab.twin.effects import model_of
 
 
-def next_experiment(verdict: Verdict, ranked: list[tuple[Fit, float]], campaign: Campaign) -> str:
-    """One sentence on what to do next."""
+def next_experiment(
+    verdict: Verdict, ranked: list[tuple[Fit, float]], campaign: Campaign, nonlinear: bool = False
+) -> str:
+    """One sentence on what to do next.
+
+    Args:
+        verdict: of the diagnosis.
+        ranked: explanations with their probabilities.
+        campaign: the records.
+        nonlinear: whether these records show already that the bench does not answer in proportion.
+    """
     if verdict == "no_gap":
         return "None: the twin and the bench agree to within the noise."
+    if verdict == "unknown":
+        # What was fitted and explains nothing is no ground for advice.
+        return _for_unknown(campaign, nonlinear)
     likely = [f for f, p in ranked if p > 0.05 and f.problem.candidates]
     if len(likely) > 1:
         first, second = ({c.effect for c in f.problem.candidates} for f in likely[:2])
@@ -19,14 +31,14 @@ def next_experiment(verdict: Verdict, ranked: list[tuple[Fit, float]], campaign:
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
-    if verdict == "unknown":
-        return _for_unknown(campaign)
     return "Put the effect into the simulated bench, or mend it on the real one, and repeat the campaign."
 
 
-def _for_unknown(campaign: Campaign) -> str:
+def _for_unknown(campaign: Campaign, nonlinear: bool) -> str:
     levels = {b.level for b in campaign.blocks if b.test == "sine"}
     points = {b.drive_point for b in campaign.blocks if b.test == "impact"}
+    if nonlinear:
+        return "Repeat the sines at a third level: how fast the response grows with the force distinguishes its causes."
     if len(levels) < 2:
         return "Repeat the sines at a second level: does the bench answer in proportion to the force?"
     if len(points) < 3:

@@ -39,8 +39,8 @@ def in_percent(gap: Gap) -> str:
 
 
 def _sides(share: Percent) -> str:
-    sides = [f"{100 * v:.2g} %" for v in (share.at_resonance, share.away) if v is not None]
-    return " and ".join(sides)
+    sides = [100 * v for v in (share.at_resonance, share.away) if v is not None]
+    return " and ".join("below 0.01 %" if v < 0.01 else f"{v:.2g} %" if v < 10 else f"{v:.0f} %" for v in sides)
 
 
 def _effect(found: Found) -> str:

@@ -15,7 +15,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import unexplained
 from modallab.gap.search.explain import HOLDS
-from modallab.gap.search.fitting import Bench, excess, without
+from modallab.gap.search.fitting import Bench, excess, ordinary, without
 from modallab.gap.search.round import Level
 from modallab.gap.search.worth import Dismissed, worthwhile
 
@@ -61,6 +61,11 @@ class Choice:
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
 
+    @property
+    def believed(self) -> Fit:
+        """The twin with what is judged present: what does not explain the gap is none of it."""
+        return self.fit if self.explained else self.base
+
 
 def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
     """Keep the effects without which the gap comes back, and say whether they explain it.
@@ -72,7 +77,8 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
             is put together.
     """
     base = levels[0].base
-    if base.gap <= bench.flat and not _small_but_plain(levels):
+    plain = base.gap <= bench.flat and (ordinary(base) or not bench.free.deviations)
+    if plain and not _small_but_plain(levels):
         return Choice(base, base, (), True, True)
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
     while len(chain) > 1 and excess(chain[-1]) > HOLDS * excess(chain[-2]):
@@ -91,7 +97,8 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
 
 def _that_matters(choice: Choice, held: Reduced) -> Choice:
     """The same without what is within tolerance or of no consequence."""
-    if unexplained(held, forward(twin_of(choice.base, held), held)) < held.rig.tolerance.response:
+    least = held.rig.tolerance.response
+    if ordinary(choice.base) and unexplained(held, forward(twin_of(choice.base, held), held)) < least:
         return Choice(choice.base, choice.base, choice.rivals, True, True)
     if not choice.explained:
         return choice

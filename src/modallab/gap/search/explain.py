@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
-from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all
+from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all, rested
 from modallab.gap.search.round import Level, round_of
 from modallab.twin.effects import search_of
 
@@ -27,6 +27,8 @@ SOLVED_SHARE = 0.003
 """Share of the first excess at which it is done as well."""
 LAST_DIGIT = 2.5e-4
 """Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
+YIELDS = 0.05
+"""Share of the first excess below which the two tests together yield something: the hits alone would not part more."""
 MOST = 3
 """Effects in one diagnosis."""
 EVIDENT = 4e-4
@@ -37,6 +39,8 @@ def explain(bench: Bench) -> list[Level]:
     """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits."""
     levels = first_rounds(bench, baseline(bench))
     if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
+        return levels
+    if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):
         return levels
     started = from_hits(bench)
     if started is None:
@@ -75,7 +79,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     levels: list[Level] = []
     first = base.gap
     while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
-        level = round_of(bench, base)
+        level = replace(round_of(bench, rested(bench, base)), base=base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS

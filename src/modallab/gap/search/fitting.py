@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.model.minimise import minimise
+from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.screen import OUTLIER
@@ -29,6 +29,8 @@ FLAT = 1.1
 """Rms residual below which nothing is left to explain."""
 WATCHED = 1.02
 """Rms residual above which an effect that takes nearly all of it away still counts."""
+UNLIKELY = 4.0
+"""Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -91,6 +93,35 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     return with_drift_curve(minimise(Problem(bench.data, bench.free, candidates), u, 15, enough))
 
 
+def ordinary(fit: Fit) -> bool:
+    """Whether the beam and the assembly of a fit lie within their tolerances all in all, as a sum of squares does.
+
+    The damping ratios do not count: nobody knows them before the test.
+    """
+    squares, count = _strain(fit)
+    return squares < count + UNLIKELY * np.sqrt(2 * count)
+
+
+def _strain(fit: Fit) -> tuple[float, int]:
+    free = fit.problem.free
+    own = np.concatenate([fit.u[:3], fit.u[3 + free.modes : free.size]])
+    return float(own @ own), len(own)
+
+
+def rested(bench: Bench, fit: Fit) -> Fit:
+    """Where a search begins from a fit: there; or where it has bent the assembly beyond what a bench may be, at rest.
+
+    A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see.
+    """
+    if not bench.free.deviations or ordinary(fit):
+        return fit
+    problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
+    u = fit.u.copy()
+    u[3 + bench.free.modes : bench.free.size] = 0.0
+    u[:3] = np.clip(u[:3], -1.0, 1.0)
+    return on_all(bench, minimise(problem, u, 6, 1e-2))
+
+
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
     u = start(candidates, own, bench.free, bench.poles).u
@@ -143,5 +174,9 @@ def without(fit: Fit, which: int) -> Fit:
 
 
 def excess(fit: Fit) -> float:
-    """What is left above the floor, in squares of noise units."""
-    return max(fit.gap**2 - 1, 1e-9)
+    """What is left above the floor, in squares of noise units; an assembly bent beyond its tolerances counts along."""
+    bent = 0.0
+    if fit.problem.free.deviations:
+        squares, count = _strain(fit)
+        bent = max(squares - count, 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
+    return max(fit.gap**2 - 1 + bent, 1e-9)

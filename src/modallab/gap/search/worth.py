@@ -12,7 +12,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import apart
-from modallab.gap.search.fitting import without
+from modallab.gap.search.fitting import ordinary, without
 from modallab.twin.effects import model_of, search_of
 
 ABOVE = 3.0
@@ -26,7 +26,7 @@ class Dismissed:
     Attributes:
         effect: with its numbers.
         deviations: of its own tolerance; infinite where the rig file states none.
-        moves: share of the response that it moves on records held out.
+        moves: share of the response that it moves on records held out, as far as no tolerance could do the same.
     """
 
     effect: Effect
@@ -61,4 +61,6 @@ def worthwhile(fit: Fit, held: Reduced) -> tuple[Fit, list[Dismissed]]:
 def _judged(fit: Fit, bare: Fit, at: int, held: Reduced) -> Dismissed:
     effect = fit.effects[at]
     answers = (forward(twin_of(f, held), held) for f in (fit, bare))
-    return Dismissed(effect, search_of(effect.effect).deviations(effect, held.rig), apart(held, *answers))
+    # What takes its work over only by leaving its own tolerance is no ordinary bench.
+    moves = apart(held, *answers) if ordinary(bare) else float("inf")
+    return Dismissed(effect, search_of(effect.effect).deviations(effect, held.rig), moves)

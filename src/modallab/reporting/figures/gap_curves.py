@@ -132,7 +132,7 @@ def _record(axes: Axes, seen: _Seen, row: int, shown: slice, title: str) -> None
     style.label(axes, title, "time [ms]", "response [SI]")
 
 
-def _four(axes: Axes, at: Array, curves: Sequence[Array]) -> None:
+def _four(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[np.floating[Any]]]) -> None:
     looks: tuple[tuple[str, dict[str, Any]], ...] = (
         ("measured", {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}),
         ("simulated before", {"color": style.SOFT, "linewidth": 1.0}),

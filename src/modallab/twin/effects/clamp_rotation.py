@@ -7,6 +7,7 @@ from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
 from modallab.twin.effect_model import EffectModel, Search, over
+from modallab.twin.structure import ROOT, believed_root
 
 SOFT = 0.01
 """Stiffness of the root in EI / L, below which nothing stands any more."""
@@ -28,7 +29,9 @@ def _slots(beam: Beam) -> tuple[Slot, ...]:
 def _own_deviations(effect: Effect, rig: Rig) -> float:
     assert rig.beam is not None
     turned = rig.beam.bending_stiffness_n_m2 / rig.beam.length_m / effect.parameters["k_rot"]
-    return over(turned, rig.tolerance.clamp_compliance)
+    # Where the rig file states a spring, what it states is "about" so much.
+    stated = believed_root(rig.beam)
+    return over(turned, ROOT * stated if stated else rig.tolerance.clamp_compliance)
 
 
 MODEL = EffectModel(

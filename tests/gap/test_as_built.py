@@ -1,0 +1,150 @@
+"""A bench on which a little of everything is wrong: what its rig file allows is no gap, what is beyond it is named."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig, Tolerance
+from modallab.gap.diagnosis import diagnose
+from modallab.gap.model.tolerances import applied, deviations, with_tolerances
+from modallab.gap.report.calibrated import diagnosed_twin
+from modallab.gap.report.summary import in_percent, sentence
+from modallab.reporting.gap_report import render
+from modallab.twin.bench import Twin
+
+Make = Callable[..., Campaign]
+HITS = [(0.6, 2), (1.0, 2), (0.3, 2)]
+
+
+def as_built(rig: Rig, seed: int = 3) -> Callable[[Twin], Twin]:
+    """The bench with every number of its assembly one deviation or so off."""
+    rng = np.random.default_rng(seed)
+    # The campaign's records do not say when they were made: nothing drifts.
+    fixed = {"sensitivity", "stiffness_drift"}
+    numbers = [(d, float(rng.normal(0, 0.8))) for d in deviations(rig, HITS) if d.tolerance not in fixed]
+    gains = {c.index: float(np.exp(0.01 * rng.normal())) for c in rig.responses}
+
+    def alter(twin: Twin) -> Twin:
+        off = applied(twin, rig, numbers)
+        chain = replace(off.chain, gain={c: g * twin.chain.gain.get(c, 1.0) for c, g in gains.items()})
+        # What effects have moved stays where they put it.
+        return replace(off, chain=chain)
+
+    return alter
+
+
+@pytest.fixture(scope="module")
+def rough(rig: Rig) -> Rig:
+    return rig.model_copy(update={"tolerance": Tolerance.usual()})
+
+
+@pytest.fixture(scope="module")
+def campaign(make: Make, rough: Rig) -> Campaign:
+    return replace(make(alter=as_built(rough)), rig=rough)
+
+
+@pytest.fixture(scope="module")
+def sound(campaign: Campaign) -> Diagnosis:
+    return diagnose(campaign)
+
+
+def only(*names: str) -> Callable[[str], bool]:
+    return lambda name: name in names
+
+
+def test_a_bench_within_its_tolerances_has_no_gap(sound: Diagnosis) -> None:
+    assert sound.verdict == "no_gap"
+    assert sound.effects == []
+    assert sound.gap.after == pytest.approx(1.0, abs=0.08)
+    assert "tolerances" in sentence(sound)
+
+
+def test_hits_that_no_fit_has_seen_are_given_their_own_place(sound: Diagnosis) -> None:
+    assert sound.shrink.held_out
+    assert sound.shrink.after == pytest.approx(1.0, abs=0.12)
+
+
+def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:
+    assert sound.budget is not None
+    assert sum(r.share for r in sound.budget.rows) == pytest.approx(1.0, abs=1e-6)
+    assert {r.kind for r in sound.budget.rows} == {"tolerance", "model", "noise"}
+    left = {r.kind: r.share for r in sound.budget.rows if r.kind != "tolerance"}
+    assert left["noise"] < 0.01
+    assert abs(left["model"]) < 0.01
+    assert all("Within tolerance" in line for line in sound.budget.calibrate)
+
+
+def test_the_gap_is_stated_in_percent_too(sound: Diagnosis) -> None:
+    nominal, after = sound.gap.share_nominal, sound.gap.share_after
+    assert nominal is not None
+    assert after is not None
+    assert nominal.at_resonance is not None
+    assert after.at_resonance is not None
+    assert nominal.at_resonance > 0.05
+    assert after.at_resonance < 0.01
+    assert "%" in in_percent(sound.gap)
+
+
+def test_the_diagnosed_twin_is_the_one_that_was_fitted(sound: Diagnosis, campaign: Campaign) -> None:
+    read = Diagnosis.model_validate_json(sound.model_dump_json())
+    twin = diagnosed_twin(read, campaign.rig, of_others=False)
+    assert {d.tolerance for d in read.twin.departures} >= {"position_m", "sensor_mass_kg", "hit_position_m"}
+    assert dict(twin.hit_offsets_m).keys() == {0.3, 0.6, 1.0}
+    assert diagnosed_twin(read, campaign.rig).hit_offsets_m == ()
+
+
+def test_the_report_shows_curves_and_budget(sound: Diagnosis, campaign: Campaign) -> None:
+    page = render(sound, campaign)
+    for shown in ("simulated before", "simulated after", "measured less after", "Budget of the gap", "driving point"):
+        assert shown in page
+
+
+def test_a_gain_beyond_its_tolerance_is_named_as_large_as_it_is(make: Make, rough: Rig) -> None:
+    wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
+    gained = replace(make(wrong, alter=_gained(rough)), rig=rough)
+    found = diagnose(gained, allowed=only("gain_error", "position_error", "force_gain"))
+    assert [f.effect for f in found.effects] == ["gain_error"]
+    low, high = found.effects[0].interval["gain"]
+    assert low < 1.1 < high
+    assert found.effects[0].parameters["gain"] == pytest.approx(1.1, rel=0.01)
+
+
+def _gained(rig: Rig) -> Callable[[Twin], Twin]:
+    """Off as the others, but for the sensitivity of the channel in question."""
+    alter = as_built(rig)
+
+    def altered(twin: Twin) -> Twin:
+        off = alter(twin)
+        return replace(off, chain=replace(off.chain, gain={**off.chain.gain, 7: twin.chain.gain.get(7, 1.0)}))
+
+    return altered
+
+
+def test_a_soft_clamp_is_one_number_whatever_its_tolerance(make: Make, rough: Rig) -> None:
+    assert rough.beam is not None
+    stiffness = 30 * rough.beam.bending_stiffness_n_m2 / rough.beam.length_m
+    soft = Effect(effect="clamp_rotation", parameters={"k_rot": stiffness}, place={"x": 0.0})
+    alter = as_built(rough)
+
+    def with_one_root(twin: Twin) -> Twin:
+        # The total is what counts: the bench has no other spring at its root.
+        off = alter(twin)
+        return replace(off, structure=replace(off.structure, root_rotation=1 / 30))
+
+    found = diagnose(replace(make(soft, alter=with_one_root), rig=rough), allowed=only("clamp_rotation", "added_mass"))
+    assert [f.effect for f in found.effects] == ["clamp_rotation"]
+    assert found.effects[0].parameters["k_rot"] == pytest.approx(stiffness, rel=0.03)
+    assert all(d.tolerance != "clamp_compliance" for d in found.twin.departures)
+
+
+def test_a_rig_file_that_states_no_tolerances_gets_usual_ones(rig: Rig) -> None:
+    bare = rig.model_copy(update={"tolerance": Tolerance(response=0.05)})
+    assert not bare.tolerance.stated
+    assert with_tolerances(bare).tolerance.hit_position_m == Tolerance.usual().hit_position_m
+    assert with_tolerances(bare).tolerance.response == 0.05
+    assert with_tolerances(rig) is rig
