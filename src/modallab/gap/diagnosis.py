@@ -15,6 +15,7 @@ from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
+from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import left
 from modallab.gap.model.tolerances import with_tolerances
@@ -51,6 +52,8 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
+    # First of all: without one no record is of use, whatever else it lacks.
+    beam_of(campaign.rig)
     stated = campaign.rig.tolerance.stated
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.core.effects import Place
 from modallab.core.errors import RigError
-from modallab.core.rig import Rig
+from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import Deviation, applied, deviations, held
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
@@ -122,18 +122,27 @@ class Nuisances:
         return replace(twin, chain=replace(twin.chain, gain=gain))
 
 
+def beam_of(rig: Rig) -> Beam:
+    """The rig's beam.
+
+    Raises:
+        RigError: it has none.
+    """
+    if rig.beam is None:
+        raise RigError(
+            "there is no beam to predict from", where=rig.name, remedy="give the beam's length, section and material"
+        )
+    return rig.beam
+
+
 def nuisances(rig: Rig, top_hz: float, hits: Collection[tuple[float, int]] = ()) -> Nuisances:
     """The nuisances of a rig whose data reach up to `top_hz`, with hits at these places, in m, so many at each.
 
     Raises:
         RigError: the rig has no beam.
     """
-    if rig.beam is None:
-        raise RigError(
-            "there is no beam to predict from", where=rig.name, remedy="give the beam's length, section and material"
-        )
+    beam = beam_of(rig)
     ratios = np.array([0.5596, 3.507, 9.819, *((np.arange(4, MODES + 1) - 0.5) ** 2 * np.pi / 2)])
-    beam = rig.beam
     radius = beam.thickness_m / np.sqrt(12)
     hz = ratios * radius * np.sqrt(beam.youngs_modulus_pa / beam.density_kg_m3) / beam.length_m**2
     modes = int(min(MODES, 1 + np.count_nonzero(hz < top_hz)))
