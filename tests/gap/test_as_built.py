@@ -18,6 +18,7 @@ from modallab.reporting.gap_report import render
 from modallab.twin.bench import Twin
 
 Make = Callable[..., Campaign]
+POSITIVE = {"damper_n_s_per_m", "sensor_mass_kg", "shaker_mass_kg", "stinger_rotation", "clamp_compliance"}
 HITS = [(0.6, 2), (1.0, 2), (0.3, 2)]
 
 
@@ -27,6 +28,8 @@ def as_built(rig: Rig, seed: int = 3) -> Callable[[Twin], Twin]:
     # The campaign's records do not say when they were made: nothing drifts.
     fixed = {"sensitivity", "stiffness_drift"}
     numbers = [(d, float(rng.normal(0, 0.8))) for d in deviations(rig, HITS) if d.tolerance not in fixed]
+    # A damper or a mass that is less than none is on no bench; several dampers below zero leave a mode undamped.
+    numbers = [(d, abs(moved) if d.tolerance in POSITIVE else moved) for d, moved in numbers]
     gains = {c.index: float(np.exp(0.01 * rng.normal())) for c in rig.responses}
 
     def alter(twin: Twin) -> Twin:
