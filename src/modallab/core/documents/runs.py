@@ -150,5 +150,5 @@ class BlockView(Frozen):
 class Verdict(Frozen):
     """Whether a block counts, by an operator."""
 
-    accepted: bool
+    accepted: Annotated[bool, Field(strict=True)]
     reason: Annotated[str, Field(max_length=400)] = ""
