@@ -21,7 +21,7 @@ from modallab.core.plan import SinePlan
 from modallab.core.rig import Rig
 
 OUTPUT = "Dev1/ao0"
-BURST = Burst(20.0, 1.0, 0.1, 20.0)
+BURST = Burst(19.7, 1.0, 0.1, 20.0)
 WAIVED = Excitation(watchdog_waived="the amplifier's switch is in the operator's hand")
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "kill_shaker.py"
 
@@ -35,7 +35,7 @@ rig = Rig.model_validate_json(open(sys.argv[2]).read())
 bench = open_bench(sys.argv[1], rig)
 bench.configure(Request("sine", 1000.0))
 bench.start()
-bench.play(Burst(20.0, 1.0, 0.1, 20.0))
+bench.play(Burst(19.7, 1.0, 0.1, 20.0))
 while True:
     bench.read(50, 5.0)
 """
