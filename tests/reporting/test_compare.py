@@ -4,9 +4,9 @@ import figure_data
 import numpy as np
 import pytest
 
+from modallab.identification.selection.pairing import nearest
 from modallab.reporting.compare import deviation, modes, verdict
 from modallab.reporting.content import Truth
-from modallab.verification.pairing import nearest
 
 
 def test_modes_of_two_tests_are_matched_and_sorted():

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
+from modallab.identification.selection.pairing import nearest
 from modallab.reporting.content import Truth
-from modallab.verification.pairing import nearest
 
 Confidence = NDArray[np.float64] | None
 """(modes,) of one model, 0 to 1; None where it was not judged."""

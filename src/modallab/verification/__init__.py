@@ -7,7 +7,6 @@ from modallab.core.lazy import lazily
 if TYPE_CHECKING:
     from modallab.verification.assessment import Assessment, assessed
     from modallab.verification.comparison import Comparison, compare
-    from modallab.verification.pairing import nearest
     from modallab.verification.reservations import doubts, seen_by_one
     from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
@@ -18,7 +17,6 @@ __all__ = [
     "compare",
     "doubts",
     "frac",
-    "nearest",
     "seen_by_one",
     "synthesised",
     "verify_frf",
@@ -31,7 +29,6 @@ __getattr__ = lazily(
     {
         "assessment": ("Assessment", "assessed"),
         "comparison": ("Comparison", "compare"),
-        "pairing": ("nearest",),
         "reservations": ("doubts", "seen_by_one"),
         "verify": ("frac", "synthesised", "verify_frf", "verify_impact", "verify_sine"),
     },

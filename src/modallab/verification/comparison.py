@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.identification.selection.criteria import comac, mac
-from modallab.verification.pairing import nearest
+from modallab.identification.selection.pairing import nearest
 
 Real = NDArray[np.float64]
 

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import IdentificationError
 from modallab.core.model import ModalModel
-
-SAME_MODE = 0.04
-"""Two frequencies this near, relative, and nearest to one another, are taken for the same mode."""
+from modallab.identification.selection.pairing import nearest
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,17 +43,11 @@ def same_modes(found: Sequence[SetUpModel]) -> NDArray[np.int64]:
         IdentificationError: no mode is in all of them.
     """
     first = found[0].model.frequency_hz
-    partners = [_partners(first, item.model.frequency_hz) for item in found]
-    common = [row for row in range(first.size) if all(row in of for of in partners)]
+    partners = [nearest(first, item.model.frequency_hz) for item in found]
+    common = [row for row in range(first.size) if all(of[row] is not None for of in partners)]
     if not common:
         raise IdentificationError(
             f"no mode is in all set-ups: {', '.join(item.name for item in found)}",
             remedy="identify each by itself, and look at what differs",
         )
     return np.array([[of[row] for row in common] for of in partners], dtype=np.int64)
-
-
-def _partners(here: NDArray[np.float64], there: NDArray[np.float64]) -> dict[int, int]:
-    gap = np.abs(here[:, None] - there)
-    forth, back = gap.argmin(1), gap.argmin(0)
-    return {i: int(j) for i, j in enumerate(forth) if back[j] == i and gap[i, j] <= SAME_MODE * here[i]}

@@ -11,10 +11,10 @@ from matplotlib.patches import Rectangle
 
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.identification.selection.pairing import nearest
 from modallab.reporting.digits import plain
 from modallab.reporting.figures import style
 from modallab.reporting.figures.shape_data import Shape, line, shape
-from modallab.verification.pairing import nearest
 
 _MARKS = (("o", style.MEASURED), ("s", style.MODEL))
 

@@ -69,8 +69,8 @@ def comparison(service: Service, one: str, other: str) -> ComparisonView:
         NotFoundError: one of them has no model.
     """
     # Imported here: it takes seconds, and the service can be asked everything else meanwhile.
+    from modallab.identification.selection.pairing import nearest
     from modallab.verification.comparison import compare
-    from modallab.verification.pairing import nearest
 
     first, second = (_only(models_of_run(service, run), run) for run in (one, other))
     partners = nearest(first.frequency_hz, second.frequency_hz)
