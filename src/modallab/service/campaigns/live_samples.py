@@ -7,7 +7,8 @@ samples that are not.
 
 import json
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,7 @@ class Source:
         rows: channels that are shown.
         next: position of the first sample that is not shown yet.
         ended: whether the run is over, so that nothing comes any more.
+        written_ns: when `info` was written; 0 before the first look.
     """
 
     rig: str
@@ -67,6 +69,7 @@ class Source:
     rows: list[int]
     next: int
     ended: bool = False
+    written_ns: int = 0
 
     def about(self, position: int, lost: int) -> dict[str, object]:
         """What stands at the beginning of every message."""
@@ -131,17 +134,23 @@ class LiveView:
             del self._sources[source.info.run]
 
     def _find(self) -> None:
-        on = {run for run in self._runs() if self.chosen.run in ("", run)}
+        on = {run: written_ns for run, written_ns in self._runs() if self.chosen.run in ("", run)}
         for run, source in self._sources.items():
             # What was written last is read once more after this.
             source.ended = run not in on
-            if not source.ended:
+            # It is written anew only where the device's count begins anew, and looked for many times a second.
+            if not source.ended and on[run] != source.written_ns:
+                source.written_ns = on[run]
                 source.info = live_info(self.folder, run) or source.info
-        for run in on - self._sources.keys():
+        for run in on.keys() - self._sources.keys():
             self._open(run)
 
-    def _runs(self) -> Sequence[str]:
-        return [file.stem for file in (self.folder / FOLDER).glob("*.json")]
+    def _runs(self) -> Iterator[tuple[str, int]]:
+        """Each run that is shown, and when what is said of it was written."""
+        for file in (self.folder / FOLDER).glob("*.json"):
+            # A run may end while it is looked for.
+            with suppress(FileNotFoundError):
+                yield file.stem, file.stat().st_mtime_ns
 
     def _open(self, run: str) -> None:
         info, rig = live_info(self.folder, run), self.rig_of(run)
