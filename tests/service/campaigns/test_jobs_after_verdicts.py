@@ -103,7 +103,7 @@ def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
         judge(service, run, n, Verdict(accepted=accepted), None, "Ada")
 
 
-def test_a_verdict_while_jobs_wait_has_them_done_with_the_blocks_that_count_now(service: Service, campaign: str) -> None:
+def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
     run = _record(service, campaign)
     automatic = AfterRun(service.store, service.jobs).identify(run)
     ordered = order(service, campaign, "report", JobNew(), "Ada")
