@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
@@ -135,8 +136,10 @@ def on_all(bench: Bench, fit: Fit) -> Fit:
 
 def misfit(problem: Problem, u: Array) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
+    twin = problem.twin(u)
+    answers = forward(twin, problem.data)
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
-        r = replace(problem, floor=floor).residual(u)
+        r = replace(problem, floor=floor).left(twin, answers)
         used = r[r != 0]
         if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
             return floor
