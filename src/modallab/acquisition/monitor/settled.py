@@ -6,6 +6,7 @@ stands in its Hann line with the power a^2 N / (6 sigma^2) relative to the noise
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,11 +60,13 @@ class SettledCheck:
         level: largest rms of a channel over its floor.
         line: the line that stands out most, k of k / window duration.
         excess: its power over what noise may reach; below 1 nothing stands out.
+        power: (lines,) of all lines, as `line_power`.
     """
 
     level: float
     line: int
     excess: float
+    power: Real
 
     @property
     def settled(self) -> bool:
@@ -97,11 +100,19 @@ def line_power(window: Real, rms: Real) -> Real:
     Line 0 is the mean and left at 0.
     """
     n = window.shape[1]
-    hann = np.hanning(n + 1)[:-1]
+    hann, energy = _hann(n)
     spectrum = np.fft.rfft(centred(window) * hann, axis=1)[:, : int(USED_BAND * n)]
-    power = (np.abs(spectrum) ** 2).T @ (1 / (rms**2 * (hann**2).sum())) / window.shape[0]
+    power = (np.abs(spectrum) ** 2).T @ (1 / (rms**2 * energy)) / window.shape[0]
     power[0] = 0
     return power
+
+
+@lru_cache(maxsize=16)
+def _hann(n: int) -> tuple[Real, float]:
+    """The window of n samples and its sum of squares; every look of a test has the same."""
+    hann = np.hanning(n + 1)[:-1]
+    hann.flags.writeable = False
+    return hann, float((hann**2).sum())
 
 
 def floor_of(windows: list[Real], *, counts: bool = True) -> Floor:
@@ -137,9 +148,10 @@ def fading(windows: list[Real], floor: Floor) -> bool:
 def check_settled(window: Real, floor: Floor) -> SettledCheck:
     """What a (channels, n) window, of the floor's n, says about the beam."""
     level = float((centred(window).std(axis=1) / floor.rms).max())
-    excess = line_power(window, floor.rms) / (floor.lines * noise_limit(len(floor.rms)))
+    power = line_power(window, floor.rms)
+    excess = power / (floor.lines * noise_limit(len(floor.rms)))
     line = int(np.argmax(excess))
-    return SettledCheck(level, line, float(excess[line]))
+    return SettledCheck(level, line, float(excess[line]), power)
 
 
 def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]:
@@ -153,16 +165,17 @@ def residual_ratio(before: Real, block: Real, floor: Floor) -> tuple[float, int]
     Returns:
         The largest ratio of amplitudes over the peaks in which `before` stands well out of the noise; 0 if none does.
     """
-    moves, lines = ringing_lines(before, floor)
+    moves, lines = ringing_lines(line_power(before, floor.rms), before.shape[1], floor)
     if lines.size == 0:
         return 0.0, 0
     return largest_ratio(moves, lines, own_motion(block, before.shape[1], floor))
 
 
-def ringing_lines(before: Real, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
-    """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a (channels, n) window, and lines."""
-    n = before.shape[1]
-    power = line_power(before, floor.rms)
+def ringing_lines(power: Real, n: int, floor: Floor) -> tuple[Real, NDArray[np.int64]]:
+    """(peaks,) amplitudes, in noise rms, of what stands well out of the noise in a window of n samples, and lines.
+
+    `power` is its `line_power`.
+    """
     limit = np.maximum(RINGING_EXCESS * floor.lines * noise_limit(len(floor.rms)), PEAK_RANGE * power.max())
     peaks = np.flatnonzero((power > limit) & (power == _highest(power, PEAK_LINES)))
     # A tone of amplitude a has the line power a^2 (sum w)^2 / (4 sum w^2) = a^2 n / 6.
@@ -183,5 +196,8 @@ def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[flo
 
 
 def _highest(values: Real, reach: int) -> Real:
-    padded = np.pad(values, reach, constant_values=-np.inf)
-    return np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).max(axis=1)
+    highest = values.copy()
+    for off in range(1, reach + 1):
+        np.maximum(highest[off:], values[:-off], out=highest[off:])
+        np.maximum(highest[:-off], values[off:], out=highest[:-off])
+    return highest

@@ -184,7 +184,7 @@ class RestWait:
     def _look(self, point: int) -> Rest:
         context, stream = self.context, self.context.stream
         check = context.check_settled_now(self.floor, self.early)
-        moves, lines = ringing_lines(context.motion(stream.next - context.window, context.window), self.floor)
+        moves, lines = ringing_lines(check.power, context.window, self.floor)
         expected = self.motion.expected(point)
         ratio, line = None, check.line
         if expected is not None:
