@@ -138,8 +138,12 @@ def rested(bench: Bench, fit: Fit) -> Fit:
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    u = start(candidates, own, bench.free, bench.poles).u
-    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
+
+
+def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A short fit from there."""
+    return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
@@ -159,12 +163,12 @@ def misfit(problem: Problem, u: Array) -> float:
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
     near = min(floor, misfit(problem, u))
-    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
     return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
 
