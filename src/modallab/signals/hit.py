@@ -10,8 +10,6 @@ from modallab.signals.checks import check_positive, check_rows
 
 BESIDE, FAR = 2.5, 8.0
 """In sigmas of the noise: what a neighbour of a contact's sample reaches, and from where on it needs none."""
-COARSE = 4.0
-"""Steps of the converter below which a median of magnitudes is no measure: noise of half a step has one of zero."""
 LOW_RMS = 0.789
 """Rms of the nine tenths of a standard normal variable that are smallest: sqrt(1 - 2 z p(z) / 0.9), z = 1.645."""
 
@@ -64,16 +62,16 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
 def _noise(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
     """Standard deviation of the noise in a force of which most is noise alone, hit or not.
 
-    The median of the magnitudes; where it is but a few of the converter's steps, the rms of the lower nine tenths, over
+    The median of the magnitudes; where that is less than a step of the converter, the rms of the lower nine tenths over
     what that is of a normal variable's, and at least that of rounding.
     """
     median = float(np.median(level))
     values = np.unique(force)
     step = float(np.min(np.diff(values))) if values.size > 1 else 0.0
-    if median >= COARSE * step:
+    if median > step / 2:
         return 1.4826 * median
     low = np.sort(level)[: int(0.9 * level.size)]
-    return max(1.4826 * median, float(np.sqrt(np.mean(low**2))) / LOW_RMS, step / np.sqrt(12))
+    return float(max(np.sqrt(np.mean(low**2)) / LOW_RMS, step / np.sqrt(12)))
 
 
 def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:

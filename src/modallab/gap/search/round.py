@@ -22,7 +22,7 @@ from modallab.twin.effects import model_of
 Array = NDArray[np.float64]
 
 LIKELY = 14
-"""Candidates that are fitted at all where the misfit is small, those that the screen puts first."""
+"""Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
 BEGINS = 2
 """Places to begin from which a candidate is fitted."""
 HOPELESS = 5.0
@@ -101,12 +101,11 @@ def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
     floor = misfit(base.problem, base.u)
-    problem = Problem(bench.thin, bench.free, base.problem.candidates, floor)
-    screen = Screen(problem, base.u, bench.poles)
+    screen = Screen(Problem(bench.thin, bench.free, base.problem.candidates, floor), base.u, bench.poles)
 
     def glance(begins: tuple[Begin, ...]) -> Fit:
         fits = (short(bench, b.problem.candidates, b.u, screen.floor, 1) for b in begins[: BEGINS + 1])
-        return min(fits, key=lambda f: f.cost)
+        return min(fits, key=_cost)
 
     def look(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor)
@@ -119,11 +118,14 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
 
     with ThreadPoolExecutor(WORKERS) as workers:
         begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
-        glances = sorted(workers.map(glance, begins if screen.large else begins[:LIKELY]), key=lambda f: f.cost)
-        looks = sorted(workers.map(look, glances[:LIKELY]), key=lambda f: f.cost)
-        better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
+        glances = sorted(workers.map(glance, begins if screen.large else begins[:LIKELY]), key=_cost)
+        looks = sorted(workers.map(look, glances[:LIKELY]), key=_cost)
+        better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
-    fits = tuple(sorted(best, key=lambda f: f.cost))
     rest = (*better, *looks[LONGER:], *glances[LIKELY:])
-    return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))
+    return Level(base, tuple(sorted(best, key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost
