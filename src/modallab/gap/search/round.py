@@ -116,15 +116,25 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     def to_the_end(f: Fit) -> Fit:
         return ended(bench, f, screen.floor / 12)
 
+    listed = pool(bench, base)
+    beside = "".join(f" beside {c.effect.replace('_', ' ')}" for c in base.problem.candidates[-1:])
     with ThreadPoolExecutor(WORKERS) as workers:
-        begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
+        bench.step(f"{len(listed)} explanations{beside}")
+        begins = sorted(workers.map(screen.begins, listed), key=lambda b: b[0].cost)
+        bench.step(f"{len(begins) if screen.large else min(LIKELY, len(begins))} explanations{beside}, at a glance")
         glances = sorted(workers.map(glance, begins if screen.large else begins[:LIKELY]), key=_cost)
+        bench.step(f"the {len(glances[:LIKELY])} likeliest{beside}")
         looks = sorted(workers.map(look, glances[:LIKELY]), key=_cost)
         better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
+        bench.step(f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
     rest = (*better, *looks[LONGER:], *glances[LIKELY:])
     return Level(base, tuple(sorted(best, key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _names(fit: Fit) -> str:
+    return " and ".join(c.effect.replace("_", " ") for c in fit.problem.candidates)
 
 
 def _cost(fit: Fit) -> float:
