@@ -22,6 +22,7 @@ from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
 
 API_VERSION = "1.1"
@@ -36,12 +37,13 @@ METHODS = ("get", "put", "post", "patch", "delete")
 
 
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
-    """The application for an open service; every request must carry `token`."""
+    """The application for an open service; every request must carry `token`, an admin's, or that of a user."""
     app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
     app.state.feed = Feed(service.log)
-    app.state.service, app.state.settings, app.state.token = service, settings, token
+    app.state.service, app.state.settings = service, settings
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
-    app.state.sessions = Sessions(service.engine, token)
+    callers = app.state.callers = Callers(service.engine, token)
+    app.state.sessions = Sessions(service.engine, callers.secret)
     install(app)
     routers = resources()
     for router in routers:
@@ -49,7 +51,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
-    app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(Guard, callers=callers, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
     app.add_middleware(HeadAsGet)
     app.openapi = lambda: document_of(app)
     return app
@@ -64,8 +66,10 @@ def resources() -> list[APIRouter]:
 @asynccontextmanager
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
     app.state.feed.open()
+    app.state.callers.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
+    app.state.callers.close()
     app.state.feed.close()
 
 
@@ -82,7 +86,7 @@ def document_of(app: FastAPI) -> dict[str, Any]:
         "token": {"type": "http", "scheme": "bearer"},
         "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
     }
-    document["security"] = [{"token": []}, {"session": []}]
+    document["security"] = [{"token": ["observer"]}, {"session": ["observer"]}]
     for path in document["paths"].values():
         for method in path.keys() & METHODS:
             for parameter in path[method].get("parameters", ()):

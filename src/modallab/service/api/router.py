@@ -13,8 +13,10 @@ from sqlalchemy import Engine, delete, insert, select, update
 
 from modallab.core.errors import DataError, ModallabError
 from modallab.service.api.problems import documented, of_error
-from modallab.service.api.request_context import OPERATOR
+from modallab.service.api.request_context import CALLER, OPERATOR
+from modallab.service.api.roles import declared, require_access
 from modallab.service.errors import ConflictError, MediaTypeError
+from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another
 from modallab.storage.engine import writing
 from modallab.storage.recorder import utc_now
@@ -114,13 +116,20 @@ ONCE = [Depends(idempotency_key)]
 
 
 class IdempotentRoute(APIRoute):
-    """Looks the key up before the route is called, and keeps the answer after it."""
+    """Looks at the caller's role and at the key before the route is called, and keeps the answer after it."""
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **more: Any) -> None:
+        methods = {method.upper() for method in more.get("methods") or ("GET",)}
+        extra = declared(methods, dict(more.pop("openapi_extra", None) or {}))
+        super().__init__(path, endpoint, openapi_extra=extra, **more)
 
     def get_route_handler(self) -> Handler:
         """The route's handler, with the look-up around it."""
         handler = super().get_route_handler()
+        extra = self.openapi_extra or {}
 
         async def once(request: Request) -> Response:
+            await run_in_threadpool(require_access, request, extra)
             await _require_usable(request)
             key = request.headers.get(HEADER)
             if request.method != "POST" or key is None or not 8 <= len(key) <= 128:
@@ -165,7 +174,9 @@ def _nul(where: str) -> DataError:
 async def _once(request: Request, key: str, handler: Handler) -> Response:
     keys: Keys = request.app.state.keys
     # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
-    operator = repr(request.headers.get(OPERATOR)).encode()
+    caller: Caller | None = request.scope.get(CALLER)
+    name = caller.name if caller is not None else ""
+    operator = (name or repr(request.headers.get(OPERATOR))).encode()
     asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, await request.body()])
     before = await run_in_threadpool(keys.claim, key, asked)
     if before is not None:
@@ -177,7 +188,7 @@ async def _once(request: Request, key: str, handler: Handler) -> Response:
     except BaseException:
         await run_in_threadpool(keys.forget, key)
         raise
-    if response.status_code < 400:
+    if response.status_code < 400 and "no-store" not in response.headers.get("cache-control", ""):
         headers = {name: response.headers[name] for name in KEPT if name in response.headers}
         answer = Answer(response.status_code, headers, bytes(response.body).decode())
         await run_in_threadpool(keys.keep, key, answer)

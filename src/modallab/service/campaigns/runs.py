@@ -6,6 +6,7 @@ from sqlalchemy import select
 from modallab.core.documents.runs import BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
 from modallab.service.rigs.control import legal_after
@@ -144,6 +145,7 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
     audit.enter(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
     content = {"kind": "verdict", "run": run, "n": n, "operator": operator} | verdict.model_dump()
     service.log.append("verdict", Topic(entry.rig, entry.campaign, run), content)
+    AfterRun(service.store, service.jobs).judged(run)
 
 
 def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:
