@@ -30,8 +30,9 @@ from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squ
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
-from modallab.gap.search.choose import Choice, choose, intervals, probabilities
+from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
+from modallab.gap.search.intervals import intervals
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
