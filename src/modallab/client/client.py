@@ -13,6 +13,7 @@ from pydantic import JsonValue
 from modallab.client.connection import AGAIN_S
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
+from modallab.client.queue_calls import QueueCalls
 from modallab.client.stream import read_events
 from modallab.client.user_calls import UserCalls
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
@@ -27,7 +28,7 @@ ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
 
 
-class Client(UserCalls):
+class Client(QueueCalls, UserCalls):
     """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
 
     def rigs(self) -> tuple[RigView, ...]:

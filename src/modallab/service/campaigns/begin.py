@@ -46,8 +46,7 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: 
         raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
     service.leases.require(entry.rig, lease)
     plan = _plan(service, campaign, new)
-    require_reasonable(plan, controller.rig)
-    _require_possible(plan, controller)
+    require_plan(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
     return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues, asked))
 
@@ -82,7 +81,13 @@ def _require_room(folder: Path, plan: Plan, channels: int) -> None:
     require_room(folder, plan, LEAST_BYTES * channels * round(plan.block_s * plan.rate_hz))
 
 
-def _require_possible(plan: Plan, controller: ControllerState) -> None:
+def require_plan(plan: Plan, controller: ControllerState) -> None:
+    """Reject a plan that this rig cannot do, as far as can be seen without the bench.
+
+    Raises:
+        PlanError: what is wrong with it.
+    """
+    require_reasonable(plan, controller.rig)
     # The controller says better what is wrong with a bench that is not open.
     if controller.info is not None:
         require_possible(plan, controller.rig, controller.info)
