@@ -169,4 +169,16 @@ PAUSED_QUEUES = Table(
     Column("utc", String(32), nullable=False),
 )
 
+SET_ASIDE = Table(
+    "set_aside",
+    METADATA,
+    Column("kind", String(16), primary_key=True),
+    Column("id", String(64), primary_key=True),
+    Column("state", String(16), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+    Column("purge_utc", String(32), nullable=False, default=""),
+)
+"""Campaigns and runs that are archived or deleted."""
+
 append_only(EVENTS, AUDIT, VERDICTS)

@@ -11,6 +11,7 @@ from modallab.service.context import Service
 from modallab.service.errors import ConflictError
 from modallab.service.records.event_log import Topic
 from modallab.service.records.run_queue import RunQueue
+from modallab.service.records.set_aside import SetAside
 from modallab.service.rigs.control import ControllerState
 from modallab.service.rigs.queue_rules import obstacle
 from modallab.storage.durable import planned_blocks
@@ -25,7 +26,7 @@ def queue_run(service: Service, rig: ControllerState, new: QueueItemNew, operato
 
     Raises:
         NotFoundError: no such campaign.
-        ConflictError: the campaign is of another rig, or too many wait.
+        ConflictError: the campaign is of another rig, or archived or deleted; or too many wait.
         PlanError: the plan is not possible on this rig.
     """
     campaign = service.repository.campaign(new.campaign)
@@ -33,6 +34,7 @@ def queue_run(service: Service, rig: ControllerState, new: QueueItemNew, operato
         raise ConflictError(
             f"campaign {campaign.id} is of rig {campaign.rig}, not of {rig.id}", where="campaign", remedy="name another"
         )
+    SetAside(service.engine).require_present(new.campaign)
     require_plan(new.plan, rig)
     item = RunQueue(service.engine).add(rig.id, new, duration_s(new.plan), operator)
     _notify(service, rig.id, item=item.id, state=item.state, operator=operator)

@@ -15,6 +15,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
+from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
@@ -87,6 +88,7 @@ class Supervisor:
         after = AfterRun(self.store, jobs)
         self._recovery = Recovery(diary, after)
         self._recovery.look()
+        self._purge = Purge(self.store)
         listener = bound(settings.host, settings.port)
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
@@ -203,6 +205,7 @@ class Supervisor:
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()
+                self._purge.look()
             except Exception:
                 LOG.exception("supervisor")
         # The system ends children with the thread that started them.
