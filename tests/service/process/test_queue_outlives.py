@@ -1,4 +1,4 @@
-"""A queue of runs outlives the REST process and the service, and starts no shaker when it wakes up."""
+"""A queue of runs outlives the REST process and the service, and starts no shaker when it wakes up; and `--open`."""
 
 import os
 import signal
@@ -34,8 +34,20 @@ def items(service: ServiceProcess) -> dict[str, QueueItem]:
     return {item.id: item for item in service.client.queue(service.rig, ended=True).items}
 
 
-def test_a_queue_outlives_every_process_and_its_consent_none_but_the_rest_process(tmp_path: Path) -> None:
-    with ServiceProcess(tmp_path / "data", "--no-jobs", bench=BENCH) as service:
+def log_in(service: ServiceProcess) -> str:
+    """Who the browser is that `--open` opens; the link works once."""
+    (line,) = (line for line in service.said if line.startswith("log in once:"))
+    link = line.split()[-1]
+    with httpx.Client() as browser, httpx.Client() as thief:
+        assert browser.get(link).status_code == 303
+        assert thief.get(link).status_code == 401
+        return browser.get(f"{service.url}/api/v1/me").json()["role"]
+
+
+def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path: Path) -> None:
+    no_browser = {"BROWSER": "true"}
+    with ServiceProcess(tmp_path / "data", "--no-jobs", "--open", bench=BENCH, env=no_browser) as service:
+        assert log_in(service) == "admin"
         client, rig = service.client, service.rig
         campaign = client.create_campaign("queued", rig).id
         lease = client.lease(rig, "Ada", ttl_s=3600.0)
