@@ -28,16 +28,16 @@ BROKEN_FILE_EXIT = 3
 
 
 def serve(
-    connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None, supervision: str = ""
+    connection: Connection, life_line: Connection | None, url: str, rig: Rig, folder: Path, supervision: str
 ) -> None:
     """Open the bench, bring its output to zero, and run plans until asked to leave or until the owner is gone.
 
     Args:
         connection: to the owner.
+        life_line: to the supervisor, if there is one.
         url: address of the bench.
         rig: what stands on it.
         folder: where the recordings go.
-        life_line: to the supervisor, if there is one.
         supervision: what ends the output should this process die, in words; reported before anything is driven.
     """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.

@@ -1,6 +1,7 @@
 """FRF and coherence of runs as far as they have come: every block is read and looked at once."""
 
 from collections import OrderedDict
+from collections.abc import Mapping
 from threading import Lock
 
 from modallab.core.block import Block
@@ -31,8 +32,8 @@ class LiveFrfs:
         self._lock = Lock()
         self._runs: OrderedDict[str, _Followed] = OrderedDict()
 
-    def frf(self, run: str, points: tuple[int | None, ...] | None = None) -> Frf:
-        """Mobility of the blocks that count now, with coherence where blocks are averaged; of some points, or of all.
+    def frf(self, run: str) -> Frf:
+        """Mobility of the blocks that count now, with coherence where blocks are averaged.
 
         Raises:
             ConflictError: there is no block that counts yet.
@@ -41,10 +42,19 @@ class LiveFrfs:
         followed = self._of(run)
         with followed.lock:
             followed.follow(self._store)
-            return convert(followed.sums.frf(points or followed.points), "mobility")
+            return convert(followed.sums.frf(followed.points), "mobility")
 
-    def revisions(self, run: str) -> dict[int | None, int]:
-        """Look at the blocks that are new or count no more; a number by point that grows when its FRF changes.
+    def newer(
+        self, run: str, seen: Mapping[int | None, int]
+    ) -> tuple[dict[int | None, int], list[tuple[int | None, Frf]]]:
+        """Look once at the blocks that are new or count no more, and give each point's FRF that is another one now.
+
+        Args:
+            run: its name.
+            seen: a number by point, as this gave it before.
+
+        Returns:
+            a number by point that grows when its FRF changes; the FRFs whose number is another one than in `seen`.
 
         Raises:
             ConflictError, DataError, StorageError: as `frf`.
@@ -52,7 +62,9 @@ class LiveFrfs:
         followed = self._of(run)
         with followed.lock:
             followed.follow(self._store)
-            return dict(followed.revisions)
+            now = dict(followed.revisions)
+            changed = [point for point in followed.points if seen.get(point) != now[point]]
+            return now, [(point, convert(followed.sums.frf((point,)), "mobility")) for point in changed]
 
     def _of(self, run: str) -> "_Followed":
         with self._lock:

@@ -40,6 +40,7 @@ class FrfWatch:
 
     service: Service
     chosen: FrfSelection
+    _known: bool = False
     _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
 
     def look(self) -> list[bytes]:
@@ -51,14 +52,14 @@ class FrfWatch:
             NotFoundError: there is no such run.
             DataError: there is no such output.
         """
-        record_of(self.service, self.chosen.run)
+        if not self._known:
+            record_of(self.service, self.chosen.run)
+            self._known = True
         try:
-            now = self.service.frfs().revisions(self.chosen.run)
+            self._seen, changed = self.service.frfs().newer(self.chosen.run, self._seen)
         except ConflictError:
             return []
-        changed = tuple(point for point, revision in now.items() if self._seen.get(point) != revision)
-        self._seen = now
-        return [self._message(self.service.frfs().frf(self.chosen.run, (point,)), point) for point in changed]
+        return [self._message(frf, point) for point, frf in changed]
 
     def _message(self, frf: Frf, point: int | None) -> bytes:
         chosen = self.chosen

@@ -188,6 +188,8 @@ class Supervisor:
                 if self._settings.jobs and self._counter is not None and self._counter.began:
                     # Its imports take seconds of processor time, and the REST service comes first.
                     self._look_after(self._jobs)
+                for name, pid in self.controllers.rig_processes().items():
+                    self._orphans.note(name, pid, leaves=True)
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()
