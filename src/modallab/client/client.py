@@ -1,9 +1,11 @@
 """The client: one method for each thing the service does."""
 
 import secrets
+import ssl
 import time
 import zlib
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import httpx
@@ -33,12 +35,24 @@ _BROKEN = (httpx.ConnectError, httpx.ReadError, httpx.WriteError, httpx.RemotePr
 class Client:
     """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
 
-    def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
-        """`operator` is who is asking, for the record."""
+    def __init__(
+        self, url: str, token: str, operator: str = "", timeout_s: float = 30.0, ca: Path | None = None
+    ) -> None:
+        """Prepare; nothing is asked yet.
+
+        Args:
+            url: of the service.
+            token: its token.
+            operator: who is asking, for the record.
+            timeout_s: until an answer must have come.
+            ca: certificate to trust, as PEM: the service's own, if it was made there; else those of the system.
+        """
         headers = [(b"Authorization", f"Bearer {token}".encode())]
         # As bytes: a name need not be ASCII.
         headers += [(b"Modallab-Operator", operator.encode())] if operator else []
-        self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
+        self._http = httpx.Client(
+            base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s, verify=_trusted(ca)
+        )
 
     def rigs(self) -> tuple[RigView, ...]:
         """All rigs of the service."""
@@ -255,3 +269,7 @@ class Client:
                 # Sent again it is not done again: it changes nothing, or says the same, or carries its key.
                 time.sleep(AGAIN_S)
         return require_good(self._http.request(method, path, content=content, headers=headers, params=query))
+
+
+def _trusted(ca: Path | None) -> ssl.SSLContext | bool:
+    return True if ca is None else ssl.create_default_context(cafile=ca)

@@ -44,7 +44,12 @@ class JobView(Frozen):
 
 
 class JobNew(Frozen):
-    """Order work on a campaign's runs; without `runs`, on all of them that are valid."""
+    """Order work on a campaign's runs; without `runs`, on all of them that are valid.
+
+    Attributes:
+        runs: names of runs of the campaign; None: all that are valid.
+        parameters: settings of the work, by name.
+    """
 
     runs: Annotated[tuple[Annotated[str, Field(max_length=64)], ...], Field(min_length=1, max_length=200)] | None = None
     parameters: dict[str, JsonValue] = Field(default_factory=dict)

@@ -27,12 +27,21 @@ SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 class Guard:
     """Looks at Host, Origin, token and the size of the body."""
 
-    def __init__(self, app: ASGIApp, token: str, sessions: Sessions, hosts: Iterable[str], body_bytes: int) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        token: str,
+        sessions: Sessions,
+        hosts: Iterable[str],
+        body_bytes: int,
+        origins: Iterable[str] = (),
+    ) -> None:
         self._app = app
         self._token = token.encode()
         self._sessions = sessions
         self._hosts = frozenset(hosts)
         self._body_bytes = body_bytes
+        self._origins = frozenset(origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what may be asked."""
@@ -59,7 +68,8 @@ class Guard:
             return "foreign-host", f"this service is not {host!r}"
         origin = headers.get("origin")
         changes = connection.scope["type"] == "websocket" or connection.scope["method"] not in SAFE
-        if origin is not None and changes and origin.partition("://")[2] != host:
+        ours = origin is None or origin in self._origins or origin.partition("://")[2] == host
+        if changes and not ours:
             return "foreign-origin", f"sent by a page of {origin!r}"
         if int(_digits(headers.get("content-length", "0"))) > self._body_bytes:
             return "too-large", f"more than {self._body_bytes} bytes"
@@ -136,7 +146,11 @@ router = make_router("session")
 
 
 class Login(Frozen):
-    """The token of the service."""
+    """The token of the service.
+
+    Attributes:
+        token: it.
+    """
 
     token: Annotated[str, Field(max_length=200)]
 

@@ -13,6 +13,7 @@ from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
 
 OPERATOR = "Modallab-Operator"
+LEASE = "Modallab-Lease"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 Item = TypeVar("Item")
 
@@ -41,7 +42,7 @@ def _as_sent(text: str) -> str:
 ServiceOf = Annotated[Service, Depends(_service)]
 Operator = Annotated[str, Depends(_operator)]
 LeaseId = Annotated[
-    str | None, Header(alias="Modallab-Lease", max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
+    str | None, Header(alias=LEASE, max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
 ]
 
 

@@ -111,9 +111,7 @@ class Child:
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         handles = (theirs, *self._handles)
         # Held as long as this process lives, and closed with it.
-        self.process, self._life = start_owned(
-            self.name, self._target, handles, self._arguments, grace_s=self._grace_s
-        )
+        self.process, self._life = start_owned(self.name, self._target, handles, self._arguments, grace_s=self._grace_s)
         theirs.close()
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)

@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from threading import Event as Flag
 from threading import Thread
 from typing import Self
+from urllib.parse import urlsplit
 
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
@@ -22,6 +23,7 @@ from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.orphans import Orphans
 from modallab.service.process.ports import bound, taken
 from modallab.service.process.stop_listener import StopListener
+from modallab.service.process.tls import server_context
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing
 from modallab.service.records.event_log import EventLog
@@ -96,8 +98,9 @@ class Supervisor:
             leases,
         )
         try:
+            pages = *settings.hosts, *(urlsplit(origin).hostname or "" for origin in settings.cors)
             self._stop = StopListener(
-                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+                settings.host, settings.stop_port, self.controllers.emergency_stop, pages, server_context(settings)
             )
         except OSError as error:
             self.controllers.close()

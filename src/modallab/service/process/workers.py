@@ -80,6 +80,8 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
             http=guarded(raise_limit()),
             ws="websockets-sansio",
             timeout_graceful_shutdown=1,
+            ssl_certfile=settings.tls_cert,
+            ssl_keyfile=settings.tls_key,
         )
     )
     try:
