@@ -53,16 +53,18 @@ class Frozen(BaseModel):
 
 
 def described(cls: type) -> tuple[str, dict[str, str]]:
-    """What a class's docstring says: of itself, and of each of its attributes."""
-    about, _, listed = (inspect.getdoc(cls) or "").partition("\n\nAttributes:\n")
+    """What a class's docstring says of itself, and what it and those of its bases say of each attribute."""
     fields: dict[str, str] = {}
-    for names, text in _ATTRIBUTE.findall(listed):
-        said = re.sub(r"\s+", " ", text).strip()
-        said = re.sub(r"\bNone\b", "null", said[:1].upper() + said[1:])
-        fields |= dict.fromkeys((name.strip() for name in names.split(",")), said)
-    return about, fields
+    for base in reversed(cls.__mro__):
+        listed = inspect.cleandoc(base.__doc__ or "").partition(_LIST)[2]
+        for names, text in _ATTRIBUTE.findall(listed):
+            said = re.sub(r"\s+", " ", text).strip()
+            said = re.sub(r"\bNone\b", "null", said[:1].upper() + said[1:])
+            fields |= dict.fromkeys((name.strip() for name in names.split(",")), said)
+    return (inspect.getdoc(cls) or "").partition(_LIST)[0], fields
 
 
+_LIST = "\n\nAttributes:\n"
 _OF_ALL = {"kind": "Says which of several documents it is.", "format_version": "Of the document's form."}
 _ATTRIBUTE = re.compile(r"^ {4}([a-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
+from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
@@ -54,6 +55,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     """
     # First of all: without one no record is of use, whatever else it lacks.
     beam_of(campaign.rig)
+    report(0.0, "conditioning")
     stated = campaign.rig.tolerance.stated
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign
@@ -63,7 +65,10 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
-    choice = choose(bench, explain(bench), unseen if campaign.rig.tolerance.of_assembly else None)
+    with part(0.06, 0.85, "search"):
+        levels = explain(bench)
+    report(0.85, "choice")
+    choice = choose(bench, levels, unseen if campaign.rig.tolerance.of_assembly else None)
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
@@ -71,7 +76,9 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
+    report(0.88, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
+    report(0.96, "budget")
     nonlinear = location is not None and location.nonlinear
     return Diagnosis(
         rig=campaign.rig.name,

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import jsonschema_rs
 import numpy as np
 import pytest
 from lab import RIG, TOKEN, Lab
@@ -15,6 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from modallab.core.documents.runs import RunNew, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
+from modallab.service.api.asyncapi import event_kinds
 from modallab.service.campaigns.begin import begin
 
 IN_REAL_TIME = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&pace=1&reaction_s=0.1,0.2"
@@ -95,6 +97,24 @@ def test_every_sample_comes_and_blocks_hold_the_same(real_lab: Lab, followed: Fo
     for block in blocks:
         here = slice(block.first_sample, block.first_sample + block.n_samples)
         np.testing.assert_array_equal(whole[:, here], block.samples)
+
+
+def test_what_stands_before_the_arrays_is_as_documented(real_lab: Lab, followed: Followed) -> None:
+    schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
+    for name, messages in (("SamplesAbout", followed[1]), ("EnvelopeAbout", followed[2])):
+        judge = jsonschema_rs.validator_for(schemas[name] | {"components": {"schemas": schemas}})
+        assert [error.message for about, _ in messages for error in judge.iter_errors(about)] == []
+
+
+def test_every_event_is_as_documented(real_lab: Lab, followed: Followed) -> None:
+    """Those of a run and of its rig; the stream sends what the list gives."""
+    schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
+    names = {kind.model_fields["kind"].default: f"EventView_{kind.__name__}" for kind in event_kinds()}
+    events = real_lab.service.log.after(0, 10_000)
+    assert {"state", "rig", "block", "hit_requested", "progress"} <= {event.kind for event in events}
+    for event in events:
+        judge = jsonschema_rs.validator_for(schemas[names[event.kind]] | {"components": {"schemas": schemas}})
+        judge.validate(event.model_dump(mode="json"))
 
 
 def test_who_comes_back_reads_on_and_hears_what_is_lost(real_lab: Lab) -> None:

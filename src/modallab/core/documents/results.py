@@ -27,6 +27,7 @@ class JobView(Frozen):
         code_version: of the program that took the order.
         result: what it gave; None unless done, and None in lists.
         error: why it failed.
+        stage: what is being done, in words; "" where nothing is.
     """
 
     id: str
@@ -41,6 +42,7 @@ class JobView(Frozen):
     code_version: str
     result: JsonValue = None
     error: str | None = None
+    stage: str = ""
 
 
 class JobNew(Frozen):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import counted, part, report
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
@@ -114,9 +115,15 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         return ended(bench, f, screen.floor / 12)
 
     with ThreadPoolExecutor(WORKERS) as workers:
-        begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
+        known = pool(bench, base)
+        with part(0.0, 0.2):
+            screened = counted(workers.map(screen.begins, known), len(known), "candidates screened")
+            begins = sorted(screened, key=lambda b: b[0].cost)
         likely = begins if screen.large else begins[:LIKELY]
-        looks = sorted(workers.map(look, likely), key=lambda f: f.cost)
+        with part(0.2, 0.7):
+            fits = counted(workers.map(look, likely), len(likely), "candidates fitted")
+            looks = sorted(fits, key=lambda f: f.cost)
+        report(0.7, "the best fitted to the end")
         better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]

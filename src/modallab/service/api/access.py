@@ -17,7 +17,7 @@ from modallab.service.api.router import OPEN, make_router
 from modallab.service.records.sessions import Sessions
 
 COOKIE = "modallab_session"
-OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/", "/docs", "/openapi.json"})
+OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/", "/docs", "/openapi.json", "/asyncapi.json"})
 OPEN_FOLDERS = ("/docs/", "/problems/", "/page/")
 TRUSTED = "modallab.trusted"
 """In the scope of a request that carried the token."""

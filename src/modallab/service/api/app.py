@@ -3,6 +3,7 @@
 import secrets
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
+from functools import cache
 from importlib import import_module
 from threading import Thread
 from typing import Any, cast
@@ -18,6 +19,7 @@ from modallab.core.documents.pages import Problem
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
+from modallab.service.api.asyncapi import asyncapi_of
 from modallab.service.api.blocks import SAMPLE_HEADERS
 from modallab.service.api.compression import Gzip
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations
@@ -86,6 +88,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
             expose_headers=ANSWERED,
         )
     app.openapi = lambda: document_of(app)
+    app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
     return app
 
 

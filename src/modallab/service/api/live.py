@@ -22,18 +22,20 @@ WRONG = 4422
 REASON = 100
 """Bytes a reason may have."""
 CHANGES = frozenset({"block", "dropped", "verdict"})
-Name = Annotated[str, Query(max_length=64)]
+Rig = Annotated[str, Query(max_length=64, description="Only this rig.")]
+Run = Annotated[str, Query(max_length=64, description="Only this run.")]
 T = TypeVar("T")
-Channels = Annotated[list[str], Query(max_length=256)]
+Channels = Annotated[list[str], Query(max_length=256, description="Only these channels: once for each.")]
+Outputs = Annotated[list[str], Query(max_length=256, description="Only these outputs: once for each.")]
 
 
 @router.websocket("/live")
 async def show_samples(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    after: Annotated[int | None, Query(ge=0, lt=2**62)] = None,
+    after: Annotated[int | None, Query(ge=0, lt=2**62, description="Begin with this sample, by `position`.")] = None,
 ) -> None:
     """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
     await _show(socket, Selection(rig, run, tuple(channel), after))
@@ -42,10 +44,10 @@ async def show_samples(
 @router.websocket("/live/envelope")
 async def show_envelope(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    columns_per_s: Annotated[float, Query(gt=0, le=2000)] = 50.0,
+    columns_per_s: Annotated[float, Query(gt=0, le=2000, description="Columns a second.")] = 50.0,
 ) -> None:
     """Least and largest value of each stretch of time, for a picture of a fixed width."""
     await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s))
@@ -55,9 +57,9 @@ async def show_envelope(
 async def show_frf(
     socket: WebSocket,
     run: str,
-    output: Channels = [],  # noqa: B006, FastAPI's way
-    low_hz: Annotated[float, Query(ge=0)] = 0.0,
-    high_hz: Annotated[float, Query(gt=0)] = 1e9,
+    output: Outputs = [],  # noqa: B006, FastAPI's way
+    low_hz: Annotated[float, Query(ge=0, description="Lines from here, in Hz.")] = 0.0,
+    high_hz: Annotated[float, Query(gt=0, description="Lines up to here, in Hz.")] = 1e9,
 ) -> None:
     """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
     service: Service = socket.app.state.service

@@ -3,6 +3,7 @@
 import numpy as np
 from sqlalchemy import select
 
+from modallab.core.documents.messages import VerdictGiven
 from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
@@ -143,8 +144,8 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
         run, n, accepted=verdict.accepted, reason=verdict.reason or word, operator=operator, utc=utc_now()
     )
     audit.enter(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
-    content = {"kind": "verdict", "run": run, "n": n, "operator": operator} | verdict.model_dump()
-    service.log.append("verdict", Topic(entry.rig, entry.campaign, run), content)
+    given = VerdictGiven(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
+    service.log.append(given.kind, Topic(entry.rig, entry.campaign, run), given.model_dump())
 
 
 def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:

@@ -28,7 +28,7 @@ class Orphans:
 
         A rig's process brings its output to 0 V, commits and leaves; it is ended if it is frozen or does not leave.
         """
-        living = [(process, leaves) for *known, leaves in self._read() if (process := _living(*known)) is not None]
+        living = [(process, leaves) for pid, began_s, leaves in self._read() if (process := _living(pid, began_s))]
         at_work = [process for process, leaves in living if leaves and not _frozen(process)]
         _, stuck = psutil.wait_procs(at_work, timeout=END_S)
         left = [process for process, _ in living if process not in at_work or process in stuck]
