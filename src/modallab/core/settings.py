@@ -42,6 +42,7 @@ class Settings(BaseSettings):
         tls_cert: certificate of the service, as PEM; REST service and emergency stop then speak TLS.
         tls_key: its key.
         tls_self_signed: whether a certificate is made, in the folder `tls` of the data folder, and used.
+        file_bytes: largest recording that is sent to be imported.
         cors: origins of other sites whose pages may use the service, with a token: `https://page.lab:8443`.
     """
 
@@ -71,6 +72,7 @@ class Settings(BaseSettings):
     tls_cert: Path | None = None
     tls_key: Path | None = None
     tls_self_signed: bool = False
+    file_bytes: Annotated[int, Field(ge=1024)] = 1 << 30
     cors: tuple[Annotated[str, Field(pattern=r"^https?://[^/\s]+$")], ...] = ()
 
     @property

@@ -76,6 +76,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         hosts=hosts,
         body_bytes=settings.body_bytes,
         origins=settings.cors,
+        file_bytes=settings.file_bytes,
     )
     app.add_middleware(HeadAsGet)
     if settings.cors:
