@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -88,7 +89,7 @@ def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
     stored = [plan for plan in _stored(provenance, first.test) if plan.rate_hz == first.requested_rate_hz]
     if len(stored) == 1:
         return stored[0]
-    rates = {"rate_hz": first.requested_rate_hz or first.rate_hz, "block_s": first.duration_s}
+    rates: dict[str, Any] = {"rate_hz": first.requested_rate_hz or first.rate_hz, "block_s": first.duration_s}
     levels = {block.level or "low": UNKNOWN_V for block in blocks}
     if first.test == "impact":
         points = [block.drive_point or 1 for block in blocks]
@@ -96,7 +97,7 @@ def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
         return ImpactPlan(points=tuple(dict.fromkeys(points)), hits=hits, **rates)
     if first.test == "sine":
         driven = tuple(dict.fromkeys(block.frequency_hz for block in blocks if block.frequency_hz))
-        ramp = {} if first.ramp_s is None else {"ramp_s": first.ramp_s}
+        ramp: dict[str, Any] = {} if first.ramp_s is None else {"ramp_s": first.ramp_s}
         return SinePlan(frequencies_hz=driven or (1 / first.duration_s,), levels_v=levels, **rates, **ramp)
     return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), **rates)
 

@@ -130,6 +130,27 @@ def test_who_comes_back_reads_on_and_hears_what_is_lost(real_lab: Lab) -> None:
     assert samples.shape[0] == 1
 
 
+def test_the_channels_are_seen_before_a_run_and_after_it(real_lab: Lab) -> None:
+    with open_socket(real_lab, f"/live?rig={RIG}&channel=a03&channel=force&idle=true") as socket:
+        before = [parse(socket.recv(30.0)) for _ in range(5)]
+        with running(real_lab, ImpactPlan(points=(10,), hits=1)) as (run, _):
+            while (found := parse(socket.recv(60.0)))[0]["run"] != run:
+                before.append(found)
+            while not (found := parse(socket.recv(60.0)))[0]["ended"]:
+                assert found[0]["run"] == run
+        after = parse(socket.recv(30.0))
+    position = before[0][0]["position"]
+    for about, samples in before[:-1]:
+        assert (about["rig"], about["run"], about["ended"], about["lost"]) == (RIG, "", False, 0)
+        assert about["channels"] == ["force", "a03"]
+        assert about["position"] == position
+        position += samples.shape[1]
+    assert before[-1][0]["ended"], "the rig belongs to the run now"
+    assert position >= 5 * 100
+    assert (after[0]["rig"], after[0]["run"]) == (RIG, "")
+    assert len(real_lab.store.catalogue.runs()) == len({e.run for e in real_lab.service.log.after(0, 9999)} - {""})
+
+
 def test_the_envelope_is_that_of_the_samples(followed: Followed) -> None:
     _, samples, columns = followed
     rows = [samples[0][0]["channels"].index(name) for name in ("force", "a10")]
