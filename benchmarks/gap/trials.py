@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from rigs import drawn_rig
+from rigs import drawn_rig, mounted
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
@@ -86,7 +86,7 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
     """The campaign of a trial and its truth, with the gap its effect opens in noise units."""
     rig = drawn_rig(draw.seed)
     if draw.tolerances != "none":
-        return rough(draw, rig.model_copy(update={"tolerance": Tolerance.usual()}))
+        return rough(draw, mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed))
     if draw.effect == NONE:
         return make_trial(rig, draw.seed)
     if draw.effect == PAIR:

@@ -173,6 +173,7 @@ def _add_serve(commands: _Commands) -> None:
     )
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (default: own workers)")
     command.add_argument("--workers", type=int, metavar="N", help="processes that compute jobs on this machine")
+    command.add_argument("--open", action="store_true", help="open a browser that is logged in")
     command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="compute no jobs here")
     command.set_defaults(module="serve")
 

@@ -2,6 +2,7 @@
 
 import argparse
 import signal
+import webbrowser
 from typing import Any
 
 from modallab.cli.demo_rig import demo_rig
@@ -38,10 +39,18 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"certificate:       {settings.tls_cert}, SHA-256 {fingerprint(settings.tls_cert)}")
         print(f"emergency stop:    curl -X POST {settings.scheme}://{place.host}:{place.stop_port}/emergency-stop")
         print(f"token:             {'as set' if settings.token else token_path(settings)}")
+        if arguments.open:
+            _open(f"http://{place.host}:{place.port}{supervisor.login_path()}")
         for state in supervisor.controllers.states():
             print(f"rig:               {state.id} at {state.bench}", flush=True)
         supervisor.wait()
     return 0
+
+
+def _open(address: str) -> None:
+    print(f"log in once:       {address}")
+    # Where there is no browser, the address is there to be copied.
+    webbrowser.open(address)
 
 
 def _with_bench(rig: Rig, url: str | None) -> tuple[Rig, str]:

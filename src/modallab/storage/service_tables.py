@@ -119,4 +119,28 @@ SESSIONS = Table(
     Column("created_utc", String(32), nullable=False),
 )
 
+USERS = Table(
+    "users",
+    METADATA,
+    Column("name", String(80), primary_key=True),
+    Column("role", String(16), nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("revoked_utc", String(32), nullable=False, default=""),
+)
+
+TOKENS = Table(
+    "tokens",
+    METADATA,
+    Column("id", String(16), primary_key=True),
+    Column("user", String(80), ForeignKey("users.name"), nullable=False, index=True),
+    Column("digest", String(64), nullable=False),
+    Column("label", Text, nullable=False, default=""),
+    Column("role", String(16)),
+    Column("rigs", JSON, nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("expires_utc", String(32), nullable=False, default=""),
+    Column("revoked_utc", String(32), nullable=False, default=""),
+)
+"""Tokens of users: a hash of each, which opens nothing."""
+
 append_only(EVENTS, AUDIT, VERDICTS)

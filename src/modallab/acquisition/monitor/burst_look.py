@@ -119,10 +119,18 @@ class BurstLook:
         stop = middle - self._gap
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
-        if self.burst.envelope(self._times(begin, stop)).max() < 1e-6:
+        times = self._times(begin, stop)
+        envelope = self._envelope(times)
+        if envelope.max() < 1e-6:
             return None
-        foreseen = foresee(self._cut(begin, stop), self._basis(begin, stop), self._basis(middle, end))
+        earlier = tone_basis(times, self.burst.frequency_hz, envelope)
+        foreseen = foresee(self._cut(begin, stop), earlier, self._basis(middle, end))
         return self._cut(middle, end), foreseen
+
+    def latest(self, seconds: float) -> Real:
+        """(channels, n) the samples up to this look, of so long or of all the burst so far."""
+        end = self._at(self._hop * HOP_S)
+        return self._cut(max(end - self._count(seconds), self._first), end)
 
     def _at(self, seconds: float) -> int:
         return int((seconds - self._early_s) / self._dt + 1e-9)
@@ -145,7 +153,14 @@ class BurstLook:
 
     def _basis(self, begin: int, end: int) -> Real:
         times = self._times(begin, end)
-        return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
+        return tone_basis(times, self.burst.frequency_hz, self._envelope(times))
+
+    def _envelope(self, times: Real) -> Real:
+        """Of the drive at ascending times; between its ramps it is one."""
+        between = self.burst.ramp_s, self.burst.duration_s - self.burst.ramp_s
+        if between[0] <= times[0] and times[-1] <= between[1]:
+            return np.ones_like(times)
+        return self.burst.envelope(times)
 
 
 def _averaged(values: Real, step: int) -> Real:

@@ -17,6 +17,7 @@ from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
     Foreseen,
     astray,
+    at_noise,
     dead,
     faults,
     kept_up,
@@ -116,9 +117,11 @@ class Plausibility:
         gone = self._unless_beats(dead(*pair, look.white_v), *pair)
         # The responses may beat; the force follows the drive directly.
         gone[self._force_row] |= astray(*pair, look.noise_v)[self._force_row]
-        weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
-        if weak is not None:
-            gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
+        # What stands above its noise is not lost, and needs no fit.
+        if at_noise(look.latest(WEAK_LATER_S), look.white_v).any():
+            weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
+            if weak is not None:
+                gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
         gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):
@@ -130,8 +133,11 @@ class Plausibility:
         tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v
         if self._last_tone is None or look.envelope_earlier < OTHERS_FROM:
             return np.zeros(len(tone), dtype=np.bool_)
+        unseen = tone <= SEEN
+        if not unseen.any():
+            return unseen
         answer = np.median(np.delete(tone / np.maximum(self._last_tone, SEEN), self._force_row))
-        missing = (tone <= SEEN) & (answer * self._last_tone > MISSED)
+        missing = unseen & (answer * self._last_tone > MISSED)
         missing[self._force_row] = False
         return missing
 

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from modallab.acquisition.monitor.context import Context, measure_floor
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Hit, hit_of, rejections, ringing_before
+from modallab.acquisition.procedures.hit_acceptance import Before, Hit, hit_of, rejections
 from modallab.acquisition.procedures.hit_queue import HitQueue
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, Rest, RestWait
 from modallab.acquisition.procedures.struck_point.answer import answer_of
@@ -74,8 +74,10 @@ class ImpactTest:
         if trigger is None:
             return
         first = trigger - self._pre_trigger
+        # While the block still comes: at its end the operator waits for the verdict.
+        before = Before.of(self.context, first, self.rest.floor)
         self.context.stream.advance_to(first + self.context.block)
-        self._keep(target, first, rest)
+        self._keep(target, first, rest, before)
         if self.plan.trigger == "hardware":
             self.context.stream.restart()
             self.rest.early.restarted()
@@ -149,10 +151,10 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )
 
-    def _keep(self, target: Target, first: int, rest: Rest) -> None:
+    def _keep(self, target: Target, first: int, rest: Rest, before: Before) -> None:
         context, limits = self.context, self.plan.acceptance
         overload = context.stream.overload(first, context.block)
-        hit, ringing = self._measure(first), ringing_before(context, first, self.rest.floor)
+        hit, ringing = self._measure(first), before.beside(context, first, self.rest.floor)
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
         unclean = [*overloaded, *rejections(hit, limits)]
         # What is no clean hit says little about where it was.
@@ -201,21 +203,28 @@ class ImpactTest:
 
     def _learn_motion(self, name: str, point: int, first: int) -> None:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        force_n = context.conversion.force_n(context.stream.view(first, context.block))
         motion = context.motion(first, context.block)
         self.rest.motion.keep(name, point, force_n, motion, context.window, self.rest.floor)
 
     def _measure(self, first: int) -> Hit:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        force_n = context.conversion.force_n(context.stream.view(first, context.block))
         return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
 
     def _where(self, target: Target, first: int) -> Struck:
         context = self.context
         if not self.plan.acceptance.check_point:
             return Struck()
-        samples = context.conversion.si(context.stream.cut(first, context.block))
-        answer = answer_of(samples, context.conversion.force, context.stream.rate_hz, self._pre_trigger)
+        samples = context.stream.view(first, context.block)
+        answer = answer_of(
+            samples,
+            context.conversion,
+            context.stream.rate_hz,
+            self._pre_trigger,
+            self.struck.rows,
+            self.struck.up_to_hz,
+        )
         return Struck() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
 
     def _reject(self, point: int, name: str, reason: str) -> None:

@@ -72,16 +72,20 @@ class LeaseNew(Frozen):
     """Ask for the right to command a rig; renew it before `ttl_s` is over.
 
     With `take_over` it is taken from whoever holds it, as long as no run is on: for when the holder's program is gone.
+    Who holds it takes it over also while a run is on, from another place; with `recover` the same lease is given once
+    more, for a page that was loaded again.
 
     Attributes:
-        operator: who asks for it.
-        ttl_s: until it ends, if it is not renewed.
-        take_over: whether to take it from whoever holds it.
+        operator: who asks, where the service's own token does not say it; with a user's token it is that user.
+        ttl_s: for so long, unless it is renewed.
+        take_over: take it from whoever holds it.
+        recover: give back the lease that is held under the same name.
     """
 
-    operator: Operator
+    operator: Operator | None = None
     ttl_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
     take_over: bool = False
+    recover: bool = False
 
 
 class Lease(Frozen):

@@ -132,6 +132,9 @@ def narrowing(fit: Fit) -> Array:
     2003, ch. 2.5).
     """
     n = fit.problem.free.size
+    if len(fit.u) == n:
+        # An exchange of plugs has no size.
+        return np.zeros(n)
     covariance = np.linalg.pinv(fit.normal, hermitian=True)
     own = np.maximum(np.diag(covariance), 1e-300)
     known = covariance[n:, :n] ** 2 / (own[n:, None] * own[:n])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
@@ -31,6 +32,8 @@ WATCHED = 1.02
 """Rms residual above which an effect that takes nearly all of it away still counts."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
+NEAR = 3.0
+"""Times the floor up to which a fit is worth its last digits."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -79,18 +82,29 @@ def _first(bench: Bench) -> list[Array]:
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit brought to its end on all data."""
+    return completed(bench, annealed(bench, fit, floor))
+
+
+def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit with ever less forgiven, and nothing in the end, on thinned data."""
     candidates = fit.problem.candidates
     floor = min(floor, misfit(fit.problem, fit.u))
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
     for level in (floor, floor / 6, *later):
-        problem = Problem(bench.data, bench.free, candidates, level, held=_beam(fit.u))
-        fit = minimise(problem, fit.u, 3, 3e-2)
-    u = bench.free.straightened(fit.u)
-    # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but not
-    # nothing to their priors.
-    enough = 2e-6 if bench.free.deviations else 2e-4
-    return with_drift_curve(minimise(Problem(bench.data, bench.free, candidates), u, 15, enough))
+        fit = minimise(Problem(bench.thin, bench.free, candidates, level, held=_beam(fit.u)), fit.u, 3, 3e-2)
+    return minimise(Problem(bench.thin, bench.free, candidates), bench.free.straightened(fit.u), 8, 1e-3)
+
+
+def completed(bench: Bench, fit: Fit) -> Fit:
+    """A fit to thinned data brought to its end on all data."""
+    problem = Problem(bench.data, bench.free, fit.problem.candidates)
+    fit = minimise(problem, fit.u, 8, 2e-4)
+    if bench.free.deviations and fit.gap < NEAR * bench.flat:
+        # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but
+        # not nothing to their priors.
+        fit = minimise(problem, fit.u, 8, 2e-6)
+    return with_drift_curve(fit)
 
 
 def ordinary(fit: Fit) -> bool:
@@ -135,8 +149,10 @@ def on_all(bench: Bench, fit: Fit) -> Fit:
 
 def misfit(problem: Problem, u: Array) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
+    twin = problem.twin(u)
+    answers = forward(twin, problem.data)
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
-        r = replace(problem, floor=floor).residual(u)
+        r = replace(problem, floor=floor).left(twin, answers)
         used = r[r != 0]
         if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
             return floor

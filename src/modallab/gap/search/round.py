@@ -15,7 +15,7 @@ from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testab
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.model.prefit import start
-from modallab.gap.search.fitting import COARSE, STRAIGHT, Bench, finish, from_poles, misfit, on_all, short
+from modallab.gap.search.fitting import COARSE, STRAIGHT, Bench, annealed, completed, from_poles, misfit, on_all, short
 from modallab.gap.search.screen import Begin, Screen
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
@@ -86,12 +86,13 @@ def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
 
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
-    there = finish(bench, fit, floor)
+    there = annealed(bench, fit, floor)
     if bench.free.deviations and there.gap > bench.flat:
         # The fit before had bent the deviations to a gap that was not theirs.
         u, first = fit.u.copy(), bench.free.first_deviation
         u[first : first + len(bench.free.deviations)] = 0.0
-        there = min(there, finish(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+        there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+    there = completed(bench, there)
     if there.gap <= bench.flat or bool(np.all(np.abs(there.u[:3]) < STRAIGHT)) or not len(bench.poles):
         return there
     again = from_poles(bench, there.problem.candidates, there.u[bench.free.size :])

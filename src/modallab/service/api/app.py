@@ -31,6 +31,7 @@ from modallab.service.api.request_context import LEASE, OPERATOR
 from modallab.service.api.router import HEADER as KEY
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
 
 API_VERSION = "1.2"
@@ -48,7 +49,7 @@ ANSWERED = ("ETag", "Location", "Retry-After", "Idempotency-Replayed", *SAMPLE_H
 
 
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
-    """The application for an open service; every request must carry `token`."""
+    """The application for an open service; every request must carry `token`, an admin's, or that of a user."""
     app = FastAPI(
         title="modallab",
         version=__version__,
@@ -58,9 +59,10 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         generate_unique_id_function=_operation,
     )
     app.state.feed = Feed(service.log)
-    app.state.service, app.state.settings, app.state.token = service, settings, token
+    app.state.service, app.state.settings = service, settings
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
-    app.state.sessions = Sessions(service.engine, token)
+    callers = app.state.callers = Callers(service.engine, token)
+    app.state.sessions = Sessions(service.engine, callers.secret)
     install(app)
     routers = resources()
     for router in routers:
@@ -71,7 +73,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app.add_middleware(Gzip)
     app.add_middleware(
         Guard,
-        token=token,
+        callers=callers,
         sessions=app.state.sessions,
         hosts=hosts,
         body_bytes=settings.body_bytes,
@@ -107,8 +109,10 @@ def _operation(route: APIRoute) -> str:
 @asynccontextmanager
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
     app.state.feed.open()
+    app.state.callers.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
+    app.state.callers.close()
     app.state.feed.close()
 
 
@@ -125,7 +129,7 @@ def document_of(app: FastAPI) -> dict[str, Any]:
         "token": {"type": "http", "scheme": "bearer"},
         "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
     }
-    document["security"] = [{"token": []}, {"session": []}]
+    document["security"] = [{"token": ["observer"]}, {"session": ["observer"]}]
     describe_schemas(parts["schemas"])
     for operation in operations(document):
         for parameter in operation.get("parameters", ()):

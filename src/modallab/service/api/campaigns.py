@@ -11,6 +11,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.core.documents.pages import Page
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import (
+    CallerOf,
     Cursor,
     IfMatch,
     IfNoneMatch,
@@ -24,6 +25,7 @@ from modallab.service.api.request_context import (
     unchanged,
 )
 from modallab.service.api.rigs import state_of
+from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.campaigns.export import export_campaign
 
@@ -51,8 +53,11 @@ def list_campaigns(
 
 
 @router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
-def create_campaign(new: NewCampaign, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
+def create_campaign(
+    new: NewCampaign, service: ServiceOf, operator: Operator, caller: CallerOf, response: Response
+) -> CampaignView:
     """Make a campaign on a rig."""
+    require_rig(caller, new.rig)
     state_of(service, new.rig)
     campaign = service.repository.create(new, operator)
     response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"

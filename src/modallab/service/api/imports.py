@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
 from modallab.core.documents.campaigns import CampaignNew, CampaignView, Name, Note
@@ -13,15 +13,15 @@ from modallab.core.errors import DataError
 from modallab.core.units import Test
 from modallab.formats.options import ImportOptions
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import Operator, ServiceOf, mark
+from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, mark
 from modallab.service.api.rigs import state_of
-from modallab.service.api.router import ANY, PREFIX
+from modallab.service.api.roles import require_rig
+from modallab.service.api.router import PREFIX, make_router
 from modallab.service.campaigns.importing import find_reader, import_campaign
 from modallab.storage.durable import require_space
 from modallab.storage.samples import RESERVE_BYTES
 
-# No route of the others' kind: the body is no JSON, and is not held in memory.
-router = APIRouter(prefix=PREFIX, tags=["campaigns"], responses=documented(*ANY))
+router = make_router("campaigns", files=True)
 FILE = "application/octet-stream"
 BODY = {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
 
@@ -32,6 +32,7 @@ async def import_file(
     response: Response,
     service: ServiceOf,
     operator: Operator,
+    caller: CallerOf,
     name: Annotated[Name, Query(description="Of the new campaign.")],
     rig: Annotated[str, Query(min_length=1, max_length=64)],
     format_: Annotated[str, Query(alias="format", max_length=16, description="Of the file: hdf5, uff, ...")] = "hdf5",
@@ -47,6 +48,7 @@ async def import_file(
 
     The body is the file, as it is. What a run of this service has recorded and exported as HDF5 comes back to the bit.
     """
+    require_rig(caller, rig)
     controller = await run_in_threadpool(state_of, service, rig)
     ending = find_reader(format_).endings[0]
     folder = Path(await run_in_threadpool(tempfile.mkdtemp, prefix="modallab-import-", dir=service.folder))

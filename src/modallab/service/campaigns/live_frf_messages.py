@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modallab.core.errors import DataError
 from modallab.core.frf import UNIT, Frf
+from modallab.service.campaigns.live_frf import Revisions
 from modallab.service.campaigns.live_samples import message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
@@ -41,7 +41,7 @@ class FrfWatch:
     service: Service
     chosen: FrfSelection
     _known: bool = False
-    _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
+    _seen: Revisions = field(default_factory=Revisions)
 
     def look(self) -> list[bytes]:
         """A message for each point whose FRF is another one than at the last look; none before the first block.
@@ -56,36 +56,30 @@ class FrfWatch:
             record_of(self.service, self.chosen.run)
             self._known = True
         try:
-            self._seen, changed = self.service.frfs().newer(self.chosen.run, self._seen)
+            self._seen, found = self.service.frfs().news(self.chosen.run, self.chosen.outputs, self._seen)
         except ConflictError:
             return []
-        return [self._message(frf, point) for point, frf in changed]
+        return [self._message(frf) for frf in found]
 
-    def _message(self, frf: Frf, point: int | None) -> bytes:
+    def _message(self, frf: Frf) -> bytes:
         chosen = self.chosen
-        unknown = set(chosen.outputs) - set(frf.outputs)
-        if unknown:
-            raise DataError(
-                f"there is no output {', '.join(sorted(unknown))}", remedy=f"choose from {', '.join(frf.outputs)}"
-            )
-        rows = [i for i, name in enumerate(frf.outputs) if not chosen.outputs or name in chosen.outputs]
         band = (frf.frequency_hz >= chosen.low_hz) & (frf.frequency_hz <= chosen.high_hz)
-        parts = [frf.values[rows, 0][:, band]]
+        parts = [frf.values[:, 0, band].astype(np.complex64)]
         if frf.coherence is not None:
-            parts.append(frf.coherence[rows, 0][:, band].astype(complex))
+            parts.append(frf.coherence[:, 0, band].astype(np.complex64))
         lines = frf.frequency_hz[band]
         about: dict[str, object] = {
             "run": chosen.run,
             "quantity": frf.quantity,
             "unit": UNIT[frf.quantity],
-            "input_point": point,
+            "input_point": frf.input_points[0],
             "averages": frf.averages[0],
-            "outputs": [frf.outputs[row] for row in rows],
-            "output_points": [frf.output_points[row] for row in rows],
+            "outputs": list(frf.outputs),
+            "output_points": list(frf.output_points),
             "coherence": frf.coherence is not None,
             "frequency_hz": _axis(lines),
         }
-        return message(about, np.stack(parts).astype(np.complex64))
+        return message(about, np.stack(parts))
 
 
 def _axis(lines: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> dict[str, float] | list[float]:

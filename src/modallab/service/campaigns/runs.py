@@ -7,6 +7,7 @@ from modallab.core.documents.messages import VerdictGiven
 from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
 from modallab.service.rigs.control import legal_after
@@ -146,6 +147,7 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
     audit.enter(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
     given = VerdictGiven(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
     service.log.append(given.kind, Topic(entry.rig, entry.campaign, run), given.model_dump())
+    AfterRun(service.store, service.jobs).judged(run)
 
 
 def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:

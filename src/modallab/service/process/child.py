@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from threading import Lock
 from typing import cast
 
 import psutil
@@ -61,6 +62,9 @@ class Child:
         self.process: BaseProcess | None = None
         self._connection: Connection | None = None
         self._life: Connection | None = None
+        # It is started by one thread and asked to leave by another: never started after that, nor half started then.
+        self._lock = Lock()
+        self._leaving = False
 
     @property
     def pid(self) -> int | None:
@@ -78,7 +82,12 @@ class Child:
         return 0.0 if times is None else times.user + times.system
 
     def look(self) -> None:
-        """Start it, if it is not there and its time has come."""
+        """Start it, if it is not there and its time has come; never once it was asked to leave."""
+        with self._lock:
+            if not self._leaving:
+                self._look()
+
+    def _look(self) -> None:
         if self.process is not None and self.process.is_alive():
             return
         now = time.monotonic()
@@ -92,7 +101,9 @@ class Child:
             self._start()
 
     def ask_to_leave(self) -> None:
-        """Ask it, and wait for nothing."""
+        """Ask it, and wait for nothing but a start that is under way."""
+        with self._lock:
+            self._leaving = True
         self._leave_by_s = time.monotonic() + LEAVE_S
         if self._connection is not None:
             with suppress(OSError):

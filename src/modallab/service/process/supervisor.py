@@ -28,6 +28,7 @@ from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
+from modallab.service.records.sessions import make_link
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
@@ -65,7 +66,7 @@ class Supervisor:
         """
         # Inherited by every process that is started from here.
         raise_limit()
-        self._settings = settings
+        self._settings, self._token = settings, token
         self._closing = Flag()
         self._closed = Flag()
         self.store = Store(settings.data)
@@ -120,6 +121,14 @@ class Supervisor:
         """Until `close` is called; in short waits, since on Windows Ctrl-C does not interrupt a long one."""
         while not self._closing.wait(0.2):
             pass
+
+    def login_path(self) -> str:
+        """A path of the REST service that logs a browser in, once, as whoever has the service's token.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        return make_link(self.store.catalogue.engine, "", self._token)[0]
 
     def ask_to_close(self) -> None:
         """Have `wait` return."""
