@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from modallab.core.frf import UNIT, Frf
-from modallab.service.campaigns.live_frf import Revisions
 from modallab.service.campaigns.live_samples import message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
@@ -41,7 +40,7 @@ class FrfWatch:
     service: Service
     chosen: FrfSelection
     _known: bool = False
-    _seen: Revisions = field(default_factory=Revisions)
+    _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
 
     def look(self) -> list[bytes]:
         """A message for each point whose FRF is another one than at the last look; none before the first block.
