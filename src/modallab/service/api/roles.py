@@ -54,7 +54,8 @@ def require_access(request: Request, extra: dict[str, Any]) -> None:
         return
     service: Service = request.app.state.service
     if caller.rigs and ANY_RIG not in extra:
-        require_rig(caller, _rig_of(service, request.path_params))
+        named = request.path_params if request.path_params else dict(request.query_params)
+        require_rig(caller, _rig_of(service, named))
     _require_own_lease(service, caller, request.headers.get(LEASE))
 
 
@@ -81,15 +82,15 @@ def _require_own_lease(service: Service, caller: Caller, lease: str | None) -> N
         raise LeaseNeededError(f"this lease is {owner}'s", remedy="take the lease yourself")
 
 
-def _rig_of(service: Service, path: dict[str, Any]) -> str | None:
+def _rig_of(service: Service, named: dict[str, Any]) -> str | None:
     """The rig that an address concerns; None if it concerns none, or names what is not there."""
-    if "rig" in path:
-        return str(path["rig"])
+    if "rig" in named:
+        return str(named["rig"])
     try:
-        if "run" in path:
-            entry = service.repository.entry(str(path["run"]))
+        if "run" in named:
+            entry = service.repository.entry(str(named["run"]))
             return None if entry is None else entry.rig
-        campaign = path.get("campaign") or service.repository.campaign_of_job(str(path.get("job", "")))
+        campaign = named.get("campaign") or service.repository.campaign_of_job(str(named.get("job", "")))
         return service.repository.campaign(str(campaign)).rig if campaign else None
     except (NotFoundError, UnknownJobError):
         return None
