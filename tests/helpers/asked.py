@@ -40,7 +40,7 @@ expected-statuses = [401, 403, 404, 405, 409, 412, 413, 415, 422, 428]
 [[operations]]
 include-path = "/api/v1/events/stream"
 # It has no end: the first event will do, and where none is of the kind asked for, a while of waiting.
-request-timeout = 3
+request-timeout = 1
 parameters = { "query.after" = 0 }
 """
 

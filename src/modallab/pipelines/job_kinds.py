@@ -85,8 +85,7 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    diagnosis = diagnose(campaign, parameters.hold_out)
+    diagnosis = diagnose(campaign, parameters.hold_out, notify=lambda share, _: notify(0.9 * share))
     notify(0.9)
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 

@@ -94,6 +94,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
 
 def from_hits(bench: Bench) -> Fit | None:
     """What explains the hits alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
+    bench.step("the hits alone")
     only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
     levels = rounds(only, baseline(only), 1)
     if not _solved(only, levels):
