@@ -10,6 +10,7 @@ from pydantic import JsonValue
 from modallab.core.block import Campaign
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
+from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
@@ -68,25 +69,25 @@ def campaigns_of(store: Store) -> Campaigns:
 
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    return Computed(
-        _plain(model_document(campaign, identify_campaign(campaign, parameters.options(), parameters.test)))
-    )
+    with heard_by(notify):
+        found = identify_campaign(campaign, parameters.options(), parameters.test)
+    return Computed(_plain(model_document(campaign, found)))
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    result = identify_campaign(campaign, parameters.options(), parameters.test)
-    notify(0.7)
+    with heard_by(notify), part(0.0, 0.7):
+        result = identify_campaign(campaign, parameters.options(), parameters.test)
+    notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
     return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
 
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    diagnosis = diagnose(campaign, parameters.hold_out, notify=lambda share, _: notify(0.9 * share))
-    notify(0.9)
+    with heard_by(notify), part(0.0, 0.95):
+        diagnosis = diagnose(campaign, parameters.hold_out)
+    notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 
 
