@@ -33,25 +33,33 @@ def declared(methods: set[str], extra: dict[str, Any]) -> dict[str, Any]:
     return extra | {ROLE: role, "security": [{"token": [role]}, {"session": [role]}]}
 
 
-def require_access(request: Request, extra: dict[str, Any]) -> None:
-    """Reject who may not ask this.
+def require_role(request: Request, extra: dict[str, Any]) -> bool:
+    """Reject who may not ask this, as far as is known without the database; whether `require_own` is to look further.
 
     Raises:
-        RoleNeededError: the caller's role is too low, or the token is for other rigs.
-        LeaseNeededError: the lease that was sent is somebody else's.
-        StorageError: it cannot be looked up.
+        RoleNeededError: the caller's role is too low.
     """
     role: Role | None = extra.get(ROLE)
     if role is None:
-        return
+        return False
     caller = caller_of(request)
     if RANK[caller.role] < RANK[role]:
         raise RoleNeededError(
             f"this needs the role {role}; {caller.name or 'this token'} is {caller.role}",
             remedy="ask somebody with that role, or an admin for another token",
         )
-    if role == "observer":
-        return
+    return role != "observer" and bool(caller.rigs or caller.name)
+
+
+def require_own(request: Request, extra: dict[str, Any]) -> None:
+    """Reject who works at another rig than the token is for, or with the lease of another.
+
+    Raises:
+        RoleNeededError: the token is for other rigs.
+        LeaseNeededError: the lease that was sent is somebody else's.
+        StorageError: it cannot be looked up.
+    """
+    caller = caller_of(request)
     service: Service = request.app.state.service
     if caller.rigs and ANY_RIG not in extra:
         named = request.path_params if request.path_params else dict(request.query_params)
