@@ -137,8 +137,7 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
     whole: dict[Division, list[str]] = {kind: np.concatenate(parts).tolist() for kind, parts in labels.items()}
     columns: list[tuple[Division, str]] = []
     for kind, values in whole.items():
-        for name in dict.fromkeys(values):
-            columns.append((kind, name))
+        columns.extend((kind, name) for name in dict.fromkeys(values))
     belongs = np.array([np.array(whole[kind]) == name for kind, name in columns], dtype=np.float64).T
     return columns, np.concatenate([belongs, belongs])
 
