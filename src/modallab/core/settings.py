@@ -39,6 +39,7 @@ class Settings(BaseSettings):
             stopped; when it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times
             as long.
         log_level: of the log on standard error.
+        grace_days: for so long what was deleted over REST can be restored.
     """
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True, populate_by_name=True)
@@ -64,6 +65,7 @@ class Settings(BaseSettings):
         Field(ge=1, le=60, validation_alias=AliasChoices(*RENAMED)),
     ] = 1.0
     log_level: str = "INFO"
+    grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
 
     @property
     def is_local(self) -> bool:

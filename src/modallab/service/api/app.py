@@ -25,7 +25,7 @@ from modallab.service.context import Service
 from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
 
-API_VERSION = "1.1"
+API_VERSION = "1.2"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
 
 SUMMARY = "Modal tests on a bench."
