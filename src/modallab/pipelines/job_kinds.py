@@ -8,11 +8,13 @@ from typing import Any
 from pydantic import JsonValue
 
 from modallab.core.block import Campaign
+from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
+from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
@@ -69,9 +71,10 @@ def campaigns_of(store: Store) -> Campaigns:
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
     notify(0.0)
-    return Computed(
-        _plain(model_document(campaign, identify_campaign(campaign, parameters.options(), parameters.test)))
-    )
+    result = identify_campaign(campaign, parameters.options(), parameters.test)
+    notify(0.8)
+    curves = curves_of(campaign, result).model_dump_json().encode()
+    return Computed(_plain(model_document(campaign, result)), {CURVES: curves})
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:

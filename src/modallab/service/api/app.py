@@ -18,6 +18,7 @@ from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
 from modallab.service.api.events import Feed
 from modallab.service.api.head import HeadAsGet
+from modallab.service.api.operator_page import mount_page
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.router import Keys
@@ -50,6 +51,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         app.include_router(router)
     app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
+    mount_page(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Guard, callers=callers, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
     app.add_middleware(HeadAsGet)
