@@ -18,8 +18,9 @@ export class GrowingFrf {
     this.coherence = new Chart({ name: "Coherence", x: "Frequency [Hz]", y: "Coherence [1]", height: 150, range: [0, 1.02], sync: run });
     this.choice = h("select", { id: "input-point", onchange: () => { this.point = this.choice.value; this.chosen = true; this.draw(); } });
     this.averages = h("span", { class: "muted" });
-    this.element = h("section", { class: "panel wide", "aria-label": "FRFs so far" }, h("h2", {}, "FRFs so far"),
-      h("p", { class: "buttons" }, h("label", { for: "input-point" }, "Driven at point"), this.choice, this.averages), this.amplitude.element, this.coherence.element);
+    this.none = h("p", { class: "muted" }, "There is none before the first good block.");
+    this.shown = h("div", { hidden: true }, h("p", { class: "buttons" }, h("label", { for: "input-point" }, "Driven at point"), this.choice, this.averages), this.amplitude.element, this.coherence.element);
+    this.element = h("section", { class: "panel wide", "aria-label": "FRFs so far" }, h("h2", {}, "FRFs so far"), this.none, this.shown);
     follow(`runs/${encodeURIComponent(run)}/frf/live?high_hz=${HIGHEST_HZ}`, (about, values) => this.take(about, values), signal);
     signal.addEventListener("abort", () => { this.amplitude.close(); this.coherence.close(); });
   }
@@ -36,6 +37,8 @@ export class GrowingFrf {
     const found = this.found.get(this.point);
     if (!found) return;
     const { about, values } = found;
+    this.none.hidden = true;
+    this.shown.hidden = false;
     const [, outputs, lines] = about.shape;
     const x = axisOf(about.frequency_hz);
     const part = (kind, output, value) => Array.from({ length: lines }, (_, n) => value(2 * ((kind * outputs + output) * lines + n)));

@@ -27,16 +27,20 @@ function parts(place, signal, id) {
   const list = h("tbody");
   const frequencies = h("div", { class: "scroll tall", tabindex: "0", role: "region", "aria-label": "Frequencies of the plan" }, h("table", {}, h("thead", {}, h("tr", {}, ["Level", "Frequency", "Force", "State", ""].map((head, n) => h("th", { scope: "col", class: n === 1 || n === 2 ? "n" : null }, head)))), list));
   signal.addEventListener("abort", () => force.close());
-  put(place, h("div", { class: "pair" }, prompt, h("section", { class: "prompt", "aria-label": "Progress" }, h("h2", {}, "Progress"), left, bar, h("p", { class: "buttons" }, common.elements))),
+  const notices = h("div");
+  const forces = h("section", { class: "panel", "aria-label": "Force" }, force.element);
+  put(place, h("div", { class: "pair" }, prompt, h("section", { class: "prompt", "aria-label": "Progress" }, h("h2", {}, "Progress"), left, bar, h("p", { class: "buttons" }, common.elements), notices)),
     new GrowingFrf(id, signal, { points: true }).element,
-    h("div", { class: "pair" }, h("section", { class: "panel", "aria-label": "Frequencies" }, h("h2", {}, "Frequencies"), frequencies), h("div", {}, drive, h("section", { class: "panel", "aria-label": "Force" }, force.element))));
+    h("div", { class: "pair" }, h("section", { class: "panel", "aria-label": "Frequencies" }, h("h2", {}, "Frequencies"), frequencies), h("div", {}, drive, forces)));
   watchDrive(drive, limits, signal);
 
   return (state) => {
     const { done = 0, total = 0, what = "" } = state.progress ?? {};
     prompt.dataset.mood = MOODS[state.state] ?? "waiting";
     say(large, state.state === "acquiring" && what ? what.replace(/^level /, "") : WORDS[state.state] ?? state.state);
-    say(under, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "all that the plan asks for is recorded") : state.notices.at(-1) ?? "");
+    say(under, state.failed ? `${sentence(state.failed.what)} ${sentence(state.failed.remedy || "look at the bench")}` : state.ended ? sentence(state.reason || "all that the plan asks for is recorded") : state.state === "acquiring" && total ? `frequency ${Math.min(done + 1, total)} of ${total}` : "");
+    put(notices, state.ended ? [] : state.notices.map((notice) => h("p", { class: "muted" }, sentence(notice))));
+    forces.hidden = !state.blocks.size;
     bar.max = Math.max(1, total);
     bar.value = done;
     const remaining = state.remaining;
