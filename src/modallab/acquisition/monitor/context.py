@@ -3,7 +3,8 @@
 import time
 from dataclasses import dataclass, field, replace
 
-from scipy.fft import next_fast_len
+# SciPy loads its transforms on first use: who only asks for a run does not pay for them.
+import scipy
 
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
@@ -88,7 +89,7 @@ class Context:
     @property
     def window(self) -> int:
         """Samples of a window for the look at rest; a block's own number may take the transform three times as long."""
-        return int(next_fast_len(WINDOW_BLOCKS * self.block, real=True))
+        return int(scipy.fft.next_fast_len(WINDOW_BLOCKS * self.block, real=True))
 
     @property
     def driving_chunk(self) -> int:
@@ -165,13 +166,17 @@ class Context:
         if self.life.state != "paused":
             return
         while self.requests.paused:
-            if self.bench.info.real_time:
-                # What the device delivers must be taken, or its buffer would run over.
-                self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
-            else:
-                self.stream.poll()
-                time.sleep(PAUSE_LOOK_S)
+            self.idle(watch)
         self.life.enter("acquiring", "resumed by the operator")
+
+    def idle(self, watch: Watch | None = None) -> None:
+        """Let a short time pass, with the limits watched, while an operator is waited for."""
+        if self.bench.info.real_time:
+            # What the device delivers must be taken, or its buffer would run over.
+            self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
+        else:
+            self.stream.poll()
+            time.sleep(PAUSE_LOOK_S)
 
     def drop(self, name: str, reason: str) -> bool:
         """Let a block no longer count, and report it; whether there was one that did."""

@@ -10,7 +10,15 @@ CURVES = "curves.json"
 
 
 class VerdictView(Frozen):
-    """An assumption of the identification: whether it holds, the number that says so, and its limit."""
+    """An assumption of the identification: whether it holds, the number that says so, and its limit.
+
+    Attributes:
+        assumption: which.
+        holds: whether it does.
+        value: the number that says so; null if there is none.
+        limit: of that number; null if there is none.
+        words: the same as a sentence.
+    """
 
     assumption: str
     holds: bool
@@ -20,7 +28,12 @@ class VerdictView(Frozen):
 
 
 class Unjudged(Frozen):
-    """An assumption that could not be judged."""
+    """An assumption that could not be judged.
+
+    Attributes:
+        assumption: which.
+        why: it could not be judged.
+    """
 
     assumption: str
     why: str
@@ -63,7 +76,12 @@ class TestModel(Frozen):
 
 
 class Missing(Frozen):
-    """A test without a model."""
+    """A test without a model.
+
+    Attributes:
+        test: which.
+        error: why it has none.
+    """
 
     test: str
     error: str
@@ -90,7 +108,15 @@ class ModelsView(Frozen):
 
 
 class DiagnosisView(Frozen):
-    """The newest diagnosis of a campaign; `current` as in the models."""
+    """The newest diagnosis of a campaign; `current` as in the models.
+
+    Attributes:
+        job: that computed it.
+        runs: it is of.
+        current: whether the blocks that count now are still those it was computed from.
+        code_version: of the modallab that computed it.
+        diagnosis: itself.
+    """
 
     job: str
     runs: tuple[str, ...]

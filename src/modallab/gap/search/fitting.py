@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import report
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
@@ -63,6 +64,7 @@ class Bench:
 
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, as well as it can be made to fit."""
+    report(0.0, "the bench without any effect")
     fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
     return finish(bench, fit, COARSE / 6)
 
@@ -138,8 +140,12 @@ def rested(bench: Bench, fit: Fit) -> Fit:
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    u = start(candidates, own, bench.free, bench.poles).u
-    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
+
+
+def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A short fit from there."""
+    return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
@@ -159,12 +165,12 @@ def misfit(problem: Problem, u: Array) -> float:
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
     near = min(floor, misfit(problem, u))
-    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
     return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
 

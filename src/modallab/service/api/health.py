@@ -98,7 +98,10 @@ def stop_url(request: Request) -> str:
     """Where the emergency stop is reached by whoever sent this request."""
     settings: Settings = request.app.state.settings
     name = request.url.hostname or settings.host
-    return settings.stop_url or f"http://{f'[{name}]' if ':' in name else name}:{settings.stop_port}/emergency-stop"
+    return (
+        settings.stop_url
+        or f"{settings.scheme}://{f'[{name}]' if ':' in name else name}:{settings.stop_port}/emergency-stop"
+    )
 
 
 @router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))

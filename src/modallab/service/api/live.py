@@ -3,10 +3,12 @@
 import asyncio
 import contextlib
 from collections.abc import AsyncGenerator
+from dataclasses import replace
 from typing import Annotated, TypeVar
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
+from modallab.acquisition.process.idle_scope import idle_name
 from modallab.core.errors import ModallabError
 from modallab.service.api.events import Feed
 from modallab.service.api.router import PREFIX
@@ -22,42 +24,47 @@ WRONG = 4422
 REASON = 100
 """Bytes a reason may have."""
 CHANGES = frozenset({"block", "dropped", "verdict"})
-Name = Annotated[str, Query(max_length=64)]
+Rig = Annotated[str, Query(max_length=64, description="Only this rig.")]
+Run = Annotated[str, Query(max_length=64, description="Only this run.")]
+Idle = Annotated[bool, Query(description="Also what the channels read while no run is on; `run` is empty then.")]
 T = TypeVar("T")
-Channels = Annotated[list[str], Query(max_length=256)]
+Channels = Annotated[list[str], Query(max_length=256, description="Only these channels: once for each.")]
+Outputs = Annotated[list[str], Query(max_length=256, description="Only these outputs: once for each.")]
 
 
 @router.websocket("/live")
 async def show_samples(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    after: Annotated[int | None, Query(ge=0, lt=2**62)] = None,
+    after: Annotated[int | None, Query(ge=0, lt=2**62, description="Begin with this sample, by `position`.")] = None,
+    idle: Idle = False,
 ) -> None:
     """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
-    await _show(socket, Selection(rig, run, tuple(channel), after))
+    await _show(socket, Selection(rig, run, tuple(channel), after), idle)
 
 
 @router.websocket("/live/envelope")
 async def show_envelope(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    columns_per_s: Annotated[float, Query(gt=0, le=2000)] = 50.0,
+    columns_per_s: Annotated[float, Query(gt=0, le=2000, description="Columns a second.")] = 50.0,
+    idle: Idle = False,
 ) -> None:
     """Least and largest value of each stretch of time, for a picture of a fixed width."""
-    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s))
+    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s), idle)
 
 
 @router.websocket("/runs/{run}/frf/live")
 async def show_frf(
     socket: WebSocket,
     run: str,
-    output: Channels = [],  # noqa: B006, FastAPI's way
-    low_hz: Annotated[float, Query(ge=0)] = 0.0,
-    high_hz: Annotated[float, Query(gt=0)] = 1e9,
+    output: Outputs = [],  # noqa: B006, FastAPI's way
+    low_hz: Annotated[float, Query(ge=0, description="Lines from here, in Hz.")] = 0.0,
+    high_hz: Annotated[float, Query(gt=0, description="Lines up to here, in Hz.")] = 1e9,
 ) -> None:
     """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
     service: Service = socket.app.state.service
@@ -74,12 +81,17 @@ async def show_frf(
             await socket.close(WRONG, error.what[:REASON])
 
 
-async def _show(socket: WebSocket, chosen: Selection) -> None:
+async def _show(socket: WebSocket, chosen: Selection, idle: bool) -> None:
     service: Service = socket.app.state.service
+    rigs: dict[str, str] = {}
+    if idle:
+        states = await asyncio.to_thread(service.control.states)
+        rigs = {idle_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
+        chosen = replace(chosen, idle=tuple(rigs))
 
     def rig_of(run: str) -> str:
-        entry = service.repository.entry(run)
-        return "" if entry is None else entry.rig
+        entry = None if run in rigs else service.repository.entry(run)
+        return rigs.get(run, "") if entry is None else entry.rig
 
     view = LiveView(service.folder, rig_of, chosen)
     # Before it is accepted: nothing that begins after that is missed.
