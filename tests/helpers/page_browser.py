@@ -9,7 +9,8 @@ from urllib.parse import urlsplit
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-OPERATOR = "Ada"
+NAMED = "if (location.protocol !== 'about:') localStorage.setItem('modallab.operator', 'Ada')"
+"""The service's own token does not say who works with it."""
 BENCH = "sim://cantilever?seed=3&zeta=0.05&bad_hits=0.6&pace=1&speed=6&reaction_s=0.1,0.2"
 """In its order of hits a bad one comes early, and samples come faster than the clock."""
 
@@ -36,7 +37,7 @@ class Watched:
         self.wrong: list[str] = []
         self.bytes = 0
         self.context: BrowserContext = browser.new_context(**options)  # type: ignore[arg-type]
-        self.context.add_init_script(f"if (location.protocol !== 'about:') localStorage.setItem('modallab.operator', '{OPERATOR}')")
+        self.context.add_init_script(NAMED)
         self.context.on("request", lambda request: self._look(request.url))
         self.context.on("weberror", lambda error: self.wrong.append(f"error: {error.error}"))
         self.context.on("console", lambda m: self.wrong.append(f"console: {m.text}") if m.type == "error" else None)

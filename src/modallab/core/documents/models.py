@@ -4,7 +4,6 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.model import ModalModel
 
-
 CURVES = "curves.json"
 """File of an identification with what its models are looked at by."""
 
@@ -206,6 +205,10 @@ class TestCurves(Frozen):
 
 
 class CurvesView(Frozen):
-    """What the newest models of a campaign are looked at by, one for each model, in their order."""
+    """What the newest models of a campaign are looked at by.
+
+    Attributes:
+        tests: one for each model, in their order.
+    """
 
     tests: tuple[TestCurves, ...]

@@ -15,7 +15,7 @@ FOLDER = Path(str(files("modallab.service") / "page"))
 
 
 class _Files(StaticFiles):
-    """Files of the page: looked at anew each time, so that a new version is a whole one; and nothing else may be loaded."""
+    """Files of the page: asked for anew each time, so that versions never mix; and nothing else may be loaded."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         response = await super().get_response(path, scope)

@@ -26,9 +26,10 @@ function plain(schema) {
 const LISTS = new Set(["number", "integer"]);
 const UNITS = [["_hz", "Hz"], ["_n", "N"], ["_s", "s"], ["_v", "V"], ["_db", "dB"]];
 
-/** What a field is called and its unit, by its name in the API. */
-function label(name) {
-  const [ending, unit] = UNITS.find(([end]) => name.endsWith(end)) ?? ["", ""];
+/** What a field is called and its unit. */
+function label(name, stated) {
+  const [ending, byName] = UNITS.find(([end]) => name.endsWith(end)) ?? ["", ""];
+  const unit = stated && stated !== "1" ? stated : byName;
   const words = name.slice(0, name.length - ending.length).replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1) + (unit && ` [${unit}]`);
 }
@@ -98,7 +99,7 @@ function field(path, name, raw, start) {
   }
   input.addEventListener("input", check);
   const help = schema.description ? h("small", { class: "muted" }, schema.description) : null;
-  return { element: h("div", { class: "field" }, h("label", { for: id }, label(name)), input, wrong, help), value, check };
+  return { element: h("div", { class: "field" }, h("label", { for: id }, label(name, schema["x-unit"])), input, wrong, help), value, check };
 }
 
 function group(path, name, schema, start) {

@@ -26,7 +26,7 @@ const listener = () => {
 /** Bring the output of the rig to 0 V, and latch it. */
 export async function press() {
   if (!lab.rig) return;
-  for (const send of senders) send(JSON.stringify({ kind: "emergency_stop", rig: lab.rig.id }));
+  for (const send of senders) send(JSON.stringify({ kind: "emergency_stop", rig: lab.rig.id, operator: lab.operator || "operator", reason: "pressed on the operator's page" }));
   const rest = ask("POST", `rigs/${lab.rig.id}/emergency-stop`, { json: { reason: "pressed on the operator's page" }, patience: PATIENCE_MS });
   try {
     await Promise.any([listener(), rest]);
