@@ -8,12 +8,14 @@ from typing import Any
 from pydantic import JsonValue
 
 from modallab.core.block import Campaign
+from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
+from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
@@ -71,7 +73,8 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
     campaign, parameters = payload
     with heard_by(notify):
         found = identify_campaign(campaign, parameters.options(), parameters.test)
-    return Computed(_plain(model_document(campaign, found)))
+    curves = curves_of(campaign, found).model_dump_json().encode()
+    return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
