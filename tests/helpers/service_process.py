@@ -32,6 +32,7 @@ class ServiceProcess:
         self._log = (data.parent.parent / f"{data.parent.name}-{data.name}.log").open("a+")
         command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
         command += ["--bench", bench] if bench else []
+        self.said: list[str] = []
         self.process = subprocess.Popen(
             [*command, *options],
             stdout=subprocess.PIPE,
@@ -82,6 +83,7 @@ class ServiceProcess:
     def _said(self, pattern: str) -> str:
         assert self.process.stdout is not None
         for line in self.process.stdout:
+            self.said.append(line)
             found = re.search(pattern, line)
             if found:
                 return found[1]

@@ -35,8 +35,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnose(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
-    diagnosis = diagnose(campaign, arguments.hold_out)
     console = Console()
+    with console.status("reading the records") as status:
+        diagnosis = diagnose(campaign, arguments.hold_out, notify=lambda _, words: status.update(words))
     console.print(sentence(diagnosis), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"

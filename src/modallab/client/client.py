@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import JsonValue
 
+from modallab.client.archive_calls import ArchiveCalls, hidden
 from modallab.client.connection import AGAIN_S
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
+from modallab.client.queue_calls import QueueCalls
 from modallab.client.stream import read_events
 from modallab.client.user_calls import UserCalls
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
@@ -27,7 +29,7 @@ ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
 
 
-class Client(UserCalls):
+class Client(ArchiveCalls, QueueCalls, UserCalls):
     """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
 
     def rigs(self) -> tuple[RigView, ...]:
@@ -89,9 +91,14 @@ class Client(UserCalls):
         """Make a campaign on a rig."""
         return self._post(CampaignView, "/campaigns", CampaignNew(name=name, rig=rig, note=note))
 
-    def campaigns(self) -> tuple[CampaignView, ...]:
-        """All campaigns, the newest first."""
-        return tuple(self._all(CampaignView, "/campaigns"))
+    def campaigns(self, *, archived: bool = False, deleted: bool = False) -> tuple[CampaignView, ...]:
+        """All campaigns, the newest first; those that are archived or deleted only where they are asked for."""
+        return tuple(self._all(CampaignView, "/campaigns", hidden(archived=archived, deleted=deleted)))
+
+    def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[RunView, ...]:
+        """The runs of a campaign, the oldest first; archived or deleted ones only where they are asked for."""
+        query = hidden(archived=archived, deleted=deleted)
+        return tuple(self._all(RunView, f"/campaigns/{campaign}/runs", query))
 
     def campaign(self, campaign: str) -> CampaignView:
         """A campaign and the names of its runs."""

@@ -60,10 +60,10 @@ class Connection:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _all(self, kind: type[Document], path: str) -> Iterator[Document]:
-        cursor: str | None = None
+    def _all(self, kind: type[Document], path: str, query: Mapping[str, str] | None = None) -> Iterator[Document]:
+        asked, cursor = dict(query or {}), None
         while True:
-            page = self._get(Page[kind], path, {} if cursor is None else {"cursor": cursor})
+            page = self._get(Page[kind], path, asked if cursor is None else asked | {"cursor": cursor})
             yield from page.items
             cursor = page.next
             if cursor is None:

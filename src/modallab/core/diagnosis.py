@@ -24,6 +24,9 @@ class Percent(Frozen):
     away: float | None
 
 
+Division = Literal["test", "channel", "band", "mode"]
+
+
 class BudgetRow(Frozen):
     """A part of the gap.
 
@@ -35,6 +38,7 @@ class BudgetRow(Frozen):
         sigmas: how many deviations of its tolerance it has moved.
         share: of the squares of measured less predicted by the rig file's own twin, each record's response counting
             alike. All shares add up to 1; a negative one works against the others.
+        by: test, channel, band or mode -> name of each -> the part of the share that lies there.
     """
 
     kind: Literal["tolerance", "effect", "model", "noise"]
@@ -43,6 +47,7 @@ class BudgetRow(Frozen):
     said: str
     sigmas: float | None
     share: float
+    by: dict[Division, dict[str, float]] = Field(default_factory=dict[Division, dict[str, float]])
 
 
 class Budget(Frozen):

@@ -3,12 +3,10 @@
 A context variable, so that the numerics in between neither pass it on nor depend on who listens.
 """
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TypeVar
 
-Item = TypeVar("Item")
 Listener = Callable[[float, str], None]
 """Takes the share that is done, 0 to 1, and what is being done, in words."""
 
@@ -47,10 +45,3 @@ def report(share: float, stage: str = "") -> None:
     listener = _LISTENER.get()
     if listener is not None:
         listener(share, stage)
-
-
-def counted(items: Iterable[Item], total: int, stage: str = "") -> Generator[Item]:
-    """Pass items on; after each, so many of `total` are done."""
-    for n, item in enumerate(items, 1):
-        report(n / total, f"{stage}, {n} of {total}")
-        yield item

@@ -44,6 +44,7 @@ class Settings(BaseSettings):
         tls_self_signed: whether a certificate is made, in the folder `tls` of the data folder, and used.
         file_bytes: largest recording that is sent to be imported.
         cors: origins of other sites whose pages may use the service, with a token: `https://page.lab:8443`.
+        grace_days: for so long what was deleted over REST can be restored.
     """
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True, populate_by_name=True)
@@ -74,6 +75,7 @@ class Settings(BaseSettings):
     tls_self_signed: bool = False
     file_bytes: Annotated[int, Field(ge=1024)] = 1 << 30
     cors: tuple[Annotated[str, Field(pattern=r"^https?://[^/\s]+$")], ...] = ()
+    grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
 
     @property
     def scheme(self) -> str:

@@ -85,8 +85,8 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    with heard_by(_forwards(notify)), part(0.0, 0.95):
-        diagnosis = diagnose(campaign, parameters.hold_out)
+    forwards = _forwards(notify)
+    diagnosis = diagnose(campaign, parameters.hold_out, notify=lambda share, stage: forwards(0.95 * share, stage))
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 

@@ -5,6 +5,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.monitor.changed_places import ChangedPlaces
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
 from modallab.bench.protocol import Burst
@@ -45,7 +46,7 @@ class BurstLook:
     ) -> None:
         self.burst, self.noise = burst, noise
         self.repetition = Repetition(len(volts))
-        self.tone: Real | None = None
+        self.tone: NDArray[np.complex128] | None = None
         self.gone = np.zeros(len(volts), dtype=np.int64)
         self._step = max(1, int(rate_hz // max(SAMPLES_PER_PERIOD * burst.frequency_hz, LEAST_RATE_HZ)))
         self._dt = self._step / rate_hz
@@ -68,6 +69,7 @@ class BurstLook:
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
         self.sigma_v = self.noise_v * np.sqrt(2 / self._earlier)
+        self._places = ChangedPlaces(averaged, self.white_v)
 
     @property
     def envelope_earlier(self) -> float:
@@ -126,6 +128,16 @@ class BurstLook:
         earlier = tone_basis(times, self.burst.frequency_hz, envelope)
         foreseen = foresee(self._cut(begin, stop), earlier, self._basis(middle, end))
         return self._cut(middle, end), foreseen
+
+    def changed_places(self) -> tuple[int, int] | None:
+        """Two channels that have changed places, by the shapes in which the structure moves; once a look."""
+        end = self._at(self._hop * HOP_S)
+        middle = end - self._count(self.later_s)
+        known = middle - self._gap
+        begin = max(known - self._count(HOP_S), self._first, 0)
+        if known > begin:
+            self._places.learn(self._cut(begin, known))
+        return self._places.look(self._cut(middle, end)) if middle >= self._first else None
 
     def latest(self, seconds: float) -> Real:
         """(channels, n) the samples up to this look, of so long or of all the burst so far."""

@@ -3,7 +3,8 @@
 import time
 from dataclasses import dataclass, field, replace
 
-from scipy.fft import next_fast_len
+# SciPy loads its transforms on first use: who only asks for a run does not pay for them.
+import scipy
 
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
@@ -88,7 +89,7 @@ class Context:
     @property
     def window(self) -> int:
         """Samples of a window for the look at rest; a block's own number may take the transform three times as long."""
-        return int(next_fast_len(WINDOW_BLOCKS * self.block, real=True))
+        return int(scipy.fft.next_fast_len(WINDOW_BLOCKS * self.block, real=True))
 
     @property
     def driving_chunk(self) -> int:

@@ -7,10 +7,11 @@ stands in its Hann line with the power a^2 N / (6 sigma^2) relative to the noise
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Self
 
 import numpy as np
-import scipy.fft
+import scipy
 from numpy.typing import NDArray
 
 LEVEL_FACTOR = 1.5
@@ -129,13 +130,22 @@ def rms_of(window: Window) -> Real:
 def line_power(window: Window, noise_rms: Real) -> Real:
     """(lines,) Hann power of a (channels, n) window, as in `WindowLook`."""
     n = window.shape[1]
-    hann = np.hanning(n + 1)[:-1]
-    taper, power = hann.astype(np.float32), np.zeros(int(USED_BAND * n))
+    taper, energy = _taper(n)
+    power = np.zeros(int(USED_BAND * n))
     for row, rms in zip(centred_rows(window), noise_rms, strict=True):
         power += _squares(scipy.fft.rfft(row * taper)[: power.size]) / rms**2
-    power /= (hann**2).sum() * len(window)
+    power /= energy * len(window)
     power[0] = 0
     return power
+
+
+@lru_cache(maxsize=16)
+def _taper(n: int) -> tuple[Single, float]:
+    """The Hann window of n samples and its sum of squares: every look of a test has the same."""
+    hann = np.hanning(n + 1)[:-1]
+    taper = hann.astype(np.float32)
+    taper.flags.writeable = False
+    return taper, float((hann**2).sum())
 
 
 def _squares(spectrum: NDArray[np.complexfloating]) -> NDArray[np.floating]:
@@ -235,5 +245,8 @@ def largest_ratio(moves: Real, lines: NDArray[np.int64], own: Real) -> tuple[flo
 
 
 def _highest(values: Real, reach: int) -> Real:
-    padded = np.pad(values, reach, constant_values=-np.inf)
-    return np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1).max(axis=1)
+    highest = values.copy()
+    for off in range(1, reach + 1):
+        np.maximum(highest[off:], values[:-off], out=highest[off:])
+        np.maximum(highest[:-off], values[off:], out=highest[:-off])
+    return highest

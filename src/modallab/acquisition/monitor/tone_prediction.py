@@ -58,12 +58,14 @@ class Foreseen:
 
     Attributes:
         amplitude: (channels,) of the tone at the full level of the drive.
+        phase: (channels,) of the tone, as a complex number of size one.
         misfit: (channels,) rms that the earlier window leaves unexplained.
         level: (channels,) rms of the tone in the earlier window.
         later: (channels, n) foreseen.
     """
 
     amplitude: Real
+    phase: NDArray[np.complex128]
     misfit: Real
     level: Real
     later: Real
@@ -85,6 +87,7 @@ def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
     fitted = earlier_basis @ solved
     return Foreseen(
         amplitude=np.hypot(solved[1], solved[2]),
+        phase=np.exp(-1j * np.arctan2(solved[2], solved[1])),
         misfit=_rms(earlier.T - fitted, axis=0),
         level=_rms(fitted - solved[0], axis=0),
         later=(later_basis @ solved).T,

@@ -37,17 +37,20 @@ class CampaignChange(Frozen):
 
 
 class CampaignView(Frozen):
-    """A campaign; `revision` is its ETag and grows with every change.
+    """A campaign.
 
     Attributes:
         id: made by the service.
         name: for people.
         note: for people.
-        rig: id of the rig.
+        rig: id of the rig it is on.
         operator: who made it.
-        created_utc: when, for people.
-        revision: grows with every change; the ETag.
-        runs: names of its runs, the oldest first.
+        created_utc: when.
+        revision: its ETag; grows with every change.
+        runs: names of its runs, the oldest first, without those that are archived or deleted.
+        archived_utc: when it was archived; "" if it is not.
+        deleted_utc: when it was deleted; "" if it is not.
+        purge_utc: until when it can be restored; from then on its samples are deleted.
     """
 
     id: str
@@ -58,3 +61,6 @@ class CampaignView(Frozen):
     created_utc: str
     revision: int
     runs: tuple[str, ...] = ()
+    archived_utc: str = ""
+    deleted_utc: str = ""
+    purge_utc: str = ""

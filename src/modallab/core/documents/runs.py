@@ -130,6 +130,9 @@ class RunView(Frozen):
         blocks: kept so far, rejected ones with them.
         accepted: that count.
         rate_hz: None until the bench was configured.
+        archived_utc: when it, or its campaign, was archived; "" if it is not.
+        deleted_utc: when it, or its campaign, was deleted; "" if it is not.
+        purge_utc: until when it can be restored; from then on its samples are deleted.
     """
 
     id: str
@@ -149,6 +152,9 @@ class RunView(Frozen):
     blocks: int
     accepted: int
     rate_hz: float | None
+    archived_utc: str = ""
+    deleted_utc: str = ""
+    purge_utc: str = ""
 
 
 class BlockView(Frozen):

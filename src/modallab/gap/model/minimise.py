@@ -7,6 +7,8 @@ Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963
 curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,31 +42,47 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
         iterations: how often the slopes are evaluated at most.
         tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
     """
-    r = problem.residual(u)
-    n = problem.free.size
-    cost = float(r @ r + problem.priors(u)[0])
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
-    damping = 1e-4 if problem.floor else 1e-8
-    if problem.free.deviations:
-        damping = FIRST
-    normal = np.eye(len(u))
+    damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
+    here, normal = _at(problem, u, damping), np.eye(len(u))
     for _ in range(iterations):
-        J = jacobian(problem, u, r)
-        normal, before = J.T @ J, cost
-        normal[np.arange(n), np.arange(n)] += problem.priors(u)[2]
-        for again in range(SAME_SLOPES):
-            gradient = J.T @ r
-            gradient[:n] += problem.priors(u)[1]
-            step = _step(problem, u, (cost, normal, gradient), damping, once=again > 0)
-            if step is None:
-                break
-            fall = cost - step[2]
-            u, r, cost, damping = step
-            if fall < SLOW * (before - cost):
-                break
-        if before - cost < tolerance * before + 1e-2:
+        before = here.cost
+        here, normal = _descended(problem, here)
+        if before - here.cost < tolerance * before + 1e-2:
             break
-    return Fit(problem, u, cost, r, normal)
+    return Fit(problem, here.u, here.cost, here.r, normal)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Here:
+    """Numbers, residual, cost, and the damping of the next step."""
+
+    u: Array
+    r: Array
+    cost: float
+    damping: float
+
+
+def _at(problem: Problem, u: Array, damping: float) -> _Here:
+    r = problem.residual(u)
+    return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
+
+
+def _descended(problem: Problem, begin: _Here) -> tuple[_Here, Array]:
+    """Where the slopes at a place lead to, and the curvature there."""
+    J, n, here = jacobian(problem, begin.u, begin.r), problem.free.size, begin
+    normal = J.T @ J
+    normal[np.arange(n), np.arange(n)] += problem.priors(begin.u)[2]
+    for again in range(SAME_SLOPES):
+        gradient = J.T @ here.r
+        gradient[:n] += problem.priors(here.u)[1]
+        there = _step(problem, here, normal, gradient, once=again > 0)
+        if there is None:
+            break
+        fall, here = here.cost - there.cost, there
+        if fall < SLOW * (begin.cost - here.cost):
+            break
+    return here, normal
 
 
 def jacobian(problem: Problem, u: Array, r: Array) -> Array:
@@ -105,19 +123,14 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
     return rows
 
 
-def _step(
-    problem: Problem, u: Array, here: tuple[float, Array, Array], damping: float, once: bool
-) -> tuple[Array, Array, float, float] | None:
-    """Numbers, residual, cost and damping after the first step that helps, of one or ever shorter ones; else None."""
-    cost, normal, gradient = here
-    scale = _scale(problem, normal)
+def _step(problem: Problem, here: _Here, normal: Array, gradient: Array, once: bool) -> _Here | None:
+    """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
+    scale, damping = _scale(problem, normal), here.damping
     while damping < STIFFEST:
         step = -np.linalg.solve(normal + damping * scale, gradient)
-        u_next = u + np.clip(step, -4, 4)
-        r_next = problem.residual(u_next)
-        cost_next = float(r_next @ r_next + problem.priors(u_next)[0])
-        if cost_next < cost:
-            return u_next, r_next, cost_next, max(damping / 10, 1e-9)
+        there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
+        if there.cost < here.cost:
+            return there
         if once:
             break
         damping *= 10

@@ -5,7 +5,7 @@ Fits begin with a large model error forgiven and end with none, so that they pas
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
+from modallab.gap.progress import Steps
 from modallab.gap.search.screen import OUTLIER
 from modallab.twin.candidate import Candidate
 
@@ -50,6 +51,7 @@ class Bench:
         allowed: whether an effect of this name may be used.
         flat: rms residual below which nothing has to be explained.
         watched: rms residual below which nothing is looked for.
+        step: reports what is computed next.
     """
 
     data: Reduced
@@ -59,10 +61,12 @@ class Bench:
     allowed: Callable[[str], bool]
     flat: float = FLAT
     watched: float = WATCHED
+    step: Steps = field(default_factory=Steps)
 
 
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, as well as it can be made to fit."""
+    bench.step("the bench without any effect")
     fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
     return finish(bench, fit, COARSE / 6)
 
@@ -138,8 +142,12 @@ def rested(bench: Bench, fit: Fit) -> Fit:
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    u = start(candidates, own, bench.free, bench.poles).u
-    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
+
+
+def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A short fit from there."""
+    return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
@@ -159,12 +167,12 @@ def misfit(problem: Problem, u: Array) -> float:
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
     near = min(floor, misfit(problem, u))
-    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
     return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
 

@@ -38,6 +38,8 @@ NewCampaign = Annotated[
     Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
 
+Archived = Annotated[bool, Query(description="Whether to list what is archived too.")]
+Deleted = Annotated[bool, Query(description="Whether to list what is deleted too.")]
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
 FILE = "application/octet-stream"
 BINARY = {"type": "string", "format": "binary"}
@@ -45,10 +47,21 @@ BINARY = {"type": "string", "format": "binary"}
 
 @router.get("/campaigns")
 def list_campaigns(
-    service: ServiceOf, limit: Limit = 50, cursor: Cursor = None, rig: Search = "", text: Search = ""
+    service: ServiceOf,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+    rig: Search = "",
+    text: Search = "",
+    archived: Archived = False,
+    deleted: Deleted = False,
 ) -> Page[CampaignView]:
-    """Campaigns, the newest first: all, or those of a rig, or with a text in their name or note."""
-    found = service.repository.campaigns(place_of(cursor), limit + 1, rig=rig, text=text)
+    """Campaigns, the newest first: all, or those of a rig, or with a text in their name or note.
+
+    Those that are archived or deleted are listed only where they are asked for.
+    """
+    found = service.repository.campaigns(
+        place_of(cursor), limit + 1, rig=rig, text=text, archived=archived, deleted=deleted
+    )
     return page(found, limit, lambda campaign: campaign.id)
 
 

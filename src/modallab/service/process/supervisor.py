@@ -16,6 +16,7 @@ from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
+from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
@@ -32,6 +33,7 @@ from modallab.service.records.sessions import make_link
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
+from modallab.service.rigs.queue_runner import QueueRunner
 from modallab.storage import Store
 from modallab.storage.lease import Lease
 
@@ -88,6 +90,7 @@ class Supervisor:
         after = AfterRun(self.store, jobs)
         self._recovery = Recovery(diary, after)
         self._recovery.look()
+        self._purge = Purge(self.store)
         listener = bound(settings.host, settings.port)
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
@@ -113,6 +116,7 @@ class Supervisor:
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
+        self._queued_runs = QueueRunner(self.controllers, diary, self._is_heard)
         self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
@@ -137,6 +141,7 @@ class Supervisor:
     def close(self) -> None:
         """Leave every rig at rest, and end the processes."""
         self._closing.set()
+        self._queued_runs.ask_to_close()
         # The outputs first; then nobody is waited for who was not asked to leave yet.
         self.controllers.ask_to_close()
         for child in (self._api, self._jobs):
@@ -205,6 +210,7 @@ class Supervisor:
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()
+                self._purge.look()
             except Exception:
                 LOG.exception("supervisor")
         # The system ends children with the thread that started them.
@@ -233,6 +239,13 @@ class Supervisor:
         return counter.gone or (
             f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
         )
+
+    def _is_heard(self) -> bool:
+        """Whether somebody could see and command a run that begins now."""
+        counter = self._counter
+        if counter is None or not counter.began or counter.gone:
+            return False
+        return counter.since_heard_s <= self._settings.heartbeat_timeout_s
 
     def _trip(self, trouble: str) -> None:
         try:

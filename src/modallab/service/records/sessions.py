@@ -77,6 +77,10 @@ class Sessions:
         if not secret:
             return None
         mine = SESSIONS.c.id == _hashed("link", secret, key), SESSIONS.c.created_utc >= _ago(LINK_LIFE)
+        with reading(self._engine) as connection:
+            # Anyone may try, and nobody has the database written by that.
+            if connection.scalar(select(SESSIONS.c.id).where(*mine)) is None:
+                return None
         with writing(self._engine) as connection:
             return token if connection.execute(delete(SESSIONS).where(*mine)).rowcount == 1 else None
 
