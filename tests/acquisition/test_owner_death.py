@@ -6,6 +6,7 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from modallab.acquisition.process.rig_process import RigProcess
@@ -111,3 +112,15 @@ def test_kills_at_random_moments_lose_nothing_that_was_acknowledged(kills: int) 
     assert done.returncode == 0, done.stdout + done.stderr
     assert f"{kills} kills" in done.stdout
     assert "0 lost or different" in done.stdout
+
+
+@pytest.mark.parametrize("moment_s", [0.0, 0.1, 0.3])
+def test_a_rigs_process_that_still_starts_ends_with_its_owner(tmp_path: Path, link_rig: Rig, moment_s: float) -> None:
+    owner, _ = start_owner(tmp_path, link_rig, settle_s=20.0)
+    while not (started := psutil.Process(owner.pid).children(recursive=True)) and owner.poll() is None:
+        time.sleep(0.005)
+    time.sleep(moment_s)
+    started = psutil.Process(owner.pid).children(recursive=True)
+    owner.kill()
+    owner.wait()
+    assert psutil.wait_procs(started, timeout=5.0)[1] == []

@@ -68,5 +68,5 @@ def _compute(lab: Lab) -> None:
     leases = Leases(lab.service.engine, "furnisher")
     for taken in leases.take(known, 10):
         kind: Kind = known[taken.job.kind]
-        computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda _: None)
+        computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda *_: None)
         assert leases.done(taken, kind.keep(taken.attempt, computed))

@@ -42,11 +42,12 @@ class ServiceProcess:
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {}),
         )
         try:
-            self.url = self._said(r"serves at (http://\S+)/,")
-            self.stop_url = self._said(r"POST (http://\S+)")
+            self.url = self._said(r"serves at (https?://\S+)/,")
+            self.stop_url = self._said(r"POST (https?://\S+)")
             self._said(r"(rig):")
             self.token = (data / "token").read_text().strip()
-            self.client = Client(self.url, self.token, "tester", timeout_s=120.0)
+            ca = data / "tls" / "cert.pem"
+            self.client = Client(self.url, self.token, "tester", timeout_s=120.0, ca=ca if ca.exists() else None)
             self.rig = self._ready()
         except BaseException:
             self.close()

@@ -1,8 +1,10 @@
 """The connection to a service: requests sent, and sent again when it breaks, and answers read."""
 
 import secrets
+import ssl
 import time
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Protocol, Self, TypeVar
 
 import httpx
@@ -29,12 +31,24 @@ class Held(Protocol):
 class Connection:
     """Requests to one service. What it rejects is a `ServiceProblemError`."""
 
-    def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
-        """`operator` is who is asking, for the record."""
+    def __init__(
+        self, url: str, token: str, operator: str = "", timeout_s: float = 30.0, ca: Path | None = None
+    ) -> None:
+        """Prepare; nothing is asked yet.
+
+        Args:
+            url: of the service.
+            token: its token, or that of a user.
+            operator: who is asking, for the record.
+            timeout_s: until an answer must have come.
+            ca: certificate to trust, as PEM: the service's own, if it was made there; else those of the system.
+        """
         headers = [(b"Authorization", f"Bearer {token}".encode())]
         # As bytes: a name need not be ASCII.
         headers += [(b"Modallab-Operator", operator.encode())] if operator else []
-        self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
+        trusted = True if ca is None else ssl.create_default_context(cafile=ca)
+        base = f"{url.rstrip('/')}/api/v1"
+        self._http = httpx.Client(base_url=base, headers=headers, timeout=timeout_s, verify=trusted)
 
     def close(self) -> None:
         """Let go of the connection."""

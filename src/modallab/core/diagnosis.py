@@ -154,7 +154,13 @@ class Found(Frozen):
 
 
 class CandidateSet(Frozen):
-    """An explanation and its probability; `gap` is what it leaves."""
+    """An explanation and its probability; `gap` is what it leaves.
+
+    Attributes:
+        effects: names of its effects.
+        probability: 0 to 1.
+        gap: that it leaves, in noise units.
+    """
 
     effects: list[str]
     probability: float
@@ -228,7 +234,21 @@ class Calibrated(Frozen):
 
 
 class Diagnosis(Frozen):
-    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin."""
+    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin.
+
+    Attributes:
+        rig: its name.
+        verdict: whether there is a gap, and whether it is explained.
+        gap: how wide it is.
+        where: it lies.
+        effects: that cause it, the most probable first.
+        candidates: other explanations, with their probabilities.
+        shrink: how far it shrank on records that were held out.
+        next_experiment: that would say more.
+        twin: the simulation as it was calibrated.
+        notes: what was found on the way.
+        budget: how far the calibration moved, against the tolerances; None in older documents.
+    """
 
     format_version: Literal[1, 2] = DIAGNOSIS
     rig: str

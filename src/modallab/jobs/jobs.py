@@ -188,7 +188,7 @@ class Jobs:
         Raises:
             StorageError: the database cannot be written.
         """
-        freed = {"state": "queued", "owner": "", "progress": 0.0, "fence": JOBS.c.fence + 1}
+        freed = {"state": "queued", "owner": "", "progress": 0.0, "stage": "", "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.owner == owner, JOBS.c.state == "running").values(freed)
         with database_errors(self.engine), self.engine.begin() as connection:
             return connection.execute(query).rowcount

@@ -166,13 +166,17 @@ class Context:
         if self.life.state != "paused":
             return
         while self.requests.paused:
-            if self.bench.info.real_time:
-                # What the device delivers must be taken, or its buffer would run over.
-                self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
-            else:
-                self.stream.poll()
-                time.sleep(PAUSE_LOOK_S)
+            self.idle(watch)
         self.life.enter("acquiring", "resumed by the operator")
+
+    def idle(self, watch: Watch | None = None) -> None:
+        """Let a short time pass, with the limits watched, while an operator is waited for."""
+        if self.bench.info.real_time:
+            # What the device delivers must be taken, or its buffer would run over.
+            self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
+        else:
+            self.stream.poll()
+            time.sleep(PAUSE_LOOK_S)
 
     def drop(self, name: str, reason: str) -> bool:
         """Let a block no longer count, and report it; whether there was one that did."""

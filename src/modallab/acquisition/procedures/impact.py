@@ -14,7 +14,7 @@ from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
-from modallab.core.events import HitRejected, HitRequested, WaitingForRest
+from modallab.core.events import BlockAcknowledged, DecisionRequested, HitRejected, HitRequested, WaitingForRest
 from modallab.core.plan import ImpactPlan
 from modallab.storage import BlockNote
 
@@ -32,6 +32,7 @@ class ImpactTest:
         rejected: rejected hits at the present point.
         restarts: how often the bench had to be started anew.
         changed: whether the operator has changed what comes next.
+        undecided: name of the block that the operator is asked about; "" if of none.
     """
 
     context: Context
@@ -42,6 +43,7 @@ class ImpactTest:
     rejected: int = 0
     restarts: int = 0
     changed: bool = field(default=False)
+    undecided: str = ""
 
     def run(self) -> None:
         """All points, all hits; a hit that is dropped is asked for again.
@@ -91,6 +93,8 @@ class ImpactTest:
 
     def _obey(self) -> None:
         for request in self.context.requests.take():
+            if isinstance(request, DropBlock | AcceptBlock) and request.block == self.undecided:
+                self.undecided = ""
             if isinstance(request, DropBlock) and self.queue.drop(self.context, request):
                 self.struck.forget(request.block)
                 self.rest.motion.forget(request.block)
@@ -167,17 +171,35 @@ class ImpactTest:
             overload=overload,
             facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
-        context.record(first, note)
+        kept = context.record(first, note)
         if not unclean and not where.reasons:
             # One that only came too soon after another says as well how much a hit moves the structure.
             self._learn_motion(name, target.point, first)
         if reasons:
             self._reject(target.point, name, note.reason)
+            self._let_operator_decide(kept, target.point)
             return
         self.struck.keep(self.queue.next_name(), name, target.point)
         self.queue.keep()
+        self._let_operator_decide(kept, target.point)
         self._obey()
         self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
+
+    def _let_operator_decide(self, block: BlockAcknowledged, point: int) -> None:
+        """Where the plan wants it, wait until the operator has accepted or dropped the block."""
+        asked = self.plan.operator_decides
+        if asked == "never" or (asked == "rejected" and block.accepted):
+            return
+        self.undecided = block.name
+        self.context.emit(
+            DecisionRequested(
+                run=block.run, n=block.n, name=block.name, point=point, accepted=block.accepted, reason=block.reason
+            )
+        )
+        while self.undecided:
+            self._obey()
+            if self.undecided:
+                self.context.idle()
 
     def _learn_motion(self, name: str, point: int, first: int) -> None:
         context = self.context

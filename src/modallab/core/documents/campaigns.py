@@ -11,7 +11,13 @@ Note = Annotated[str, Field(max_length=4000)]
 
 
 class CampaignNew(Frozen):
-    """A new campaign on a rig of this service."""
+    """A new campaign on a rig of this service.
+
+    Attributes:
+        name: for people; need not be unique.
+        rig: id of the rig.
+        note: for people.
+    """
 
     name: Name
     rig: Annotated[str, Field(min_length=1, max_length=64)]
@@ -19,7 +25,12 @@ class CampaignNew(Frozen):
 
 
 class CampaignChange(Frozen):
-    """What may be changed afterwards; what is left out stays."""
+    """What may be changed afterwards; what is left out stays.
+
+    Attributes:
+        name: the new one; None: as it was.
+        note: the new one; None: as it was.
+    """
 
     name: Name | None = None
     note: Note | None = None

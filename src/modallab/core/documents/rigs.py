@@ -13,7 +13,13 @@ Operator = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\
 
 
 class Trip(Frozen):
-    """Why nothing may be driven until someone resets the rig."""
+    """Why nothing may be driven until someone resets the rig.
+
+    Attributes:
+        cause: emergency stop, death, time-out.
+        reason: in words.
+        utc: when, for people.
+    """
 
     cause: str
     reason: str
@@ -21,7 +27,13 @@ class Trip(Frozen):
 
 
 class LeaseHolder(Frozen):
-    """Who may command the rig, and for how long without renewal."""
+    """Who may command the rig, and for how long without renewal.
+
+    Attributes:
+        operator: who holds it.
+        fence: grows with every holder.
+        remaining_s: until it ends, if it is not renewed.
+    """
 
     operator: str
     fence: int
@@ -77,7 +89,15 @@ class LeaseNew(Frozen):
 
 
 class Lease(Frozen):
-    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder."""
+    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder.
+
+    Attributes:
+        id: send it as the header `Modallab-Lease`.
+        rig: id of the rig.
+        operator: who holds it.
+        fence: grows with every holder.
+        ttl_s: until it ends, if it is not renewed.
+    """
 
     id: str
     rig: str
@@ -87,13 +107,38 @@ class Lease(Frozen):
 
 
 class StopReason(Frozen):
-    """Why someone stops or resets a rig."""
+    """Why someone stops or resets a rig.
+
+    Attributes:
+        reason: kept in the record of who did what.
+    """
 
     reason: Annotated[str, Field(max_length=400)] = ""
 
 
+class StopAsked(Frozen):
+    """An emergency stop, sent as JSON over the WebSocket of live samples or their envelope.
+
+    Attributes:
+        kind: of the message.
+        rig: the rig's id.
+        operator: who asks, where the token does not say it.
+        reason: why.
+    """
+
+    kind: Literal["emergency_stop"] = "emergency_stop"
+    rig: str
+    operator: Operator = "unknown"
+    reason: Annotated[str, Field(max_length=400)] = ""
+
+
 class DeviceView(Frozen):
-    """A device that was found, and the address to open it by."""
+    """A device that was found, and the address to open it by.
+
+    Attributes:
+        address: to open it by, as in a rig file.
+        what: it is.
+    """
 
     address: str
     what: str

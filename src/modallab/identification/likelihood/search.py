@@ -8,6 +8,7 @@ from scipy import linalg
 from scipy.linalg import lapack
 
 from modallab.core.errors import IdentificationError
+from modallab.core.progress import report
 from modallab.identification.likelihood.normal_matrix import normal_equations
 from modallab.identification.likelihood.projection import Parameters, Point, Problem, solve_at, with_own_noise
 
@@ -80,16 +81,27 @@ def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Re
         trial, _ = _descend(problem, point, normal_equations(problem, point), 1e-3, held)
         point = point if trial is None else with_own_noise(problem, trial)
     damping = 1e-3
+    gains: list[float] = []
     for done in range(effort.max_iterations):
+        report(_share(gains, effort), f"step {done + 1}")
         equations = normal_equations(problem, point)
         trial, damping = _descend(problem, point, equations, damping, worth=effort.tolerance)
         if trial is None:
             return Refined(point, covariance_of(equations[0]), done + 1, settled=True)
         gain = point.cost - trial.cost
+        gains.append(gain)
         point = with_own_noise(problem, trial)
         if gain < effort.tolerance:
             return Refined(point, covariance_of(normal_equations(problem, point)[0]), done + 1, settled=True)
     return Refined(point, covariance_of(normal_equations(problem, point)[0]), effort.max_iterations, settled=False)
+
+
+def _share(gains: list[float], effort: Effort) -> float:
+    """Of the way, on a logarithmic scale, from the first step's gain down to one that ends the search; and of steps."""
+    steps = len(gains) / effort.max_iterations
+    if not gains or min(gains) <= 0 or gains[0] <= effort.tolerance:
+        return steps
+    return max(steps, float(np.log(gains[0] / min(gains)) / np.log(gains[0] / effort.tolerance)))
 
 
 def _descend(

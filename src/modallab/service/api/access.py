@@ -12,8 +12,10 @@ from modallab.service.records.callers import Caller, Callers
 from modallab.service.records.sessions import Sessions
 
 COOKIE = "modallab_session"
-OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/login", "/", "/docs", "/openapi.json"})
+OPEN_PATHS = frozenset({"/health", "/api/v1/session", "/login", "/", "/docs", "/openapi.json", "/asyncapi.json"})
 OPEN_FOLDERS = ("/docs/", "/problems/", "/page/")
+FILES = "/api/v1/imports"
+"""The one address where a body is a file."""
 TRUSTED = "modallab.trusted"
 """In the scope of a request that carried the token."""
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -23,13 +25,21 @@ class Guard:
     """Looks at Host, Origin, token and the size of the body."""
 
     def __init__(
-        self, app: ASGIApp, callers: Callers, sessions: Sessions, hosts: Iterable[str], body_bytes: int
+        self,
+        app: ASGIApp,
+        callers: Callers,
+        sessions: Sessions,
+        hosts: Iterable[str],
+        body_bytes: int,
+        origins: Iterable[str] = (),
+        file_bytes: int = 0,
     ) -> None:
         self._app = app
         self._callers = callers
         self._sessions = sessions
         self._hosts = frozenset(hosts)
-        self._body_bytes = body_bytes
+        self._body_bytes, self._file_bytes = body_bytes, file_bytes
+        self._origins = frozenset(origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what may be asked."""
@@ -57,13 +67,18 @@ class Guard:
             return "foreign-host", f"this service is not {host!r}"
         origin = headers.get("origin")
         changes = connection.scope["type"] == "websocket" or connection.scope["method"] not in SAFE
-        if origin is not None and changes and origin.partition("://")[2] != host:
+        ours = origin is None or origin in self._origins or origin.partition("://")[2] == host
+        if changes and not ours:
             return "foreign-origin", f"sent by a page of {origin!r}"
-        if int(_digits(headers.get("content-length", "0"))) > self._body_bytes:
-            return "too-large", f"more than {self._body_bytes} bytes"
+        most = self._most(path)
+        if int(_digits(headers.get("content-length", "0"))) > most:
+            return "too-large", f"more than {most} bytes"
         if path in OPEN_PATHS or path.startswith(OPEN_FOLDERS) or caller is not None:
             return None
         return "token-needed", "the request carries no token, or a wrong one"
+
+    def _most(self, path: str) -> int:
+        return self._file_bytes if path == FILES else self._body_bytes
 
     def _caller(self, connection: HTTPConnection) -> Caller | None:
         kind, _, sent = connection.headers.get("authorization", "").partition(" ")
@@ -76,7 +91,7 @@ class Guard:
     def _limited(self, scope: Scope, receive: Receive) -> Receive:
         if scope["type"] != "http":
             return receive
-        left = self._body_bytes
+        left = most = self._most(scope["path"])
 
         async def limited() -> Message:
             nonlocal left
@@ -84,7 +99,7 @@ class Guard:
             left -= len(message.get("body", b""))
             if left < 0:
                 # FastAPI lets only this kind through while it reads a body.
-                raise HTTPException(413, f"more than {self._body_bytes} bytes")
+                raise HTTPException(413, f"more than {most} bytes")
             return message
 
         return limited

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from modallab.core.frf import UNIT, Frf
-from modallab.service.campaigns.live_frf import Revisions
 from modallab.service.campaigns.live_samples import message
 from modallab.service.campaigns.runs import record_of
 from modallab.service.context import Service
@@ -40,7 +39,8 @@ class FrfWatch:
 
     service: Service
     chosen: FrfSelection
-    _seen: Revisions = field(default_factory=Revisions)
+    _known: bool = False
+    _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
 
     def look(self) -> list[bytes]:
         """A message for each point whose FRF is another one than at the last look; none before the first block.
@@ -51,7 +51,9 @@ class FrfWatch:
             NotFoundError: there is no such run.
             DataError: there is no such output.
         """
-        record_of(self.service, self.chosen.run)
+        if not self._known:
+            record_of(self.service, self.chosen.run)
+            self._known = True
         try:
             self._seen, found = self.service.frfs().news(self.chosen.run, self.chosen.outputs, self._seen)
         except ConflictError:

@@ -5,6 +5,7 @@ import time
 
 from sqlalchemy import Engine
 
+from modallab.core.documents.messages import JobChanged
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Job, Jobs
 from modallab.service.records.event_log import EventLog, Topic
@@ -12,6 +13,8 @@ from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 
 LOOK_S = 0.5
+STEP = 0.02
+"""Progress that is worth an event."""
 PAGE = 100
 
 
@@ -22,7 +25,7 @@ class JobWatch:
         self._repository = CampaignRepository(engine)
         self._jobs = jobs
         self._log = log
-        self._known: dict[str, tuple[str, float]] = {}
+        self._known: dict[str, tuple[str, str, float]] = {}
         self._looked_s = float("-inf")
 
     def look(self) -> None:
@@ -42,11 +45,14 @@ class JobWatch:
         if job is None:
             self._known.pop(name, None)
             return
-        stand = (job.state, round(job.progress, 1))
+        stand = (job.state, job.stage, round(job.progress / STEP) * STEP)
         if self._known.get(name) != stand:
-            content = {"kind": "job", "job": job.id, "of": job.kind, "state": job.state, "progress": job.progress}
-            content |= {"inputs": list(job.inputs), "error": job.error}
-            self._log.append("job", Topic(campaign=self._repository.campaign_of_job(name)), content)
+            changed = JobChanged(
+                job=job.id, of=job.kind, state=job.state, progress=job.progress, stage=job.stage, inputs=job.inputs,
+                error=job.error,
+            )  # fmt: skip
+            topic = Topic(campaign=self._repository.campaign_of_job(name))
+            self._log.append(changed.kind, topic, changed.model_dump(mode="json"))
         if job.ended:
             self._known.pop(name, None)
         else:

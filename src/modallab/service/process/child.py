@@ -2,7 +2,6 @@
 
 import logging
 import multiprocessing
-import os
 import pickle
 import time
 from collections.abc import Callable
@@ -14,7 +13,7 @@ from typing import cast
 
 import psutil
 
-from modallab.core.owned import run_owned
+from modallab.core.owned import start_owned
 
 LOG = logging.getLogger(__name__)
 AGAIN_S = 0.2
@@ -120,17 +119,11 @@ class Child:
             self.process.join()
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        watched, life = context.Pipe(duplex=False)
-        about = (watched, os.getpid(), self._grace_s, self._target, self._arguments)
-        process = context.Process(target=run_owned, args=(*about, theirs, *self._handles), name=self.name)
-        process.start()
-        self.process = process
-        theirs.close()
-        watched.close()
+        ours, theirs = multiprocessing.get_context("spawn").Pipe()
+        handles = (theirs, *self._handles)
         # Held as long as this process lives, and closed with it.
-        self._life = cast("Connection", life)
+        self.process, self._life = start_owned(self.name, self._target, handles, self._arguments, grace_s=self._grace_s)
+        theirs.close()
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)
 

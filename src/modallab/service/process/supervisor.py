@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from threading import Event as Flag
 from threading import Thread
 from typing import Self
+from urllib.parse import urlsplit
 
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
@@ -23,6 +24,7 @@ from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.orphans import Orphans
 from modallab.service.process.ports import bound, taken
 from modallab.service.process.stop_listener import StopListener
+from modallab.service.process.tls import server_context
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing
 from modallab.service.records.event_log import EventLog
@@ -100,8 +102,9 @@ class Supervisor:
             leases,
         )
         try:
+            pages = *settings.hosts, *(urlsplit(origin).hostname or "" for origin in settings.cors)
             self._stop = StopListener(
-                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+                settings.host, settings.stop_port, self.controllers.emergency_stop, pages, server_context(settings)
             )
         except OSError as error:
             self.controllers.close()
@@ -202,6 +205,8 @@ class Supervisor:
                 if self._settings.jobs and self._counter is not None and self._counter.began:
                     # Its imports take seconds of processor time, and the REST service comes first.
                     self._look_after(self._jobs)
+                for name, pid in self.controllers.rig_processes().items():
+                    self._orphans.note(name, pid, leaves=True)
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()

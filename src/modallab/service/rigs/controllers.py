@@ -30,10 +30,11 @@ class Controllers:
 
     def processes(self) -> dict[str, int]:
         """As `Control`."""
-        rigs = {
-            f"rig {rig}": controller.pid for rig, controller in self._controllers.items() if controller.pid is not None
-        }
-        return rigs | self.others()
+        return self.rig_processes() | self.others()
+
+    def rig_processes(self) -> dict[str, int]:
+        """As `processes`: those of the rigs."""
+        return {f"rig {rig}": one.pid for rig, one in self._controllers.items() if one.pid is not None}
 
     def pid(self, rig: str) -> int | None:
         """The system's number of a rig's process."""
