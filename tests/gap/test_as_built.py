@@ -9,6 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
+from modallab.core.progress import heard_by
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, deviations, with_tolerances
@@ -58,7 +59,8 @@ def steps() -> list[tuple[float, str]]:
 
 @pytest.fixture(scope="module")
 def sound(campaign: Campaign, steps: list[tuple[float, str]]) -> Diagnosis:
-    return diagnose(campaign, notify=lambda share, words: steps.append((share, words)))
+    with heard_by(lambda share, words: steps.append((share, words))):
+        return diagnose(campaign)
 
 
 def only(*names: str) -> Callable[[str], bool]:

@@ -45,6 +45,9 @@ def _add_demo(commands: _Commands) -> None:
         help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
     )
     demo.add_argument("--as-built", action="store_true", help="a little of everything is wrong with the bench")
+    demo.add_argument(
+        "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
+    )
     demo.set_defaults(module="demo")
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
+from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
@@ -19,7 +20,6 @@ from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import left
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.progress import Notify, Steps
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
@@ -45,7 +45,6 @@ def diagnose(
     campaign: Campaign,
     hold_out: str = "mixed",
     allowed: Callable[[str], bool] = lambda _: True,
-    notify: Notify | None = None,
 ) -> Diagnosis:
     """Diagnose a campaign.
 
@@ -53,7 +52,6 @@ def diagnose(
         campaign: the records, with the rig as believed.
         hold_out: which records no fit may see, see `split`.
         allowed: whether an effect of this name may be used; for trials in which one is withheld.
-        notify: called with a share that grows to 1 and with what is computed.
 
     Raises:
         DataError: there is nothing to diagnose.
@@ -62,18 +60,20 @@ def diagnose(
     """
     # First of all: without one no record is of use, whatever else it lacks.
     beam_of(campaign.rig)
-    stated, step = campaign.rig.tolerance.stated, Steps(notify)
-    step("noise, hum and ring-down")
+    report(0.0, "noise, hum and ring-down")
+    stated = campaign.rig.tolerance.stated
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign
     free = free_of(campaign)
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
-    bench = bench_of(prepared, fitted, free, allowed, step)
+    bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
-    choice = choose(bench, explain(bench), unseen if campaign.rig.tolerance.of_assembly else None)
-    step("where the gap lies and what it is made of")
+    with part(0.06, 0.85, "search"):
+        levels = explain(bench)
+    report(0.85, "where the gap lies and what it is made of")
+    choice = choose(bench, levels, unseen if campaign.rig.tolerance.of_assembly else None)
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
@@ -81,7 +81,9 @@ def diagnose(
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
+    report(0.88, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
+    report(0.96, "budget")
     nonlinear = location is not None and location.nonlinear
     return Diagnosis(
         rig=campaign.rig.name,

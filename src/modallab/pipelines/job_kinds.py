@@ -8,12 +8,14 @@ from typing import Any
 from pydantic import JsonValue
 
 from modallab.core.block import Campaign
+from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
-from modallab.core.progress import Listener, heard_by, part
+from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
+from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
@@ -69,14 +71,15 @@ def campaigns_of(store: Store) -> Campaigns:
 
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    with heard_by(_forwards(notify)):
+    with heard_by(notify):
         found = identify_campaign(campaign, parameters.options(), parameters.test)
-    return Computed(_plain(model_document(campaign, found)))
+    curves = curves_of(campaign, found).model_dump_json().encode()
+    return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    with heard_by(_forwards(notify)), part(0.0, 0.7):
+    with heard_by(notify), part(0.0, 0.7):
         result = identify_campaign(campaign, parameters.options(), parameters.test)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
@@ -85,22 +88,10 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    forwards = _forwards(notify)
-    diagnosis = diagnose(campaign, parameters.hold_out, notify=lambda share, stage: forwards(0.95 * share, stage))
+    with heard_by(notify), part(0.0, 0.95):
+        diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
-
-
-def _forwards(notify: Notify) -> Listener:
-    """A search that begins anew does not take back what was done."""
-    most = 0.0
-
-    def forwards(share: float, stage: str) -> None:
-        nonlocal most
-        most = max(most, share)
-        notify(most, stage)
-
-    return forwards
 
 
 def _plain(document: dict[str, object]) -> JsonValue:

@@ -116,6 +116,22 @@ class StopReason(Frozen):
     reason: Annotated[str, Field(max_length=400)] = ""
 
 
+class StopAsked(Frozen):
+    """An emergency stop, sent as JSON over the WebSocket of live samples or their envelope.
+
+    Attributes:
+        kind: of the message.
+        rig: the rig's id.
+        operator: who asks, where the token does not say it.
+        reason: why.
+    """
+
+    kind: Literal["emergency_stop"] = "emergency_stop"
+    rig: str
+    operator: Operator = "unknown"
+    reason: Annotated[str, Field(max_length=400)] = ""
+
+
 class DeviceView(Frozen):
     """A device that was found, and the address to open it by.
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat
 
 from modallab.core.events import RunState
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, RealArray
 from modallab.core.plan import Plan
 from modallab.core.units import Test
 
@@ -204,3 +204,35 @@ class Verdict(Frozen):
 
     accepted: Annotated[bool, Field(strict=True)]
     reason: Annotated[str, Field(max_length=400)] = ""
+
+
+class PlanCheck(Frozen):
+    """Whether a rig could run a plan.
+
+    Attributes:
+        problems: what is wrong with it, in plain sentences; none: it is possible.
+        blocks: it would record; 0 where it is not possible.
+    """
+
+    problems: tuple[str, ...]
+    blocks: int
+
+
+class BlockForce(Frozen):
+    """The force of a block.
+
+    Attributes:
+        run: it is of.
+        n: number of the block.
+        rate_hz: of the samples.
+        force_n: (samples,) in N, less its median.
+        spectrum_hz: (lines,) in Hz.
+        spectrum_n_s: (lines,) amplitude of the Fourier transform, in N s.
+    """
+
+    run: str
+    n: int
+    rate_hz: float
+    force_n: RealArray
+    spectrum_hz: RealArray
+    spectrum_n_s: RealArray

@@ -9,7 +9,6 @@ from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Weights, reduce, thinned
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.progress import Steps
 from modallab.gap.report.measure import Squares, squares
 from modallab.gap.search.fitting import FLAT, WATCHED, Bench, baseline
 from modallab.twin.bench import Twin
@@ -44,13 +43,12 @@ def bench_of(
     fitted: Sequence[Block],
     free: Nuisances,
     allowed: Callable[[str], bool],
-    step: Steps | None = None,
 ) -> Bench:
     """What a search works on: the records that may be fitted, and what is free."""
     data = reduce(prepared.campaign, fitted, weights_of(prepared))
     flat = _flat(prepared)
     watched = WATCHED if flat == FLAT else flat
-    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched, step or Steps())
+    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched)
 
 
 def as_came(prepared: Prepared, twin: Twin) -> Squares:

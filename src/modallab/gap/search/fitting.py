@@ -5,12 +5,13 @@ Fits begin with a large model error forgiven and end with none, so that they pas
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import report
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
@@ -18,7 +19,6 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
-from modallab.gap.progress import Steps
 from modallab.gap.search.screen import OUTLIER
 from modallab.twin.candidate import Candidate
 
@@ -51,7 +51,6 @@ class Bench:
         allowed: whether an effect of this name may be used.
         flat: rms residual below which nothing has to be explained.
         watched: rms residual below which nothing is looked for.
-        step: reports what is computed next.
     """
 
     data: Reduced
@@ -61,12 +60,11 @@ class Bench:
     allowed: Callable[[str], bool]
     flat: float = FLAT
     watched: float = WATCHED
-    step: Steps = field(default_factory=Steps)
 
 
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, as well as it can be made to fit."""
-    bench.step("the bench without any effect")
+    report(0.0, "the bench without any effect")
     fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
     return finish(bench, fit, COARSE / 6)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import counted, part, report
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
@@ -119,14 +120,18 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     listed = pool(bench, base)
     beside = "".join(f" beside {c.effect.replace('_', ' ')}" for c in base.problem.candidates[-1:])
     with ThreadPoolExecutor(WORKERS) as workers:
-        bench.step(f"{len(listed)} explanations{beside}")
-        begins = sorted(workers.map(screen.begins, listed), key=lambda b: b[0].cost)
-        bench.step(f"{len(begins) if screen.large else min(LIKELY, len(begins))} explanations{beside}, at a glance")
-        glances = sorted(workers.map(glance, begins if screen.large else begins[:LIKELY]), key=_cost)
-        bench.step(f"the {len(glances[:LIKELY])} likeliest{beside}")
-        looks = sorted(workers.map(look, glances[:LIKELY]), key=_cost)
+        with part(0.0, 0.2):
+            screened = counted(workers.map(screen.begins, listed), len(listed), f"explanations{beside} screened")
+            begins = sorted(screened, key=lambda b: b[0].cost)
+        hopeful = begins if screen.large else begins[:LIKELY]
+        with part(0.2, 0.5):
+            glanced = counted(workers.map(glance, hopeful), len(hopeful), f"explanations{beside}, at a glance")
+            glances = sorted(glanced, key=_cost)
+        with part(0.5, 0.8):
+            looked = counted(workers.map(look, glances[:LIKELY]), len(glances[:LIKELY]), f"the likeliest{beside}")
+            looks = sorted(looked, key=_cost)
         better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
-        bench.step(f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
+        report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
     rest = (*better, *looks[LONGER:], *glances[LIKELY:])

@@ -25,6 +25,7 @@ from modallab.service.api.compression import Gzip
 from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations
 from modallab.service.api.events import Feed
 from modallab.service.api.head import HeadAsGet
+from modallab.service.api.operator_page import mount_page
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
 from modallab.service.api.request_context import LEASE, OPERATOR
@@ -69,6 +70,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         app.include_router(router)
     app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
+    mount_page(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
     app.add_middleware(Gzip)
     app.add_middleware(

@@ -69,7 +69,7 @@ def get_health(service: ServiceOf, request: Request, response: Response) -> Heal
         rigs={state.id: str(state.state) for state in states},
         free_bytes=shutil.disk_usage(service.folder).free,
         troubles=tuple(troubles),
-        emergency_stop=_stop_url(request),
+        emergency_stop=stop_url(request),
     )
 
 
@@ -94,7 +94,8 @@ def _of_database(since: str) -> Trouble:
     )
 
 
-def _stop_url(request: Request) -> str:
+def stop_url(request: Request) -> str:
+    """Where the emergency stop is reached by whoever sent this request."""
     settings: Settings = request.app.state.settings
     name = request.url.hostname or settings.host
     return (

@@ -20,8 +20,8 @@ _STYLE = "body{font:18px/1.5 system-ui,sans-serif;max-width:42em;margin:3em auto
 
 @router.get("/")
 def begin() -> RedirectResponse:
-    """Who types the address alone is led to what can be read."""
-    return RedirectResponse("/docs")
+    """Who types the address alone is led to the operator's page."""
+    return RedirectResponse("/page/")
 
 
 @router.get("/docs")
