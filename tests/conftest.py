@@ -35,6 +35,12 @@ SLOW_FILES = (
 """The longest first: `--dist worksteal` then shares out the short ones at the end, and all workers end together."""
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """One more than there are cores: many tests wait, for a process to begin or for a device's own clock."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     place = {ROOT / "tests" / file: n for n, file in enumerate(SLOW_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))

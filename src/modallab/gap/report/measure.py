@@ -135,9 +135,9 @@ def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple
         labels["band"].append(np.tile([band_of(float(f)) for f in hz], channels))
         labels["mode"].append(np.tile([mode_of(float(f)) for f in hz], channels))
     whole: dict[Division, NDArray[np.str_]] = {kind: np.concatenate(parts) for kind, parts in labels.items() if parts}
-    columns: list[tuple[Division, str]] = []
-    for kind, values in whole.items():
-        columns += [(kind, str(name)) for name in dict.fromkeys(values.tolist())]
+    columns: list[tuple[Division, str]] = [
+        (kind, name) for kind, values in whole.items() for name in dict.fromkeys(map(str, values))
+    ]
     belongs = np.array([whole[kind] == name for kind, name in columns], dtype=np.float64).T
     return columns, np.concatenate([belongs, belongs])
 

@@ -33,28 +33,37 @@ def declared(methods: set[str], extra: dict[str, Any]) -> dict[str, Any]:
     return extra | {ROLE: role, "security": [{"token": [role]}, {"session": [role]}]}
 
 
-def require_access(request: Request, extra: dict[str, Any]) -> None:
-    """Reject who may not ask this.
+def require_role(request: Request, extra: dict[str, Any]) -> bool:
+    """Reject who may not ask this, as far as is known without the database; whether `require_own` is to look further.
 
     Raises:
-        RoleNeededError: the caller's role is too low, or the token is for other rigs.
-        LeaseNeededError: the lease that was sent is somebody else's.
-        StorageError: it cannot be looked up.
+        RoleNeededError: the caller's role is too low.
     """
     role: Role | None = extra.get(ROLE)
     if role is None:
-        return
+        return False
     caller = caller_of(request)
     if RANK[caller.role] < RANK[role]:
         raise RoleNeededError(
             f"this needs the role {role}; {caller.name or 'this token'} is {caller.role}",
             remedy="ask somebody with that role, or an admin for another token",
         )
-    if role == "observer":
-        return
+    return role != "observer" and bool(caller.rigs or caller.name)
+
+
+def require_own(request: Request, extra: dict[str, Any]) -> None:
+    """Reject who works at another rig than the token is for, or with the lease of another.
+
+    Raises:
+        RoleNeededError: the token is for other rigs.
+        LeaseNeededError: the lease that was sent is somebody else's.
+        StorageError: it cannot be looked up.
+    """
+    caller = caller_of(request)
     service: Service = request.app.state.service
     if caller.rigs and ANY_RIG not in extra:
-        require_rig(caller, _rig_of(service, request.path_params))
+        named = request.path_params if request.path_params else dict(request.query_params)
+        require_rig(caller, _rig_of(service, named))
     _require_own_lease(service, caller, request.headers.get(LEASE))
 
 
@@ -81,15 +90,15 @@ def _require_own_lease(service: Service, caller: Caller, lease: str | None) -> N
         raise LeaseNeededError(f"this lease is {owner}'s", remedy="take the lease yourself")
 
 
-def _rig_of(service: Service, path: dict[str, Any]) -> str | None:
+def _rig_of(service: Service, named: dict[str, Any]) -> str | None:
     """The rig that an address concerns; None if it concerns none, or names what is not there."""
-    if "rig" in path:
-        return str(path["rig"])
+    if "rig" in named:
+        return str(named["rig"])
     try:
-        if "run" in path:
-            entry = service.repository.entry(str(path["run"]))
+        if "run" in named:
+            entry = service.repository.entry(str(named["run"]))
             return None if entry is None else entry.rig
-        campaign = path.get("campaign") or service.repository.campaign_of_job(str(path.get("job", "")))
+        campaign = named.get("campaign") or service.repository.campaign_of_job(str(named.get("job", "")))
         return service.repository.campaign(str(campaign)).rig if campaign else None
     except (NotFoundError, UnknownJobError):
         return None

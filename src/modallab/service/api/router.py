@@ -14,7 +14,7 @@ from sqlalchemy import Engine, delete, insert, select, update
 from modallab.core.errors import DataError, ModallabError
 from modallab.service.api.problems import documented, of_error
 from modallab.service.api.request_context import CALLER, OPERATOR
-from modallab.service.api.roles import declared, require_access
+from modallab.service.api.roles import declared, require_own, require_role
 from modallab.service.errors import ConflictError, MediaTypeError
 from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another
@@ -130,7 +130,8 @@ class RoleRoute(APIRoute):
         extra = self.openapi_extra or {}
 
         async def asked(request: Request) -> Response:
-            await run_in_threadpool(require_access, request, extra)
+            if require_role(request, extra):
+                await run_in_threadpool(require_own, request, extra)
             _require_address(request)
             return await handler(request)
 
