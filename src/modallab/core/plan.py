@@ -194,7 +194,7 @@ class BroadbandPlan(Frozen):
     band_hz: tuple[PositiveFloat, PositiveFloat] = (2.0, 400.0)
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     blocks: PositiveInt = 10
-    seed: Annotated[int, Field(ge=0)] = 1
+    seed: Annotated[int, Field(ge=0, strict=True)] = 1
     burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3
     rate_hz: PositiveFloat = 2000.0
     delivered_hz: PositiveFloat | None = None
