@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.frozen import Frozen, Truth, unstated
 from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
@@ -39,7 +39,7 @@ class HitAcceptance(Frozen):
     max_residual_ratio: PositiveFloat = 0.01
     min_band_hz: PositiveFloat = 110.0
     band_drop_db: PositiveFloat = 20.0
-    check_point: bool = True
+    check_point: Truth = True
 
 
 class SetUp(Frozen):
