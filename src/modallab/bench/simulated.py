@@ -43,7 +43,7 @@ def example(kind: EffectKind, rig: Rig) -> str:
     words = [kind.name]
     for number in kind.parameters:
         low, high = (number.low, number.high) if rig.beam is None else number.bounds(rig.beam)
-        words.append(f"{number.name}={number.none + sqrt(low * high):.2g}")
+        words.append(f"{number.name}={number.none + sqrt(low * high):.3g}")
     return ",".join([*words, *([_PLACES[kind.place]] if kind.place in _PLACES else [])])
 
 

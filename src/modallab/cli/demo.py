@@ -3,13 +3,12 @@
 import argparse
 from pathlib import Path
 
-from rich.console import Console
-
 from modallab.bench.simulated import simulated_bench
 from modallab.cli import effects, serve
 from modallab.cli.demo_rig import demo_rig
 from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
+from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
@@ -21,6 +20,7 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import write_report
+from modallab.reporting.waiting import waiting
 from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
@@ -56,12 +56,13 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
     rig = _as_built(demo_rig()) if arguments.as_built else demo_rig()
     url = _bench(arguments, rig)
     make_folder(folder)
-    console = Console()
+    console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     with Display(console) as display:
         campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
     console.print("identifying ...")
-    result = identify_campaign(campaign, Options())
+    with waiting("identifying", progress=arguments.says):
+        result = identify_campaign(campaign, Options())
     write_rig(rig, folder / "rig.yaml")
     write_campaign(campaign, folder / "campaign.h5")
     write_models(folder / "models.json", campaign, result)

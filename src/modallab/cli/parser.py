@@ -9,6 +9,8 @@ from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
+_JSON = "write the {} as JSON; - is standard output, and all else then goes to standard error"
+
 
 class _Commands(Protocol):
     # argparse gives its own class for this no public name.
@@ -34,6 +36,12 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     return parser
 
 
+def _add_saying(command: Any) -> None:
+    command.add_argument(
+        "--quiet", dest="says", action="store_false", help="say nothing but errors, and what was asked for by --json -"
+    )
+
+
 def _add_demo(commands: _Commands) -> None:
     demo = commands.add_parser("demo", help="run a whole modal test on the simulated bench")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="FOLDER", help="where the results go")
@@ -48,6 +56,7 @@ def _add_demo(commands: _Commands) -> None:
     demo.add_argument(
         "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
     )
+    _add_saying(demo)
     demo.set_defaults(module="demo")
 
 
@@ -60,6 +69,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
+    _add_saying(command)
     command.set_defaults(module="import_")
 
 
@@ -79,8 +89,9 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=_JSON.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    _add_saying(command)
     command.set_defaults(module="identify")
 
 
@@ -96,8 +107,9 @@ def _add_gap(commands: _Commands) -> None:
         metavar="RULE",
         help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=_JSON.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    _add_saying(command)
     command = actions.add_parser("predict", help="what another campaign on the same rig would read, from its forces")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")

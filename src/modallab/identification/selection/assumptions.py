@@ -99,7 +99,7 @@ def proportional_damping(model: ModalModel) -> Verdict:
     worst = int(np.argmax(deviation - limits))
     value, limit = float(deviation[worst]), float(limits[worst])
     words = (
-        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) stand off one phase by "
+        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move out of phase by "
         f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
     )
     return Verdict("proportional damping", value <= limit, value, limit, words)
@@ -134,7 +134,10 @@ def driving_point(frf: Frf) -> Verdict:
         low = value.real < -np.maximum(SIGMAS * np.sqrt(variance / 2), 1e-3 * np.abs(value).max())
         shares.append(float(np.mean(low)))
     worst = max(shares)
-    words = f"Power flows out of a driving point at {100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % may."
+    words = (
+        "A driving-point mobility has a negative real part, as no passive structure has, at "
+        f"{100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % are allowed."
+    )
     return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
 
 
