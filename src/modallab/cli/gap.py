@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _diagnose(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     console = console_of(arguments)
-    with waiting("reading the records", progress=arguments.says):
+    with waiting("reading the records", progress=not arguments.hush):
         diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []

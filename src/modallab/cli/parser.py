@@ -38,7 +38,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
 
 def _add_saying(command: Any) -> None:
     command.add_argument(
-        "--quiet", dest="says", action="store_false", help="say nothing but errors, and what was asked for by --json -"
+        "--quiet", dest="hush", action="store_true", help="say nothing but errors, and what was asked for by --json -"
     )
 
 
