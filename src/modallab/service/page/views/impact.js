@@ -19,7 +19,7 @@ const form = {
   start: (description) => ({ points: description.points.map(({ id }) => id).reverse() }),
 };
 
-export const show = (view, signal) => showTest(view, signal, { test: "impact", title: "Impact test", form, parts });
+export const show = (view, signal, [like]) => showTest(view, signal, { like, test: "impact", title: "Impact test", form, parts });
 
 /** The words of the prompt: [large, small, mood]. */
 function prompt(state) {
