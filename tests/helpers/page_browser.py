@@ -65,6 +65,7 @@ class Watched:
 
     def shoot(self, file: Path, *, whole: bool = False) -> None:
         """A picture of it."""
+        self.page.evaluate("scrollTo(0, 0)")
         self.page.screenshot(path=file, full_page=whole)
 
     def close(self) -> None:

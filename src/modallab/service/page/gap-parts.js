@@ -23,9 +23,10 @@ export function where({ stage, x_m: x, channels: rows, why, share }) {
 
 /** How far it shrinks on records that no fit has seen. */
 export function shrink(found) {
-  const rows = [["Gap before", `${number(found.before, 3)} noise units`], ["Gap after", `${number(found.after, 3)} noise units`], ["Closed", found.closed === null ? "–" : `${closed(found.closed)}${found.interval ? ` (95 %: ${closed(found.interval[0])} to ${closed(found.interval[1])})` : ""}`],
-    ...Object.entries(found.rival).map(([name, value]) => [`Closed by the best other: ${spaced(name).replaceAll("+", " and ")}`, closed(value)])];
-  return panel("On records that no fit has seen", table("How far the gap shrinks", ["", ["", "n"]], rows), h("p", { class: "muted" }, `${found.held_out.length} records were held out.`));
+  const rows = [["Gap before", `${number(found.before, 3)} noise units`], ["Gap after", `${number(found.after, 3)} noise units`], ["Closed", found.closed === null ? "–" : closed(found.closed)],
+    found.interval && ["95 % interval", `${closed(found.interval[0])} to ${closed(found.interval[1])}`]].filter(Boolean);
+  return panel("On records that no fit has seen", table("How far the gap shrinks", ["", ["", "n"]], rows),
+    Object.entries(found.rival).map(([name, value]) => h("p", {}, `The best other explanation, ${spaced(name).replaceAll("+", " and ")}, closes ${closed(value)}.`)), h("p", { class: "muted" }, `${found.held_out.length} records were held out.`));
 }
 
 /** As many nines as count. */
@@ -52,5 +53,5 @@ export function residuals({ by_channel: before, after_by_channel: after }) {
 }
 
 /** What the gap is made of. */
-export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name)}${row.place ? `, ${row.place}` : ""}`, bar(row.share), number(row.sigmas, 2)])),
+export const budget = (found) => panel("Budget", found ? [table("Parts of the gap", ["Part", "Share", ["Sigmas", "n"]], found.rows.slice(0, 12).map((row) => [`${spaced(row.name)}${row.place ? `, ${row.place}` : ""}`, bar(row.share), row.sigmas === null ? "–" : row.sigmas.toFixed(1)])),
   h("p", { class: "muted" }, "A negative share works against the others."), h("ul", { class: "plainlist" }, found.calibrate.map((one) => h("li", {}, sentence(one))))] : h("p", { class: "muted" }, "This diagnosis has none."));

@@ -9,7 +9,7 @@ import { clock, number } from "./numbers.js";
 /** A panel that follows the rig's revisions. */
 export async function revisions(signal) {
   const [list, curve] = [h("div"), h("div")];
-  const chart = new Chart({ name: "Gap of the simulation with each diagnosis that was put into it", x: "Diagnoses put into it", y: "Gap [noise units]", log: true, height: 200, points: true });
+  const chart = new Chart({ name: "Gap of the simulation with each diagnosis that was put into it", x: "Diagnoses put into it", y: "Gap [noise units]", log: true, height: 200, points: true, whole: true });
   signal.addEventListener("abort", () => chart.close());
   let shown = "";
   async function draw() {

@@ -45,7 +45,7 @@ async function draw(place, campaign, signal) {
 function verdict({ verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
   return h("section", { class: "panel", "aria-label": "Verdict" }, h("p", { class: "verdict" }, VERDICTS[found]),
     effects.map((one) => h("p", {}, h("strong", {}, spaced(one.effect)), `${one.place.x_m === undefined ? "" : ` at ${number(one.place.x_m, 3)} m`}, probability ${number(one.probability, 2)}: `, parameters(one))),
-    h("p", {}, `The gap is ${number(gap.before, 3)} noise units${effects.length ? `, and ${number(gap.after, 3)} with ${effects.length > 1 ? "these effects" : "this effect"} in the model` : ""}; 1 is noise alone.`),
+    h("p", {}, `The gap is ${number(gap.before, 3)} noise units${effects.length ? `, and ${number(gap.after, 3)} with ${effects.length > 1 ? "these effects" : "this effect"} in the model` : ""}; 1 is noise alone.${effects.length ? " Numbers are in SI units." : ""}`),
     next && h("p", {}, h("strong", {}, "Next experiment: "), sentence(spaced(next))), notes.length > 0 && h("ul", { class: "plainlist" }, notes.map((note) => h("li", {}, spaced(note)))),
     h("p", { class: "buttons" }, found === "known" && button("Put this into the simulation", () => apply(campaign.id), { class: "main" }),
       runs.filter(kindOf).map((run) => h("a", { class: "button", href: `#/${kindOf(run)}/${run}` }, `Run the ${kindOf(run)} test again`)),
