@@ -11,8 +11,11 @@ from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 NAMED = "if (location.protocol !== 'about:') localStorage.setItem('modallab.operator', 'Ada')"
 """The service's own token does not say who works with it."""
-BENCH = "sim://cantilever?seed=3&zeta=0.05&bad_hits=0.8&pace=1&speed=6&reaction_s=0.1,0.2"
-"""In its order of hits a bad one comes early, and samples come faster than the clock."""
+BENCH = (
+    "sim://cantilever?seed=3&zeta=0.01&bad_hits=0.5&pace=1&speed=20&reaction_s=0.1,0.2"
+    "&effect=added_mass,mass=0.04,x=0.63"
+)
+"""In its order of hits a bad one comes early; samples come faster than the clock, and the rig file knows of no mass."""
 
 
 def chromium() -> str | None:
@@ -42,7 +45,7 @@ class Watched:
         self.context.on("weberror", lambda error: self.wrong.append(f"error: {error.error}"))
         self.context.on("console", lambda m: self.wrong.append(f"console: {m.text}") if m.type == "error" else None)
         self.page: Page = self.context.new_page()
-        self.page.set_default_timeout(30_000)
+        self.page.set_default_timeout(120_000)
         self.page.on("websocket", lambda socket: self._look(socket.url))
         self.page.on("response", lambda response: self._count(response.headers.get("content-length", "0")))
         self.page.goto(link)

@@ -1,7 +1,7 @@
 """The kinds of job: identify, report, diagnose, estimate. Each is a few lines over the task itself."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +128,7 @@ def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> C
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 
 
-def _plain(document: dict[str, object]) -> JsonValue:
+def _plain(document: Mapping[str, object]) -> JsonValue:
     # Tuples become lists here rather than in the database, so that a result is the same before and after.
     return json.loads(json.dumps(document, allow_nan=False))
 
