@@ -9,8 +9,16 @@ from urllib.parse import urlsplit
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-NAMED = "if (location.protocol !== 'about:') localStorage.setItem('modallab.operator', 'Ada')"
+NAMED = (
+    "try { localStorage.setItem('modallab.operator', 'Ada') } catch { /* A report stands alone: it has no storage. */ }"
+)
 """The service's own token does not say who works with it."""
+LONG_SINE = {
+    "sine-frequencies_hz": ", ".join(map(str, range(20, 60))),
+    "sine-settle_s": "40",
+    "sine-wait_s": "0.2",
+}
+"""A test that goes on for as long as anything may be done to it."""
 BENCH = (
     "sim://cantilever?seed=3&zeta=0.01&bad_hits=0.5&pace=1&speed=20&reaction_s=0.1,0.2"
     "&effect=added_mass,mass=0.04,x=0.63"

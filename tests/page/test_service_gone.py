@@ -5,17 +5,16 @@ import signal
 from collections.abc import Callable
 
 import httpx
-from page_browser import Watched
+from page_browser import LONG_SINE, Watched
 from service_process import ServiceProcess
 
 Open = Callable[..., Watched]
-LONG = {"sine-frequencies_hz": "20, 21, 22, 23, 24, 25", "sine-settle_s": "40", "sine-wait_s": "0.2"}
 STOPPED = ".prompt .large:text-is('Stopped')"
 
 
 def test_the_stop_works_while_the_rest_process_is_frozen(operator: Open, served: ServiceProcess) -> None:
     ada = operator()
-    ada.begin("Sine test", LONG)
+    ada.begin("Sine test", LONG_SINE)
     ada.page.wait_for_selector(".prompt[data-mood=ready]")
     frozen = served.client.processes()["api"]
     os.kill(frozen, signal.SIGSTOP)
@@ -34,7 +33,7 @@ def test_the_stop_works_while_the_rest_process_is_frozen(operator: Open, served:
 
 def test_a_service_that_was_killed_and_came_back(operator: Open, served: ServiceProcess) -> None:
     ada = operator()
-    ada.begin("Sine test", LONG)
+    ada.begin("Sine test", LONG_SINE)
     ada.page.wait_for_selector(".prompt[data-mood=ready]")
     served.kill_and_restart(lambda: ada.page.wait_for_selector("header .lamp.bad"))
     ada.page.wait_for_selector("header .lamp.good")

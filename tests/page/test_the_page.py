@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from page_browser import Watched
+from page_browser import LONG_SINE, Watched
 from service_process import ServiceProcess
 
 Open = Callable[..., Watched]
@@ -42,7 +42,7 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".prompt .large:text-is('Done')")
     assert ada.page.locator("tbody td.good").count() == 2
     ada.page.wait_for_selector("[aria-label='FRFs so far'][data-points]")
-    ada.begin("Sine test", SINE | {"sine-settle_s": "40"})
+    ada.begin("Sine test", LONG_SINE)
     ada.page.wait_for_selector(".prompt[data-mood=ready]")
     ada.page.click("button.stop")
     ada.page.wait_for_selector(".prompt .large:text-is('Stopped')")
