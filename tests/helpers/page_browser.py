@@ -9,10 +9,8 @@ from urllib.parse import urlsplit
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-NAMED = (
-    "try { localStorage.setItem('modallab.operator', 'Ada') } catch { /* A report stands alone: it has no storage. */ }"
-)
-"""The service's own token does not say who works with it."""
+NAMED = "try { localStorage.setItem('modallab.operator', 'Ada') } catch {}"
+"""The service's own token does not say who works with it. A report that opens has no storage."""
 LONG_SINE = {
     "sine-frequencies_hz": ", ".join(map(str, range(20, 60))),
     "sine-settle_s": "40",

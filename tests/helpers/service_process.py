@@ -41,6 +41,8 @@ class ServiceProcess:
         self.process.kill()
         self.process.wait()
         self.client.close()
+        if self.process.stdout is not None:
+            self.process.stdout.close()
         between()
         self._start(self.url.rpartition(":")[2])
 
