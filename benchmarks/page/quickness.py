@@ -57,7 +57,7 @@ def stops(browser: Browser, folder: Path, count: int) -> list[float]:
     rig, took = demo_rig(), []
     (folder / "rig.yaml").write_text(dump_rig(rig), encoding="utf-8")
     with (
-        NiServer(rig, "9216", "--pace", virtual=False) as server,
+        NiServer(rig, "9215", "--pace", virtual=False) as server,
         ServiceProcess(folder / "data", "--no-jobs", "--rig", str(folder / "rig.yaml"), bench=server.url) as service,
     ):
         server.say("preamplifiers sine")

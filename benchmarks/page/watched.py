@@ -1,7 +1,7 @@
 """What watching live channels costs, and whether the page keeps up: processor time of the service, pictures a second.
 
 The bench is the device of `benchmarks/many_channels.py`: noise and hits on any number of channels in real time. A run
-is on, and the page's bench view is open in a headless browser. What the REST process takes without the page is taken off.
+is on, and the bench view is open in a browser without a window. What the REST process takes without it is taken off.
 
     python benchmarks/page/watched.py --channels 11 --rate 2000 --seconds 30
     python benchmarks/page/watched.py --channels 64 --rate 51200 --seconds 30

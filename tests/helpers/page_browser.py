@@ -1,5 +1,6 @@
 """A browser without a window that shows the operator's page, and notes what it must never do."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,6 +23,10 @@ BENCH = (
     "&effect=added_mass,mass=0.04,x=0.63"
 )
 """In its order of hits a bad one comes early; samples come faster than the clock, and the rig file knows of no mass."""
+
+PICTURES = os.environ.get("MODALLAB_PICTURES", "")
+"""Folder to which the tests write what they see; none by default. The bench then is as slow as a person."""
+SHOWN_BENCH = BENCH.replace("speed=20", "speed=4").replace("reaction_s=0.1,0.2", "reaction_s=0.5,0.8")
 
 
 def chromium() -> str | None:
@@ -72,10 +77,12 @@ class Watched:
             self.page.fill(f"#f-{name}", text)
         self.page.click("form.plan button.main:enabled")
 
-    def shoot(self, file: Path, *, whole: bool = False) -> None:
-        """A picture of it."""
-        self.page.evaluate("scrollTo(0, 0)")
-        self.page.screenshot(path=file, full_page=whole)
+    def picture(self, name: str, *, whole: bool = True) -> None:
+        """A picture for the documentation, where one is asked for."""
+        if PICTURES:
+            self.page.evaluate("scrollTo(0, 0)")
+            self.page.wait_for_timeout(500 if whole else 0)
+            self.page.screenshot(path=Path(PICTURES) / f"page-{name}.png", full_page=whole)
 
     def close(self) -> None:
         """Leave."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 import pytest
-from page_browser import BENCH, Watched, browsing, chromium
+from page_browser import BENCH, PICTURES, SHOWN_BENCH, Watched, browsing, chromium
 from playwright.sync_api import Browser
 from service_process import ServiceProcess
 
@@ -27,7 +27,8 @@ def browser(program: str) -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def served(program: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
-    with ServiceProcess(tmp_path_factory.mktemp("page") / "data", "--workers", "1", bench=BENCH) as started:
+    bench = SHOWN_BENCH if PICTURES else BENCH
+    with ServiceProcess(tmp_path_factory.mktemp("page") / "data", "--workers", "1", bench=bench) as started:
         yield started
 
 

@@ -46,7 +46,10 @@ def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
     ada.page.click("text=All settings")
     ada.page.click("summary:has-text('Precision')")
     ada.page.check("details:has(> summary:has-text('Precision')) > label input")
+    ada.picture("plan")
     ada.begin("Impact test", IMPACT)
+    ada.page.wait_for_selector(".prompt[data-mood=rejected]")
+    ada.picture("impact", whole=False)
     ada.page.wait_for_selector(".togo:has-text('1 of 4')")
     ada.page.keyboard.press("PageUp")
     ada.page.wait_for_selector(DONE)
@@ -72,6 +75,7 @@ def test_a_whole_impact_test_with_a_bad_hit_and_an_undone_one(recorded: Watched,
 
 def test_the_modes_so_far_say_when_it_is_enough(recorded: Watched) -> None:
     recorded.page.wait_for_selector(".togo:has-text('Enough')")
+    recorded.picture("modes-so-far")
     assert recorded.page.locator("[aria-labelledby=p-modes-so-far] tbody tr").count() >= 4
 
 
@@ -93,6 +97,7 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     for picture in ("phase", "real", "imaginary", "nyquist", "amplitude"):
         recorded.page.select_option("#regenerated-impact-Picture", picture)
         recorded.page.wait_for_selector(".uplot")
+    recorded.picture("model")
 
 
 def test_a_diagnosis_is_put_into_the_simulation(recorded: Watched, served: ServiceProcess) -> None:
@@ -104,6 +109,7 @@ def test_a_diagnosis_is_put_into_the_simulation(recorded: Watched, served: Servi
     page.click("text=Put this into the simulation")
     page.wait_for_selector("td:has-text('added mass, as diagnosed in')")
     served.client.wait_until_idle(served.rig)
+    recorded.picture("gap")
     page.click("text=Run the impact test again")
     page.wait_for_selector("form.plan p.good")
     assert page.input_value("#f-impact-points") == "10, 6"
@@ -125,6 +131,7 @@ def test_two_runs_are_laid_over_each_other(recorded: Watched, campaign: str, ser
     page.click("text=Compare two runs")
     page.wait_for_selector("[aria-label='Modes of both runs'] tbody tr:nth-child(3)")
     mac = page.locator("[aria-label='Modes of both runs'] tbody tr td:last-child").all_inner_texts()
+    recorded.picture("campaigns")
     assert all(float(one) > 0.99 for one in mac[:3])
 
 
@@ -161,6 +168,8 @@ def test_everybody_can_read_every_view(recorded: Watched, scheme: str) -> None:
     for view in VIEWS:
         recorded.view(view)
         recorded.page.wait_for_selector("main section.panel, main .prompt")
+        if (view, scheme) == ("Gap", "dark"):
+            recorded.picture("dark", whole=False)
         found = Axe().run(recorded.page).response["violations"]
         assert [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in SERIOUS] == [], view
 
@@ -172,3 +181,5 @@ def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched) -> None:
         recorded.page.wait_for_selector("main section.panel, main .prompt")
         assert recorded.page.evaluate("document.documentElement.scrollWidth") <= 390, view
         assert recorded.page.is_visible("button.stop")
+        if view == "Gap":
+            recorded.picture("phone", whole=False)

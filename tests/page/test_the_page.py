@@ -14,6 +14,8 @@ def test_the_first_view_is_small_and_says_how_the_bench_stands(operator: Open) -
     ada = operator()
     assert ada.page.inner_text(".facts div:nth-child(3) dd") == "ready"
     assert ada.page.locator("table tbody tr").count() == 11
+    ada.page.wait_for_selector(".lamp.good:text-is('in range')")
+    ada.picture("bench")
     assert 20_000 < ada.bytes < FIRST_VIEW_BYTES
 
 
@@ -42,6 +44,7 @@ def test_a_sine_test_and_the_stop(operator: Open, served: ServiceProcess) -> Non
     ada.page.wait_for_selector(".prompt .large:text-is('Done')")
     assert ada.page.locator("tbody td.good").count() == 2
     ada.page.wait_for_selector("[aria-label='FRFs so far'][data-points]")
+    ada.picture("sine")
     ada.begin("Sine test", LONG_SINE)
     ada.page.wait_for_selector(".prompt[data-mood=ready]")
     ada.page.click("button.stop")
