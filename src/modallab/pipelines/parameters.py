@@ -78,10 +78,17 @@ class DiagnoseParameters(Frozen):
     hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
 
 
+class EstimateParameters(Frozen):
+    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at anew."""
+
+    as_of: Annotated[str, Field(pattern="^[0-9a-f]{0,64}$")] = ""
+
+
 PARAMETERS: dict[str, type[Frozen]] = {
     "identify": IdentifyParameters,
     "report": ReportParameters,
     "diagnose": DiagnoseParameters,
+    "estimate": EstimateParameters,
 }
 """Kind -> its parameters."""
 

@@ -96,7 +96,7 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, rig, url, settings.data), diary, after)
+                Controller(Bench(i, diary.revisions.settle(i, rig), url, settings.data), diary, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,
