@@ -40,12 +40,26 @@ def in_percent(gap: Gap) -> str:
         ("with what was found", gap.share_after),
     )
     said = [f"{_sides(share)} {name}" for name, share in stages if share is not None and _sides(share)]
-    return f"Of the response at resonance and away from it: {'; '.join(said)}." if said else ""
+    whole = f"Of the response at resonance and away from it: {'; '.join(said)}." if said else ""
+    return " ".join(s for s in (whole, _own_error(gap)) if s)
+
+
+def _own_error(gap: Gap) -> str:
+    left = gap.discrepancy
+    if left is None:
+        return ""
+    if not left.worst:
+        return "Beyond noise nothing is left of any record."
+    return f"Beyond noise {_share(left.median)} of a record is left (median), {_share(left.worst)} of {left.record}."
 
 
 def _sides(share: Percent) -> str:
-    sides = [100 * v for v in (share.at_resonance, share.away) if v is not None]
-    return " and ".join("below 0.01 %" if v < 0.01 else f"{v:.2g} %" if v < 10 else f"{v:.0f} %" for v in sides)
+    return " and ".join(_share(v) for v in (share.at_resonance, share.away) if v is not None)
+
+
+def _share(value: float) -> str:
+    percent = 100 * value
+    return "below 0.01 %" if percent < 0.01 else f"{percent:.2g} %" if percent < 10 else f"{percent:.0f} %"
 
 
 def _effect(found: Found) -> str:
