@@ -1,5 +1,7 @@
 """The modal model of a fit, in the paper's form."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,10 @@ from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
+
+
+FOLDED_LINES = 400
+"""Frequencies at which powers of s are made to stand for a mode above the band."""
 
 
 def model_of_fit(
@@ -43,7 +49,7 @@ def model_of_fit(
     split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
-    powers, terms = _residual_terms(fit, keep, constants)
+    powers, terms = _residual_terms(fit, keep, constants, band_hz)
     return ModalModel(
         method=method,
         test=test,
@@ -79,22 +85,31 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
 
 
 def _residual_terms(
-    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128]
+    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128], band_hz: tuple[float, float]
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
-    """The fit's residual terms, with each mode left out (above the band) added as a series in s.
-
-    A / (omega^2 + s^2) = A / omega^2 (1 - s^2 / omega^2 + s^4 / omega^4 - ...), damping left out.
-    """
+    """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
     at = fit.point.parameters
     powers = sorted({*fit.problem.powers, *((0, 2, 4, 6, 8) if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
     for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
         terms[powers.index(power)] += term
-    out_of_band = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
-    for omega, constant in zip(at.omega[out_of_band], constants[out_of_band].real, strict=True):
-        for half, power in enumerate((0, 2, 4, 6, 8)):
-            terms[powers.index(power)] += (-1) ** half * constant / omega ** (2 + power)
+    for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
+        terms += _as_powers(powers, at.omega[r], at.zeta[r], band_hz)[:, None, None] * constants[r].real
     return tuple(powers), terms
+
+
+def _as_powers(powers: Sequence[int], omega: float, zeta: float, band_hz: tuple[float, float]) -> NDArray[np.float64]:
+    """Factors of the powers of s that stand in the band for the real part of 1 / (omega^2 + 2 zeta omega s + s^2).
+
+    By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.
+    """
+    w = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
+    top = float(w[-1])
+    # Only even powers: with s = j omega all of them are real.
+    columns = np.stack([(-1.0) ** (power // 2) * (w / top) ** (power + 1) for power in powers], axis=1)
+    value = np.real(1 / (omega**2 - w**2 + 2j * zeta * omega * w))
+    factors = np.linalg.lstsq(columns, value * w / top, rcond=None)[0]
+    return np.asarray(factors / top ** np.array(powers, dtype=np.float64), np.float64)
 
 
 def without_sigma(model: ModalModel) -> ModalModel:
