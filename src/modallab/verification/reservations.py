@@ -65,8 +65,9 @@ def unmatched(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str, ...]:
     driven = "" if point is None else f" driven at point {point}"
     worst = f"the worst is {model.outputs[o]}{driven} with {known[o, k]:.2g}"
     return (
-        f"WARNING: the model does not repeat {poor.sum()} of the {frac.size} measured FRFs (FRAC below {LEAST_FRAC:g}); "
-        f"{worst}. Do not use it there: look at these FRFs and their records, the band, and modes that were left out.",
+        f"WARNING: the model does not repeat {poor.sum()} of the {frac.size} measured FRFs (FRAC below "
+        f"{LEAST_FRAC:g}); {worst}. Do not use it there: look at these FRFs and "
+        "their records, the band, and modes that were left out.",
     )
 
 

@@ -1,7 +1,5 @@
 """The modal model of a fit, in the paper's form."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,9 +13,10 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
 
-
+FOLDED = tuple(range(9))
+"""Powers of s that stand for a mode above the band; the odd ones for its damping."""
 FOLDED_LINES = 400
-"""Frequencies at which powers of s are made to stand for a mode above the band."""
+"""Frequencies at which they are made to."""
 
 
 def model_of_fit(
@@ -89,27 +88,30 @@ def _residual_terms(
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
     """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
     at = fit.point.parameters
-    powers = sorted({*fit.problem.powers, *((0, 2, 4, 6, 8) if not np.all(keep) else ())})
+    powers = sorted({*fit.problem.powers, *(FOLDED if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
     for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
         terms[powers.index(power)] += term
+    poles = poles_of(at.omega, at.zeta)
     for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
-        terms += _as_powers(powers, at.omega[r], at.zeta[r], band_hz)[:, None, None] * constants[r].real
+        residue = constants[r] / (2j * poles[r].imag)
+        for power, (along, across) in zip(FOLDED, _as_powers(complex(poles[r]), band_hz), strict=True):
+            terms[powers.index(power)] += along * residue.real + across * residue.imag
     return tuple(powers), terms
 
 
-def _as_powers(powers: Sequence[int], omega: float, zeta: float, band_hz: tuple[float, float]) -> NDArray[np.float64]:
-    """Factors of the powers of s that stand in the band for the real part of 1 / (omega^2 + 2 zeta omega s + s^2).
+def _as_powers(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
+    """Factors (powers, 2) of the powers of s that stand in the band for a pole pair of residue 1, and of residue j.
 
     By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.
     """
-    w = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
-    top = float(w[-1])
-    # Only even powers: with s = j omega all of them are real.
-    columns = np.stack([(-1.0) ** (power // 2) * (w / top) ** (power + 1) for power in powers], axis=1)
-    value = np.real(1 / (omega**2 - w**2 + 2j * zeta * omega * w))
-    factors = np.linalg.lstsq(columns, value * w / top, rcond=None)[0]
-    return np.asarray(factors / top ** np.array(powers, dtype=np.float64), np.float64)
+    omega = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
+    s, top = 1j * omega, float(omega[-1])
+    up, down = s / (s - pole), s / (s - pole.conjugate())
+    columns = np.stack([s * (s / top) ** power for power in FOLDED], axis=1)
+    values = np.stack([up + down, 1j * (up - down)], axis=1)
+    factors = np.linalg.lstsq(np.vstack([columns.real, columns.imag]), np.vstack([values.real, values.imag]))[0]
+    return np.asarray(factors / top ** np.array(FOLDED, dtype=np.float64)[:, None], np.float64)
 
 
 def without_sigma(model: ModalModel) -> ModalModel:
