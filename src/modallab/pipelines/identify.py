@@ -23,6 +23,7 @@ from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
+from modallab.signals.drive_kind import check_kind
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
@@ -116,8 +117,10 @@ def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple
 def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
     """The blocks in SI units without those that ran into the converter's full scale, and a note on these.
 
+    Those whose force is not that of the test they are labelled as are left out as well.
+
     Raises:
-        DataError: damaged samples, or no block is left.
+        DataError: damaged samples, no block is left, or most are of another kind of test.
     """
     force = campaign.rig.force_channel.name
     for block in blocks:
@@ -131,7 +134,8 @@ def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals]
             remedy="lower the drive or the preamplifiers' gain and record again",
         )
     note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
-    return to_signals_of(clean, campaign.rig), note
+    kept, remarks = check_kind(to_signals_of(clean, campaign.rig))
+    return kept, (*note, *remarks)
 
 
 def _with_scale(found: Identified, rig: Rig) -> Identified:
