@@ -2,10 +2,10 @@
 
     python benchmarks/identification/roving.py --scatter 0.01 0.05 0.2 --repeats 3
 
-Every point (or patch of points, --patch) is a set-up of its own, in which each frequency is off by a normal deviate of so
-many per cent, common to all modes in half of its variance, and each damping ratio by 30 times as much. `--transpose` hits
-the 80 points and keeps the 3 sensors. It prints modes found, spurious ones, how often 95 % intervals of f and zeta hold
-the truth, and the time.
+Every point (or patch of points, --patch) is a set-up of its own, in which each frequency is off by a normal deviate of
+so many per cent, common to all modes in half of its variance, and each damping ratio by 30 times as much. `--transpose`
+hits the 80 points and keeps the 3 sensors. It prints modes found, spurious ones, how often 95 % intervals of f and zeta
+hold the truth, and the time.
 """
 
 import argparse

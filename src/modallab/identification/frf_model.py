@@ -17,6 +17,9 @@ from modallab.identification.model.modal_model import model_of_fit, without_sigm
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
 from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.setups.agreed import Agreed, agreed
+
+NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
 
 
 def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
@@ -48,6 +51,9 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
             remedy="widen the band, or look at the FRFs: is there a resonance in them at all?",
         )
     fit = fit_frf(used, poles, FIRST_LOOK if options.refined else 0)
+    points = agreed(used, fit, options) if options.refined else None
+    if points is not None:
+        return _of_points(points, used, rig, band, options), points.fit
     keep = chosen(fit, band, options, first=True)
     if options.refined and np.any(keep) and not (np.all(keep) and fit.refined.settled):
         at = fit.point.parameters
@@ -60,9 +66,19 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
-        "Identified from FRFs, not from time records: what a block's end cut off could not be modelled.",
+        NOT_FROM_RECORDS,
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
     )
     floor = np.full(found.size, np.nan)
     model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method)
     return model if options.refined else without_sigma(model), fit
+
+
+def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], options: Options) -> ModalModel:
+    fit = points.fit
+    found = np.sort(fit.point.parameters.omega) / (2 * np.pi)
+    readings = half_power_readings(frf, found), np.full(found.size, np.nan)
+    seen = points.constants, points.sigma_of_parts, points.terms
+    keep = np.ones(found.size, bool)
+    notes = NOT_FROM_RECORDS, *points.notes
+    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, seen)

@@ -13,6 +13,8 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
 
+Residues = tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]
+"""Modal constants (modes, outputs, inputs), the sigmas of their parts, and residual terms (powers, outputs, inputs)."""
 FOLDED = tuple(range(9))
 """Powers of s that stand for a mode above the band; the odd ones for its damping."""
 FOLDED_LINES = 400
@@ -28,6 +30,7 @@ def model_of_fit(
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
     method: str = USUAL,
+    seen: Residues | None = None,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -40,15 +43,16 @@ def model_of_fit(
         readings: half-power readings and their floor, each (kept modes,) by rising frequency.
         notes: what was found on the way.
         method: the estimator that gave the start.
+        seen: constants and residual terms that are not those of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    constants, of_parts = fit.modal_constants
+    constants, of_parts, terms = seen or (*fit.modal_constants, residuals(fit))
     output_points = tuple(c.point for c in rig.responses)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
     split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
-    powers, terms = _residual_terms(fit, keep, constants, band_hz)
+    powers, terms = _residual_terms(fit, keep, (constants, terms), band_hz)
     return ModalModel(
         method=method,
         test=test,
@@ -84,13 +88,16 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
 
 
 def _residual_terms(
-    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128], band_hz: tuple[float, float]
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    seen: tuple[NDArray[np.complex128], NDArray[np.float64]],
+    band_hz: tuple[float, float],
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
     """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
-    at = fit.point.parameters
+    at, (constants, own) = fit.point.parameters, seen
     powers = sorted({*fit.problem.powers, *(FOLDED if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
-    for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
+    for power, term in zip(fit.problem.powers, own, strict=True):
         terms[powers.index(power)] += term
     poles = poles_of(at.omega, at.zeta)
     for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
