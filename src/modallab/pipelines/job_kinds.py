@@ -1,12 +1,15 @@
-"""The kinds of job the project knows: identify, report, diagnose. Each is a few lines over the task itself."""
+"""The kinds of job the project knows: identify, report, diagnose, blind. Each is a few lines over the task itself."""
 
 import json
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import JsonValue
 
+from modallab.blind.page import render as render_blind
+from modallab.blind.run import blind
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
@@ -18,7 +21,13 @@ from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
-from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
+from modallab.pipelines.parameters import (
+    BlindParameters,
+    DiagnoseParameters,
+    IdentifyParameters,
+    ReportParameters,
+    parse_parameters,
+)
 from modallab.pipelines.report import report_content
 from modallab.reporting.gap_report import render as render_gap
 from modallab.reporting.report import render
@@ -44,15 +53,21 @@ def kinds(campaigns: Campaigns, folder: Path, revision: Revision = lambda _: "")
     """
 
     def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
-        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign, Frozen]:
-            return campaigns(inputs), parse_parameters(name, parameters)
+        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign | None, Frozen]:
+            # Blind trials are made, not read.
+            return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
 
         def keep(attempt: str, computed: Computed) -> JsonValue:
             return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
 
         return Kind(name, load, compute, keep, limit_s, revision)
 
-    return kind("identify", _identify, 3600.0), kind("report", _report, 3600.0), kind("diagnose", _diagnose, 4 * 3600.0)
+    return (
+        kind("identify", _identify, 3600.0),
+        kind("report", _report, 3600.0),
+        kind("diagnose", _diagnose, 4 * 3600.0),
+        kind("blind", _blind, 24 * 3600.0),
+    )
 
 
 def campaigns_of(store: Store) -> Campaigns:
@@ -92,6 +107,13 @@ def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> C
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
+
+
+def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
+    _, parameters = payload
+    with heard_by(notify), TemporaryDirectory() as folder:
+        found = blind(Path(folder), parameters)
+    return Computed(json.loads(found.model_dump_json()), {"blind.html": render_blind(found).encode()})
 
 
 def _plain(document: dict[str, object]) -> JsonValue:
