@@ -36,6 +36,10 @@ def _add_diagnose(actions: _Commands) -> None:
         metavar="RULE",
         help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
     )
+    command.add_argument(
+        "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
+    )
+    command.add_argument("--diagnosis", type=Path, metavar="D.json", help="of the bench, with --simulation, if known")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
 

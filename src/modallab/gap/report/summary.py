@@ -26,7 +26,7 @@ def sentence(diagnosis: Diagnosis) -> str:
             f"A gap of {gap.before:.3g} noise units lies in the {where.stage}{at}, and none of the known effects "
             f"explains it."
         )
-    parts = " and ".join(_effect(f) for f in diagnosis.effects)
+    parts = " and ".join(spoken(f) for f in diagnosis.effects)
     closed = diagnosis.shrink.closed
     how_far = f", which closes {closed:.1%} of it on records held out" if closed is not None else ""
     return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
@@ -48,7 +48,8 @@ def _sides(share: Percent) -> str:
     return " and ".join("below 0.01 %" if v < 0.01 else f"{v:.2g} %" if v < 10 else f"{v:.0f} %" for v in sides)
 
 
-def _effect(found: Found) -> str:
+def spoken(found: Found) -> str:
+    """An effect with its numbers, its place and its probability."""
     kind = kind_of(found.effect)
     numbers = ", ".join(f"{p.name} = {found.parameters[p.name]:.{UNITS}g} {p.unit}".strip() for p in kind.parameters)
     place = ""
