@@ -26,7 +26,7 @@ def sentence(diagnosis: Diagnosis) -> str:
             f"A gap of {gap.before:.3g} noise units lies in the {where.stage}{at}, and none of the known effects "
             f"explains it."
         )
-    parts = " and ".join(_effect(f) for f in diagnosis.effects)
+    parts = " and ".join(spoken(f) for f in diagnosis.effects)
     closed = diagnosis.shrink.closed
     how_far = f", which closes {closed:.1%} of it on records held out" if closed is not None else ""
     return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
@@ -62,7 +62,8 @@ def _share(value: float) -> str:
     return "below 0.01 %" if percent < 0.01 else f"{percent:.2g} %" if percent < 10 else f"{percent:.0f} %"
 
 
-def _effect(found: Found) -> str:
+def spoken(found: Found) -> str:
+    """An effect with its numbers, its place and its probability."""
     kind = kind_of(found.effect)
     numbers = ", ".join(f"{p.name} = {found.parameters[p.name]:.{UNITS}g} {p.unit}".strip() for p in kind.parameters)
     place = ""
