@@ -2,8 +2,8 @@
 
 Real modal form (Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems, 2019, ch. 7): a pole p and its
 conjugate are two states. Of an acceleration s^2 / (s - p) = s + p + p^2 / (s - p), the first term sums to nothing over
-all modes. What the modes left out add is static; their mass is one fast mode an input. A step of time holds a straight line
-between two samples of the force (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, ch. 6).
+all modes. What the modes left out add is static; their mass is one fast mode an input. A step of time holds a straight
+line between two samples of the force (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, ch. 6).
 """
 
 from dataclasses import dataclass, replace
