@@ -12,6 +12,7 @@ from modallab.core.block import Campaign
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
+from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
 from modallab.pipelines.identify import Result, identify_campaign
 from modallab.pipelines.model_file import model_document
@@ -107,6 +108,9 @@ def print_remarks(console: Console, result: Result) -> None:
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"
                 console.print(f"{item.source}: {verdict.assumption} {holds}: {verdict.words}", markup=False)
+            for assumption, why in item.assessment.unjudged:
+                if why.startswith(CANNOT_BE_SAID):
+                    console.print(f"{item.source}: {assumption} {why}", markup=False)
         for note in (*item.model.notes, item.model.shapes_unavailable):
             if note:
                 console.print(f"{item.source}: {note}", markup=False)
