@@ -78,7 +78,6 @@ def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], op
     fit = points.fit
     found = np.sort(fit.point.parameters.omega) / (2 * np.pi)
     readings = half_power_readings(frf, found), np.full(found.size, np.nan)
-    seen = points.constants, points.sigma_of_parts, points.terms
     keep = np.ones(found.size, bool)
     notes = NOT_FROM_RECORDS, *points.notes
-    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, seen)
+    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, points.seen)

@@ -2,8 +2,8 @@
 
 Points that were measured in one set-up share what it did to the poles. Points whose shifts agree in all modes within
 their sigmas are taken for one set-up, so that a shift counts once and not at every point.
-Source: DerSimonian and Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986); Paule and Mandel,
-"Consensus values and weighting factors", J. Res. NBS 87 (1982).
+Sources: DerSimonian and Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986); Paule and
+Mandel, "Consensus values and weighting factors", J. Res. NBS 87 (1982).
 """
 
 from dataclasses import dataclass
@@ -68,8 +68,8 @@ def common_poles(values: Real, variance: Real) -> Common:
 def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
     """Mean of set-ups, its sigma and the standard deviation between them; those of infinite variance say nothing.
 
-    The sigma is that of a normal number whose 95 % interval is as wide as Student's: few set-ups hardly say how much they
-    scatter.
+    The sigma is that of a normal number whose 95 % interval is as wide as Student's: few set-ups hardly say how much
+    they scatter.
     """
     known = np.isfinite(variance)
     x, v = values[known], variance[known]
