@@ -4,25 +4,29 @@ import argparse
 from pathlib import Path
 from typing import Any, cast
 
-import h5py
 import yaml
 from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.table import Table
 
+from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
+from modallab.core.frozen import Frozen
 from modallab.core.plan import Plan
 from modallab.core.progress import heard_by
-from modallab.core.versions import PREDICTION
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import in_percent, sentence
+from modallab.gap.simulations.compare import compare
+from modallab.gap.simulations.said import sentence_of
 from modallab.reporting.gap_report import write_gap_report
+from modallab.reporting.simulation_report import write_simulation_report
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 
@@ -37,6 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _diagnose(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     console = Console()
+    if arguments.simulation is not None:
+        return _compare(console, campaign, arguments)
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
         diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis), markup=False)
@@ -44,13 +50,31 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     next_one = f"Next: {diagnosis.next_experiment}"
     for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
-    if arguments.json is not None:
-        with replacing(arguments.json) as draft:
-            draft.write_text(diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+    _write_json(arguments.json, diagnosis)
     if arguments.report is not None:
         write_gap_report(arguments.report, diagnosis, campaign)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
+
+
+def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
+    records = read_prediction(arguments.simulation, campaign.rig)
+    known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
+    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
+        found = compare(campaign, records, known, arguments.hold_out)
+    for line in (sentence_of(found), *(f"  {note}" for note in found.notes)):
+        console.print(line, markup=False)
+    _write_json(arguments.json, found)
+    if arguments.report is not None:
+        write_simulation_report(arguments.report, found)
+        console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def _write_json(path: Path | None, document: Frozen) -> None:
+    if path is not None:
+        with replacing(path) as draft:
+            draft.write_text(document.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
 
 
 def _predict(arguments: argparse.Namespace) -> int:
@@ -58,14 +82,7 @@ def _predict(arguments: argparse.Namespace) -> int:
     read_campaign(arguments.campaign)
     other = read_campaign(arguments.on)
     records = predict(diagnosis, other)
-    responses = other.rig.responses
-    with replacing(arguments.out) as draft, h5py.File(draft, "w") as target:
-        target.attrs["format_version"] = PREDICTION
-        target.attrs["channels"] = [c.name for c in responses]
-        target.attrs["units"] = [c.unit for c in responses]
-        target.attrs["directions"] = [c.direction for c in responses]
-        for name, values in records.items():
-            target.create_dataset(name, data=values)
+    write_prediction(arguments.out, other.rig, records)
     Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)
     if arguments.as_campaign is not None:
         write_campaign(predicted_campaign(diagnosis, other), arguments.as_campaign)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.cli.gap_commands import add_gap_commands
 from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
@@ -25,7 +26,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_demo(commands)
     _add_import(commands)
     _add_identify(commands)
-    _add_gap(commands)
+    add_gap_commands(commands)
     _add_rig(commands)
     _add_devices(commands)
     _add_campaign(commands)
@@ -82,35 +83,6 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     command.set_defaults(module="identify")
-
-
-def _add_gap(commands: _Commands) -> None:
-    gap = commands.add_parser("gap", help="say where simulation and bench differ, why, and how far that shrinks")
-    actions = gap.add_subparsers(metavar="ACTION", required=True, dest="action")
-    command = actions.add_parser("diagnose", help="diagnose a campaign")
-    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument(
-        "--hold-out",
-        default="mixed",
-        metavar="RULE",
-        help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
-    )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
-    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    command = actions.add_parser("predict", help="what another campaign on the same rig would read, from its forces")
-    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
-    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
-    command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
-    command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
-    command.add_argument("--as-campaign", type=Path, metavar="CAMPAIGN.h5", help="also as a campaign modallab reads")
-    command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
-    command.add_argument("rig", type=Path, metavar="RIG.yaml")
-    command.add_argument("plan", type=Path, metavar="PLAN.yaml")
-    gap.set_defaults(module="gap")
-    command = actions.add_parser("effects", help="what may be wrong with a bench, as the catalogue has it")
-    command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
-    command.set_defaults(module="effects")
 
 
 def _add_rig(commands: _Commands) -> None:

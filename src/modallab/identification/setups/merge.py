@@ -13,7 +13,7 @@ from modallab.identification.setups.roving import Seen
 Real = NDArray[np.float64]
 
 WIDEST = 8e-3
-"""Relative distance of two points' frequencies of one mode at most: four times the largest scatter there is."""
+"""Relative distance of two points' frequencies of one mode at most: four times the largest scatter of set-ups."""
 NARROWEST = 3e-4
 REACH = 5.0
 """Scatters within which a pole belongs to a mode, once the scatter is known."""
