@@ -22,17 +22,17 @@ from modallab.identification.setups.agreed import Agreed, agreed
 NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
 
 
-def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
-    """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
+    """The FRF at the lines of a band, None for all of them; never at 0 Hz, where mobility has no receptance.
 
     Raises:
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
-        IdentificationError: no stable pole.
+        IdentificationError: fewer than eight lines lie inside.
     """
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
     inside = frf.frequency_hz > 0
-    if options.band_hz is not None:
-        inside &= (frf.frequency_hz >= options.band_hz[0]) & (frf.frequency_hz <= options.band_hz[1])
+    if band_hz is not None:
+        inside &= (frf.frequency_hz >= band_hz[0]) & (frf.frequency_hz <= band_hz[1])
     # Lines ascend, so those of a band are neighbours, and looking at them needs no copy.
     lines = slice(int(np.argmax(inside)), int(np.argmax(inside)) + int(np.count_nonzero(inside)))
     used = replace(
@@ -42,6 +42,17 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         raise IdentificationError(
             f"the band holds {used.frequency_hz.size} lines of the FRF", remedy="widen the band to at least 8 lines"
         )
+    return used
+
+
+def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+
+    Raises:
+        DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
+        IdentificationError: no stable pole.
+    """
+    used = in_band(frf, options.band_hz)
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     estimate = estimate_poles(used, options.method, options.max_order)
     poles = start_poles(estimate.poles, estimate.orders, options)
