@@ -16,7 +16,7 @@ from modallab.identification.likelihood.search import FIRST_LOOK, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
-from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
 from modallab.identification.setups.agreed import Agreed, agreed
 
 NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
@@ -67,8 +67,8 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         return _of_points(points, used, rig, band, options), points.fit
     keep = chosen(fit, band, options, first=True)
     if options.refined and np.any(keep) and not (np.all(keep) and fit.refined.settled):
-        at = fit.point.parameters
-        fit = fit_frf(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
+        at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
+        fit = fit_frf(used, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay])
         keep = chosen(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(
