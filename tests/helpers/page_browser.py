@@ -19,7 +19,7 @@ LONG_SINE = {
 }
 """A test that goes on for as long as anything may be done to it."""
 BENCH = (
-    "sim://cantilever?seed=3&zeta=0.01&bad_hits=0.5&pace=1&speed=20&reaction_s=0.1,0.2"
+    "sim://cantilever?seed=3&zeta=0.01&bad_hits=0.8&pace=1&speed=20&reaction_s=0.1,0.2"
     "&effect=added_mass,mass=0.04,x=0.63"
 )
 """In its order of hits a bad one comes early; samples come faster than the clock, and the rig file knows of no mass."""
