@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.options import JSON_HELP, add_saying
+
 
 class _Commands(Protocol):
     # argparse gives its own class for this no public name.
@@ -23,6 +25,7 @@ def add_gap_commands(commands: _Commands) -> None:
     command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
     command.set_defaults(module="effects")
     _add_revisions(actions)
+    _add_blind(actions)
 
 
 def _add_diagnose(actions: _Commands) -> None:
@@ -35,8 +38,13 @@ def _add_diagnose(actions: _Commands) -> None:
         metavar="RULE",
         help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
+    command.add_argument(
+        "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
+    )
+    command.add_argument("--diagnosis", type=Path, metavar="D.json", help="of the bench, with --simulation, if known")
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
 
 
 def _add_predict(actions: _Commands) -> None:
@@ -57,9 +65,26 @@ def _add_revisions(actions: _Commands) -> None:
     command.set_defaults(module="gap_revisions")
     command = actions.add_parser("history", help="how the simulation came closer, revision by revision")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
-    command.add_argument(
-        "--on", type=Path, nargs="+", default=(), metavar="CAMPAIGN", help="measure every revision on these"
-    )
+    command.add_argument("--on", type=Path, nargs="+", metavar="CAMPAIGN", help="measure every revision on these")
     command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML page")
     command.set_defaults(module="gap_revisions")
+
+
+def _add_blind(actions: _Commands) -> None:
+    command = actions.add_parser("blind", help="trials whose truth is sealed until every diagnosis is written")
+    command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="what was begun here goes on")
+    command.add_argument("--trials", type=int, default=60, metavar="N", help="with one effect each")
+    command.add_argument("--none", type=int, metavar="N", help="without effect (default: a quarter of the others)")
+    command.add_argument("--pairs", type=int, default=0, metavar="N", help="with two effects each")
+    command.add_argument("--seed", type=int, default=0, metavar="S", help="draws everything")
+    command.add_argument("--effects", metavar="NAME,...", help="only these (default: all of the catalogue)")
+    command.add_argument(
+        "--tolerances", choices=("none", "usual"), default="none", help="how well the benches are put together"
+    )
+    command.add_argument("--no-later", action="store_true", help="hold no diagnosis against a later campaign")
+    command.add_argument("--folder", type=Path, metavar="CAMPAIGNS", help="diagnose these instead of making trials")
+    command.add_argument("--truth", type=Path, metavar="TRUTHS", help="of --folder, read once all is answered")
+    command.add_argument("--workers", type=int, metavar="N", help="processes (default: one a processor)")
+    command.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, whose workers see the folder (default: none)")
+    command.set_defaults(module="gap_blind")

@@ -37,7 +37,7 @@ def _apply(arguments: argparse.Namespace) -> int:
 
 def _history(arguments: argparse.Namespace) -> int:
     rig = read_rig(arguments.rig)
-    campaigns = [read_campaign(path, rig) for path in arguments.on]
+    campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
     console = Console()
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
         steps = history(rig, campaigns)

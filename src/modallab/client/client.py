@@ -163,6 +163,10 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
         """Order the model, the diagnosis or the report of a campaign."""
         return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobNew(parameters=parameters))
 
+    def blind_trials(self, **parameters: JsonValue) -> JobView:
+        """Order blind trials of the diagnosis on simulated benches."""
+        return self._post(JobView, "/blind-trials", JobNew(parameters=parameters))
+
     def jobs(self, campaign: str, kind: JobKind | None = None) -> tuple[JobView, ...]:
         """The jobs of a campaign, the newest first."""
         query = {} if kind is None else {"kind": kind}

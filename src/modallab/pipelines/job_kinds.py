@@ -1,12 +1,15 @@
-"""The kinds of job: identify, report, diagnose, estimate. Each is a few lines over the task itself."""
+"""The kinds of job: identify, report, diagnose, estimate, blind. Each is a few lines over the task itself."""
 
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import JsonValue
 
+from modallab.blind.page import render as render_blind
+from modallab.blind.run import blind
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
@@ -20,6 +23,7 @@ from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import (
+    BlindParameters,
     DiagnoseParameters,
     EstimateParameters,
     IdentifyParameters,
@@ -54,8 +58,9 @@ def kinds(
     """
 
     def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
-        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign, Frozen]:
-            return campaigns(inputs), parse_parameters(name, parameters)
+        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign | None, Frozen]:
+            # Blind trials are made, not read.
+            return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
 
         def keep(attempt: str, computed: Computed) -> JsonValue:
             return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
@@ -75,6 +80,7 @@ def kinds(
         kind("report", _report, 3600.0),
         kind("diagnose", _diagnose, 4 * 3600.0),
         estimate,
+        kind("blind", _blind, 24 * 3600.0),
     )
 
 
@@ -126,6 +132,13 @@ def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> C
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
+
+
+def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
+    _, parameters = payload
+    with heard_by(notify), TemporaryDirectory() as folder:
+        found = blind(Path(folder), parameters)
+    return Computed(json.loads(found.model_dump_json()), {"blind.html": render_blind(found).encode()})
 
 
 def _plain(document: Mapping[str, object]) -> JsonValue:

@@ -8,7 +8,7 @@ from modallab.core.effect import Revision
 from modallab.core.frozen import Frozen
 from modallab.core.progress import counted
 from modallab.core.rig import Rig
-from modallab.gap.report.initial_gap import gap_before
+from modallab.gap.report.initial_gap import gap_known
 from modallab.gap.revisions.apply import at_revision
 from modallab.twin.effects import model_of
 
@@ -54,7 +54,7 @@ def _measured(rig: Rig, campaigns: Sequence[Campaign]) -> dict[str, list[float]]
     numbers = range(len(rig.revisions) + 1)
     pairs = [(campaign, number) for campaign in campaigns for number in numbers]
     gaps = [
-        gap_before(replace(campaign, rig=at_revision(rig, number)))
+        gap_known(replace(campaign, rig=at_revision(rig, number)))
         for campaign, number in counted(pairs, len(pairs), "revisions")
     ]
     per = len(numbers)

@@ -13,7 +13,14 @@ from modallab.service.api.problems import documented
 from modallab.service.api.request_context import Cursor, Limit, Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, newest_file, order, order_estimate
+from modallab.service.jobs.campaign_jobs import (
+    campaign_jobs,
+    job_file,
+    newest_file,
+    order,
+    order_blind,
+    order_estimate,
+)
 
 router = make_router("jobs")
 NewJob = Annotated[
@@ -66,6 +73,14 @@ def diagnose(campaign: str, service: ServiceOf, operator: Operator, response: Re
 def report(campaign: str, service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
     """Order the report of a campaign."""
     return _ordered(service, campaign, "report", new, operator, response)
+
+
+@router.post("/blind-trials", status_code=202, dependencies=ONCE, responses=_ORDER)
+def blind_trials(service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
+    """Order blind trials of the diagnosis on simulated benches. They are of no campaign: `runs` must be left out."""
+    job = order_blind(service, new or JobNew(), operator)
+    response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
+    return _view(job)
 
 
 @router.get("/campaigns/{campaign}/jobs", responses=documented(404))
