@@ -23,9 +23,9 @@ CLOSE = 0.3
 """Of a link's length: nodes nearer than that to a point make room for it."""
 LEAST_MASS = 1e-3
 """Of the mean mass of a node, which none may lack."""
-BEYOND = 1.3
+OTHERS = 1.3
 """Frequency of all that is no mode of the twin, over that of its highest."""
-BEYOND_ZETA = 0.05
+OTHERS_ZETA = 0.05
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -110,8 +110,8 @@ def combinations(found: Chain, mass: Array) -> list[tuple[Array, float, float]]:
     theta = _orthonormal(found.modes, mass)
     whole = np.hstack([theta, _complement(theta, mass)])
     rest = whole.shape[1] - len(found.omega)
-    omega = np.concatenate([found.omega, np.full(rest, BEYOND * float(found.omega.max()))])
-    zeta = np.concatenate([found.zeta, np.full(rest, BEYOND_ZETA)])
+    omega = np.concatenate([found.omega, np.full(rest, OTHERS * float(found.omega.max()))])
+    zeta = np.concatenate([found.zeta, np.full(rest, OTHERS_ZETA)])
     springs: list[tuple[Array, float, float]] = [
         (mass @ shape, float(w**2), float(2 * z * w)) for shape, w, z in zip(whole.T, omega, zeta, strict=True)
     ]
