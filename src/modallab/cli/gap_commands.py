@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.options import JSON_HELP, add_saying
+
 
 class _Commands(Protocol):
     # argparse gives its own class for this no public name.
@@ -42,8 +44,9 @@ def _add_diagnose(actions: _Commands) -> None:
         "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
     )
     command.add_argument("--diagnosis", type=Path, metavar="D.json", help="of the bench, with --simulation, if known")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
 
 
 def _add_predict(actions: _Commands) -> None:

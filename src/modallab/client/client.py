@@ -27,6 +27,7 @@ from modallab.core.plan import Plan
 
 ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
+"""Kinds that are ordered of a campaign; an estimate is ordered of a run."""
 
 
 class Client(ArchiveCalls, QueueCalls, UserCalls):

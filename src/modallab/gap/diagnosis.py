@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
@@ -18,7 +18,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import left
+from modallab.gap.model.share import discrepancies, left
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
@@ -191,6 +191,7 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
         share_before=_percent(twin, data, hz),
         share_after=_percent(fitted, data, hz),
+        discrepancy=_discrepancy(fitted, data),
     )
 
 
@@ -201,6 +202,14 @@ def _resonances_hz(prepared: Prepared) -> list[float]:
 def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
     at, away = left(data, forward(twin, data), np.array(resonances_hz))
     return Percent(at_resonance=at, away=away)
+
+
+def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
+    found = discrepancies(data, forward(twin, data))
+    if not found:
+        return None
+    worst = max(found, key=lambda name: found[name])
+    return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
 
 
 def _shrink(

@@ -79,6 +79,12 @@ class DiagnoseParameters(Frozen):
     hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
 
 
+class EstimateParameters(Frozen):
+    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at anew."""
+
+    as_of: Annotated[str, Field(pattern="^[0-9a-f]{0,64}$")] = ""
+
+
 class BlindParameters(BlindRequest):
     """As `modallab gap blind`; a job computes them one after another, so that there may be fewer."""
 
@@ -91,6 +97,7 @@ PARAMETERS: dict[str, type[Frozen]] = {
     "identify": IdentifyParameters,
     "report": ReportParameters,
     "diagnose": DiagnoseParameters,
+    "estimate": EstimateParameters,
     "blind": BlindParameters,
 }
 """Kind -> its parameters."""

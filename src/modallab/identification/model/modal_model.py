@@ -13,6 +13,13 @@ from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
 
+Residues = tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]
+"""Modal constants (modes, outputs, inputs), the sigmas of their parts, and residual terms (powers, outputs, inputs)."""
+FOLDED = tuple(range(9))
+"""Powers of s that stand for a mode above the band; the odd ones for its damping."""
+FOLDED_LINES = 400
+"""Frequencies at which they are made to."""
+
 
 def model_of_fit(
     fit: Fit,
@@ -23,6 +30,7 @@ def model_of_fit(
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
     method: str = USUAL,
+    seen: Residues | None = None,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -35,15 +43,16 @@ def model_of_fit(
         readings: half-power readings and their floor, each (kept modes,) by rising frequency.
         notes: what was found on the way.
         method: the estimator that gave the start.
+        seen: constants and residual terms that are not those of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    constants, of_parts = fit.modal_constants
+    constants, of_parts, terms = seen or (*fit.modal_constants, residuals(fit))
     output_points = tuple(c.point for c in rig.responses)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
     split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
-    powers, terms = _residual_terms(fit, keep, constants)
+    powers, terms = _residual_terms(fit, keep, (constants, terms), band_hz)
     return ModalModel(
         method=method,
         test=test,
@@ -79,22 +88,37 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
 
 
 def _residual_terms(
-    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128]
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    seen: tuple[NDArray[np.complex128], NDArray[np.float64]],
+    band_hz: tuple[float, float],
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
-    """The fit's residual terms, with each mode left out (above the band) added as a series in s.
-
-    A / (omega^2 + s^2) = A / omega^2 (1 - s^2 / omega^2 + s^4 / omega^4 - ...), damping left out.
-    """
-    at = fit.point.parameters
-    powers = sorted({*fit.problem.powers, *((0, 2, 4, 6, 8) if not np.all(keep) else ())})
+    """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
+    at, (constants, own) = fit.point.parameters, seen
+    powers = sorted({*fit.problem.powers, *(FOLDED if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
-    for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
+    for power, term in zip(fit.problem.powers, own, strict=True):
         terms[powers.index(power)] += term
-    out_of_band = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
-    for omega, constant in zip(at.omega[out_of_band], constants[out_of_band].real, strict=True):
-        for half, power in enumerate((0, 2, 4, 6, 8)):
-            terms[powers.index(power)] += (-1) ** half * constant / omega ** (2 + power)
+    poles = poles_of(at.omega, at.zeta)
+    for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
+        residue = constants[r] / (2j * poles[r].imag)
+        for power, (along, across) in zip(FOLDED, _as_powers(complex(poles[r]), band_hz), strict=True):
+            terms[powers.index(power)] += along * residue.real + across * residue.imag
     return tuple(powers), terms
+
+
+def _as_powers(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
+    """Factors (powers, 2) of the powers of s that stand in the band for a pole pair of residue 1, and of residue j.
+
+    By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.
+    """
+    omega = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
+    s, top = 1j * omega, float(omega[-1])
+    up, down = s / (s - pole), s / (s - pole.conjugate())
+    columns = np.stack([s * (s / top) ** power for power in FOLDED], axis=1)
+    values = np.stack([up + down, 1j * (up - down)], axis=1)
+    factors = np.linalg.lstsq(np.vstack([columns.real, columns.imag]), np.vstack([values.real, values.imag]))[0]
+    return np.asarray(factors / top ** np.array(FOLDED, dtype=np.float64)[:, None], np.float64)
 
 
 def without_sigma(model: ModalModel) -> ModalModel:

@@ -27,6 +27,24 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
     return job
 
 
+def order_estimate(service: Service, run: str, operator: str) -> Job:
+    """Order the modes of a run as far as it has come.
+
+    Raises:
+        NotFoundError: no such run in a campaign.
+        ConflictError: it has no good block yet, or the campaign is archived or deleted.
+    """
+    entry = service.repository.entry(run)
+    if entry is None:
+        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
+    SetAside(service.engine).require_present(entry.campaign)
+    if not _counts(service, run):
+        raise ConflictError("it has no good block yet", where=run, remedy="wait for the first one")
+    job = service.jobs.submit("estimate", {"as_of": service.store.revision((run,))}, (run,))
+    service.repository.add_job(entry.campaign, job, operator)
+    return job
+
+
 def order_blind(service: Service, new: JobNew, operator: str) -> Job:
     """Order blind trials, and keep who did.
 
