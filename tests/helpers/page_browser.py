@@ -19,10 +19,10 @@ LONG_SINE = {
 }
 """A test that goes on for as long as anything may be done to it."""
 BENCH = (
-    "sim://cantilever?seed=3&zeta=0.01&bad_hits=0.5&pace=1&speed=20&reaction_s=0.1,0.2"
+    "sim://cantilever?seed=32&zeta=0.01&bad_hits=0.3&pace=1&speed=20&reaction_s=0.1,0.2"
     "&effect=added_mass,mass=0.04,x=0.63"
 )
-"""In its order of hits a bad one comes early; samples come faster than the clock, and the rig file knows of no mass."""
+"""In its order of hits a bad one comes first, then good ones; samples come faster than the clock, and the rig file knows of no mass."""
 
 PICTURES = os.environ.get("MODALLAB_PICTURES", "")
 """Folder to which the tests write what they see; none by default. The bench then is as slow as a person."""

@@ -50,7 +50,7 @@ def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
     ada.begin("Impact test", IMPACT)
     ada.page.wait_for_selector(".prompt[data-mood=rejected]")
     ada.picture("impact", whole=False)
-    ada.page.wait_for_selector(".togo:has-text('1 of 4')")
+    ada.page.wait_for_selector(".togo:not(:has-text('0 of 4'))")
     ada.page.keyboard.press("PageUp")
     ada.page.wait_for_selector(DONE)
     yield ada
