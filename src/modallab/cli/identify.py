@@ -31,6 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     options = Options(
         method=arguments.method,
         band_hz=band,
+        max_order=arguments.order,
         pick_hz=tuple(arguments.pick or ()),
         drop_hz=tuple(arguments.drop or ()),
         refine=arguments.refine,
