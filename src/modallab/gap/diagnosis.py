@@ -24,7 +24,7 @@ from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
-from modallab.gap.report.inspected import harm, inspected, shown
+from modallab.gap.report.inspected import harm, inspected, known_already, shown
 from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
@@ -75,7 +75,7 @@ def diagnose(
     report(0.85, "where the gap lies and what it is made of")
     choice = choose(bench, levels, unseen if campaign.rig.tolerance.of_assembly else None)
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
-    seen = [f for f in shows if not _harmless(prepared, f)]
+    seen = [f for f in shows if not _harmless(prepared, f) and not known_already(f, campaign.rig)]
     # Effects the records show but whose names must not be used.
     withheld = [name for name in shown(prepared) if not allowed(name)]
     ranked = probabilities(choice)
@@ -110,6 +110,11 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
             f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
             for f in shows
             if _harmless(prepared, f)
+        ),
+        *(
+            f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
+            for f in shows
+            if known_already(f, prepared.campaign.rig)
         ),
     ]
 
