@@ -33,7 +33,14 @@ def made_diagnosis(rig: Rig, *effects: Effect, verdict: Verdict = "known", proba
         where=Where(stage=stage, channels=[], x_m=x, tests=["impact"], bands=[], share=1.0, why=[]),
         effects=found,
         candidates=[],
-        shrink=Shrink(held_out=["impact_p10"], before=300.0, after=1.1, closed=0.999, interval=(0.99, 1.0), rival={}),
+        shrink=Shrink(
+            held_out=["impact_p10_0", "impact_p10_1"],
+            before=300.0,
+            after=1.1,
+            closed=0.999,
+            interval=(0.99, 1.0),
+            rival={},
+        ),
         next_experiment="",
         twin=Calibrated(
             youngs_modulus_pa=2.06e11,

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.options import JSON_HELP, add_saying
+
 
 class _Commands(Protocol):
     # argparse gives its own class for this no public name.
@@ -23,7 +25,12 @@ def add_gap_commands(commands: _Commands) -> None:
     command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
     command.set_defaults(module="effects")
     _add_revisions(actions)
+    _add_export(actions)
+    _add_next(actions)
     _add_blind(actions)
+    command = actions.add_parser("paper", help="what explains each number of the paper's Table 1")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
+    command.set_defaults(module="gap_paper")
 
 
 def _add_diagnose(actions: _Commands) -> None:
@@ -40,8 +47,9 @@ def _add_diagnose(actions: _Commands) -> None:
         "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
     )
     command.add_argument("--diagnosis", type=Path, metavar="D.json", help="of the bench, with --simulation, if known")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
 
 
 def _add_predict(actions: _Commands) -> None:
@@ -85,3 +93,30 @@ def _add_blind(actions: _Commands) -> None:
     command.add_argument("--workers", type=int, metavar="N", help="processes (default: one a processor)")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, whose workers see the folder (default: none)")
     command.set_defaults(module="gap_blind")
+
+
+def _add_export(actions: _Commands) -> None:
+    command = actions.add_parser("export", help="the corrected simulation, in a form that other programs simulate with")
+    command.add_argument("diagnosis", type=Path, metavar="D.json")
+    command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="that it was diagnosed with")
+    command.add_argument("--form", required=True, choices=("npz", "mat", "mjcf", "uff"))
+    command.add_argument("--out", type=Path, required=True, metavar="FILE")
+    command.add_argument("--test", choices=("impact", "sine"), help="only this one (default: all, for mjcf the impact)")
+    command.add_argument("--rate", type=float, metavar="HZ", help="npz and mat: in steps of this rate too")
+    command.add_argument("--on", type=Path, metavar="CAMPAIGN", help="measure its gap to these records, in this form")
+    command.add_argument("--records", type=int, metavar="N", help="at most so many of them (default: all held out)")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write what was measured as JSON")
+    command.set_defaults(module="gap_export")
+
+
+def _add_next(actions: _Commands) -> None:
+    command = actions.add_parser("next", help="the experiment that separates what a diagnosis has left standing")
+    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
+    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
+    command.add_argument("--run", dest="run_it", action="store_true", help="run it on the bench, and diagnose anew")
+    command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
+    command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")
+    command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write all records as one campaign")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the new diagnosis as JSON")
+    command.set_defaults(module="gap_next")

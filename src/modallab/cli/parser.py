@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
+from modallab.cli.options import JSON_HELP, add_saying
 from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
@@ -49,6 +50,7 @@ def _add_demo(commands: _Commands) -> None:
     demo.add_argument(
         "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
     )
+    add_saying(demo)
     demo.set_defaults(module="demo")
 
 
@@ -61,6 +63,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
+    add_saying(command)
     command.set_defaults(module="import_")
 
 
@@ -81,8 +84,9 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
     command.set_defaults(module="identify")
 
 

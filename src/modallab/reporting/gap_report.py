@@ -6,7 +6,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import BudgetRow, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
-from modallab.gap.report.summary import in_percent, sentence
+from modallab.gap.report.summary import in_percent, place_in_words, sentence
 from modallab.gap.revisions.history import history
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture, budget_bars, pair_bars, shrink_bar
@@ -78,7 +78,7 @@ def _effects(diagnosis: Diagnosis) -> Markup | None:
                 ]
             )
         if not kind.parameters:
-            rows.append([model_of(found.effect).spoken, str(found.place), "", "", f"{found.probability:.2f}"])
+            rows.append([model_of(found.effect).spoken, place_in_words(found), "", "", f"{found.probability:.2f}"])
     head = ["effect", "parameter", "value", "95 % interval", "probability"]
     return section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
 

@@ -2,8 +2,8 @@
 
 Real modal form (Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems, 2019, ch. 7): a pole p and its
 conjugate are two states. Of an acceleration s^2 / (s - p) = s + p + p^2 / (s - p), the first term sums to nothing over
-all modes. What the modes left out add is static; their mass is one fast mode an input. A step of time holds a straight line
-between two samples of the force (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, ch. 6).
+all modes. What the modes left out add is static; their mass is one fast mode an input. A step of time holds a straight
+line between two samples of the force (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, ch. 6).
 """
 
 from dataclasses import dataclass, replace
@@ -84,21 +84,28 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
     rows = tuple(c.index for c in rig.responses)
     x = sensor_positions(twin.chain, modes, rows, np.array([rig.x_of(c.point or 0) for c in rig.responses]))
     order = np.array([2 - twin.chain.integrals.get(row, 0) for row in rows])
-    bare = _with_residual(_modal(modes, x, drive, order), twin, modes, x, drive, order)
+    bare = _with_residual(modal(modes.poles, modes.at(x), modes.at(drive), order), twin, modes, x, drive, order)
     chained = _through(bare, twin.chain, rows, test)
     gains = np.array([twin.hit_gain(p.x_m) if hit else 1.0 for p in rig.points])
     return replace(chained, B=chained.B * gains, D=chained.D * gains, clock=twin.clock)
 
 
-def _modal(modes: Modes, x: Array, drive: Array, order: NDArray[np.int64]) -> StateSpace:
-    poles, out, into = modes.poles, modes.at(x), modes.at(drive)
-    A = block_diag(*([[p.real, -p.imag], [p.imag, p.real]] for p in poles))
-    B = np.stack([into.real.T, into.imag.T], axis=1).reshape(-1, len(drive))
+def modal(poles: Complex, out: Complex, into: Complex, order: NDArray[np.int64]) -> StateSpace:
+    """The state space of modes.
+
+    Args:
+        poles: (p,) rad/s, one of each conjugate pair.
+        out: (channels, p) shapes where the outputs are, scaled as in `Modes`.
+        into: (points, p) shapes where the forces act.
+        order: (channels,) times the displacement is differentiated.
+    """
+    A = block_diag(*(np.array([[p.real, -p.imag], [p.imag, p.real]], dtype=np.float64) for p in poles))
+    B = np.asarray(np.stack([into.real.T, into.imag.T], axis=1), dtype=np.float64).reshape(-1, len(into))
     seen = 2 * out * poles ** order[:, None]
-    C = np.stack([seen.real, -seen.imag], axis=2).reshape(len(x), -1)
+    C = np.stack([seen.real, -seen.imag], axis=2).reshape(len(out), -1)
     # At once an acceleration answers: the inverse of the mass that the modes carry.
     D = np.where(order[:, None] == 2, 2 * np.real((out * poles) @ into.T), 0.0)
-    return StateSpace(A, B, C, D, np.zeros(len(x)))
+    return StateSpace(A, B, C, D, np.zeros(len(out)))
 
 
 def _with_residual(
@@ -111,7 +118,7 @@ def _with_residual(
     omega = FAST * float(np.max(np.abs(modes.poles)))
     n = len(drive)
     A = np.kron(np.eye(n), [[0.0, 1.0], [-(omega**2), -2 * FAST_ZETA * omega]])
-    B = np.kron(np.eye(n), [[0.0], [omega**2]])
+    B = np.asarray(np.kron(np.eye(n), [[0.0], [omega**2]]), dtype=np.float64)
     rows = {0: [1.0, 0.0], 1: [0.0, 1.0], 2: [-(omega**2), -2 * FAST_ZETA * omega]}
     C = np.array([np.kron(R[k], rows[int(o)]) for k, o in enumerate(order)])
     D = np.where(order[:, None] == 2, R * omega**2, 0.0)

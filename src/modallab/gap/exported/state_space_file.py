@@ -36,11 +36,12 @@ def write_state_space(path: Path, systems: Mapping[Test, StateSpace], rig: Rig, 
             stepped = system.at_rate(rate_hz)
             content |= {f"{name}d_{test}": value for name, value in zip(MATRICES, stepped, strict=True)}
             content["rate_hz"] = rate_hz
-    with replacing(path) as draft, draft.open("wb") as out:
+    with replacing(path) as draft:
         if path.suffix == ".mat":
-            savemat(out, content)
+            savemat(str(draft), content, appendmat=False)
         else:
-            np.savez_compressed(out, **content)
+            with draft.open("wb") as out:
+                np.savez_compressed(out, **content)
 
 
 def read_state_space(path: Path) -> dict[Test, StateSpace]:
@@ -52,13 +53,12 @@ def read_state_space(path: Path) -> dict[Test, StateSpace]:
     try:
         content: Mapping[str, Any] = loadmat(path) if path.suffix == ".mat" else np.load(path)
         tests: list[Test] = [test for test in ("impact", "sine") if f"A_{test}" in content]
-        return {
-            test: StateSpace(
-                *(np.asarray(content[f"{name}_{test}"], dtype=np.float64) for name in MATRICES),
-                np.asarray(content[f"delay_s_{test}"], dtype=np.float64).ravel(),
-                float(np.asarray(content[f"clock_{test}"]).item()),
-            )
-            for test in tests
-        }
+        return {test: _system(content, test) for test in tests}
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise FormatError(f"is no state space: {error}", where=str(path), remedy="export it anew") from error
+
+
+def _system(content: Mapping[str, Any], test: Test) -> StateSpace:
+    A, B, C, D = (np.asarray(content[f"{name}_{test}"], dtype=np.float64) for name in MATRICES)
+    delay = np.asarray(content[f"delay_s_{test}"], dtype=np.float64).ravel()
+    return StateSpace(A, B, C, D, delay, float(np.asarray(content[f"clock_{test}"]).item()))

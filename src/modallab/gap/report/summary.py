@@ -1,5 +1,8 @@
 """A diagnosis in one sentence."""
 
+from collections.abc import Sequence
+from typing import cast
+
 from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
 from modallab.core.effects import kind_of
 from modallab.twin.effects import model_of
@@ -66,10 +69,16 @@ def spoken(found: Found) -> str:
     """An effect with its numbers, its place and its probability."""
     kind = kind_of(found.effect)
     numbers = ", ".join(f"{p.name} = {found.parameters[p.name]:.{UNITS}g} {p.unit}".strip() for p in kind.parameters)
-    place = ""
-    if "x_m" in found.place:
-        place = f" at {found.place['x_m']:.3f} m"
-    elif "channel" in found.place and found.place["channel"] != "all":
-        place = f" on channel {found.place['channel']}"
-    name = model_of(found.effect).spoken
-    return f"{name}{place} ({numbers + '; ' if numbers else ''}probability {found.probability:.2f})"
+    place = place_in_words(found)
+    name = " ".join(filter(None, (model_of(found.effect).spoken, place)))
+    return f"{name} ({numbers + '; ' if numbers else ''}probability {found.probability:.2f})"
+
+
+def place_in_words(found: Found) -> str:
+    """Where an effect acts: "at 0.622 m", "on channel 3", "on channels 3 and 7"; "" where it has no place."""
+    place, channel = found.place, found.place.get("channel")
+    if isinstance(place.get("x_m"), float):
+        return f"at {place['x_m']:.3f} m"
+    if isinstance(channel, list | tuple):
+        return f"on channels {' and '.join(map(str, cast('Sequence[object]', channel)))}"
+    return "" if channel is None or channel == "all" else f"on channel {channel}"

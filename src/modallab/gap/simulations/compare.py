@@ -98,7 +98,7 @@ def compare(campaign: Campaign, records: Records, bench: Diagnosis | None = None
     names = _names_held(campaign, known)
     raw = held_against(campaign, records, names)
     corrected = held_against(campaign, _corrected(campaign, records, known, simulation), names)
-    lacks, has, differs = _differences(known, simulation)
+    lacks, has, differs = differences(known, simulation)
     channels = [campaign.rig.channels[c].name for c in raw.channels]
     return Compared(
         rig=campaign.rig.name,
@@ -150,7 +150,8 @@ def _require_all(campaign: Campaign, records: Records) -> None:
 
 def _names_held(campaign: Campaign, bench: Diagnosis) -> set[str]:
     """The records that the bench's diagnosis held out; all where it held out none."""
-    return set(bench.shrink.held_out) or {b.name for b in usable(as_volts(campaign))}
+    there = {b.name for b in usable(as_volts(campaign))}
+    return there & set(bench.shrink.held_out) or there
 
 
 def _corrected(campaign: Campaign, records: Records, bench: Diagnosis, simulation: Diagnosis) -> dict[str, Array]:
@@ -158,7 +159,8 @@ def _corrected(campaign: Campaign, records: Records, bench: Diagnosis, simulatio
     return {name: records[name] + of_bench[name] - of_simulation[name] for name in of_bench}
 
 
-def _differences(bench: Diagnosis, simulation: Diagnosis) -> tuple[list[Found], list[Found], list[Differs]]:
+def differences(bench: Diagnosis, simulation: Diagnosis) -> tuple[list[Found], list[Found], list[Differs]]:
+    """What the bench alone has, what the simulation alone has, and what both have otherwise."""
     both = [(b, s) for b in bench.effects for s in simulation.effects if _same(b, s)]
     lacks = [b for b in bench.effects if not any(b is pair[0] for pair in both)]
     has = [s for s in simulation.effects if not any(s is pair[1] for pair in both)]

@@ -109,7 +109,7 @@ def proportional_damping(model: ModalModel) -> Verdict:
         value, limit, MOST_PHASE_RAD, f"noise alone turns the points of a mode by {np.degrees(limit):.2g} degrees"
     )
     words = (
-        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) stand off one phase by "
+        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move out of phase by "
         f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
     )
     return Verdict("proportional damping", value <= limit, value, limit, words)
@@ -148,7 +148,10 @@ def driving_point(frf: Frf) -> Verdict:
     worst = max(shares)
     if worst <= CHANGE_LIMIT and max(known) < LEAST_LINES:
         raise _unsaid(f"{100 * max(known):.2g} % of the driving point's lines stand out of the noise")
-    words = f"Power flows out of a driving point at {100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % may."
+    words = (
+        "A driving-point mobility has a negative real part, as no passive structure has, at "
+        f"{100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % are allowed."
+    )
     return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
 
 
