@@ -165,7 +165,7 @@ def test_a_report_opens_beside_the_page(recorded: Watched) -> None:
     report.value.close()
 
 
-def look_at(recorded: Watched, view: str, campaign: str) -> None:
+def show(recorded: Watched, view: str, campaign: str) -> None:
     """A view with something to see in it."""
     recorded.view(view)
     if view in SEEN:
@@ -177,7 +177,7 @@ def look_at(recorded: Watched, view: str, campaign: str) -> None:
 def test_everybody_can_read_every_view(recorded: Watched, campaign: str, scheme: str) -> None:
     recorded.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
     for view in VIEWS:
-        look_at(recorded, view, campaign)
+        show(recorded, view, campaign)
         if (view, scheme) == ("Model", "dark"):
             recorded.picture("dark")
         found = Axe().run(recorded.page).response["violations"]
@@ -187,7 +187,7 @@ def test_everybody_can_read_every_view(recorded: Watched, campaign: str, scheme:
 def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched, campaign: str) -> None:
     recorded.page.set_viewport_size({"width": 390, "height": 800})
     for view in VIEWS:
-        look_at(recorded, view, campaign)
+        show(recorded, view, campaign)
         assert recorded.page.evaluate("document.documentElement.scrollWidth") <= 390, view
         assert recorded.page.is_visible("button.stop")
         if view == "Gap":

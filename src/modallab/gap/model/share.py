@@ -22,7 +22,7 @@ NODE = 0.03
 DROWNED = 2500.0
 """A record whose squares are fewer times its noise's says nothing of a percent."""
 CHANCE = 3.0
-"""Deviations of a sum of squares of noise up to which noise may have left what is left it."""
+"""Deviations of a sum of squares of noise up to which noise may have left what exceeds it."""
 HALF_WIDTHS = 3.0
 """Half-power half-widths about a frequency that count as at resonance, at this damping ratio:"""
 DAMPING = 0.006
@@ -95,7 +95,7 @@ def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Array) -> tup
 
 
 def discrepancies(data: Reduced, answers: Sequence[Complex]) -> dict[str, float]:
-    """Record -> what a twin leaves of it left noise, as a share of its response; 0 where noise may have left it.
+    """Record -> what a twin leaves of it besides noise, as a share of its response; 0 where noise may have left it.
 
     Records that drown in noise are left out.
     """
