@@ -4,7 +4,7 @@
 
 Each record is a set of blocks of a closed-form structure driven by a hit, a sine, random drive, bursts, a periodic
 random signal or a chirp. It prints, per kind and label, how many were rejected, and how many gave a model: those are
-silent answers. Rightly labelled sets are run as well: each must give a model or a reason other than its label.
+answers without notice. Rightly labelled sets are run as well: each must give a model or a reason other than its label.
 """
 
 import argparse
@@ -40,8 +40,8 @@ def main() -> None:
     wrong = Counter((*pairs[i % len(pairs)], outcome(*pairs[i % len(pairs)], i)) for i in range(arguments.records))
     for (kind, label, what), count in sorted(wrong.items()):
         print(f"{kind:14} labelled {label:14} {what:24} {count}")
-    silent = sum(count for (*_, what), count in wrong.items() if what == "a model")
-    print(f"silent answers: {silent} of {arguments.records} (goal 0)")
+    unnoticed = sum(count for (*_, what), count in wrong.items() if what == "a model")
+    print(f"answers without notice: {unnoticed} of {arguments.records} (goal 0)")
     for i in range(arguments.right):
         kind = TESTS[i % len(TESTS)]
         print(f"{kind:14} rightly labelled: {outcome(kind, kind, 1000 + i)}", flush=True)

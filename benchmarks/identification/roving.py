@@ -111,8 +111,9 @@ def main() -> None:
             in_f += one
             in_zeta += other
             took = time.process_time() - begin
+            held = f"{sum(one)} and {sum(other)} of {found} intervals hold"
             print(
-                f"scatter {scatter} % seed {seed}: {found} of {f.size} modes, {spurious} spurious, {took:.1f} s",
+                f"{scatter} % seed {seed}: {found} of {f.size} modes, {spurious} spurious, {held}, {took:.0f} s",
                 flush=True,
             )
         if in_f:

@@ -37,7 +37,7 @@ CLICKED = "addEventListener('click', () => { window.clicked = Date.now(); }, tru
 
 def hits(browser: Browser, folder: Path, count: int) -> list[float]:
     """ms from each block's event to its FRF, in order."""
-    with ServiceProcess(folder / "data", "--no-jobs", bench=BENCH.replace("bad_hits=0.5", "bad_hits=0")) as service:
+    with ServiceProcess(folder / "data", "--no-jobs", bench=BENCH.replace("bad_hits=0.3", "bad_hits=0")) as service:
         page = Watched(browser, service.url + service.client.login_link().path)
         page.page.set_default_timeout(3_600_000)
         page.page.evaluate(DRAWN)

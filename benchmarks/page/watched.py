@@ -55,15 +55,21 @@ def main() -> int:
             run = begin(service, arguments.rate)
             alone = share_of(service, arguments.seconds)
             page = Watched(browser, service.url + service.client.login_link().path)
+            messages: list[int] = []
+            page.page.on("websocket", lambda one: one.on("framereceived", lambda _: messages.append(1)))
+            page.page.reload()
             page.page.wait_for_selector(".lamp.good:text-is('in range')")
             page.page.evaluate(COUNT)
+            messages.clear()
             watched = share_of(service, arguments.seconds)
+            page.page.wait_for_timeout(1)
             pictures = page.page.evaluate("window.pictures") / arguments.seconds
             page.close()
             view = service.client.run(run)
     load = os.getloadavg()[0]
     print(
-        f"{arguments.channels} channels at {arguments.rate:g} Hz, run {view.state}: {pictures:.1f} pictures a second;"
+        f"{arguments.channels} channels at {arguments.rate:g} Hz, run {view.state}: {pictures:.1f} pictures a second of"
+        f" {len(messages) / arguments.seconds:.1f} messages;"
         f" the REST process takes {100 * (watched - alone):.1f} % of a core for the page, {100 * alone:.1f} % without;"
         f" load {load:.0f} on {psutil.cpu_count()} cores"
     )

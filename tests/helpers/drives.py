@@ -19,7 +19,8 @@ def force(kind: Test, rng: np.random.Generator) -> NDArray[np.float64]:
     t = np.arange(total) / RATE
     if kind == "impact":
         width, at = rng.uniform(0.003, 0.012), rng.uniform(0.02, 0.1)
-        return sum(bench.pulse(total, RATE, k * N / RATE + at, width, rng.uniform(20, 80)) for k in range(BLOCKS + 1))
+        hits = [bench.pulse(total, RATE, k * N / RATE + at, width, rng.uniform(20, 80)) for k in range(BLOCKS + 1)]
+        return np.sum(hits, axis=0)
     if kind == "sine":
         return rng.uniform(1, 10) * np.sin(2 * np.pi * rng.uniform(4, 200) * t + rng.uniform(0, 6))
     low = rng.uniform(3, 10)

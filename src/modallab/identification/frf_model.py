@@ -16,23 +16,23 @@ from modallab.identification.likelihood.search import FIRST_LOOK, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
-from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
 from modallab.identification.setups.agreed import Agreed, agreed
 
 NOT_FROM_RECORDS = "Identified from FRFs, not from time records: what a block's end cut off could not be modelled."
 
 
-def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
-    """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
+    """The FRF at the lines of a band, None for all of them; never at 0 Hz, where mobility has no receptance.
 
     Raises:
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
-        IdentificationError: no stable pole.
+        IdentificationError: fewer than eight lines lie inside.
     """
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
     inside = frf.frequency_hz > 0
-    if options.band_hz is not None:
-        inside &= (frf.frequency_hz >= options.band_hz[0]) & (frf.frequency_hz <= options.band_hz[1])
+    if band_hz is not None:
+        inside &= (frf.frequency_hz >= band_hz[0]) & (frf.frequency_hz <= band_hz[1])
     # Lines ascend, so those of a band are neighbours, and looking at them needs no copy.
     lines = slice(int(np.argmax(inside)), int(np.argmax(inside)) + int(np.count_nonzero(inside)))
     used = replace(
@@ -42,6 +42,17 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         raise IdentificationError(
             f"the band holds {used.frequency_hz.size} lines of the FRF", remedy="widen the band to at least 8 lines"
         )
+    return used
+
+
+def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+
+    Raises:
+        DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
+        IdentificationError: no stable pole.
+    """
+    used = in_band(frf, options.band_hz)
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     estimate = estimate_poles(used, options.method, options.max_order)
     poles = start_poles(estimate.poles, estimate.orders, options)
@@ -56,8 +67,8 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         return _of_points(points, used, rig, band, options), points.fit
     keep = chosen(fit, band, options, first=True)
     if options.refined and np.any(keep) and not (np.all(keep) and fit.refined.settled):
-        at = fit.point.parameters
-        fit = fit_frf(used, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep])
+        at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
+        fit = fit_frf(used, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay])
         keep = chosen(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(
@@ -78,7 +89,6 @@ def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], op
     fit = points.fit
     found = np.sort(fit.point.parameters.omega) / (2 * np.pi)
     readings = half_power_readings(frf, found), np.full(found.size, np.nan)
-    seen = points.constants, points.sigma_of_parts, points.terms
     keep = np.ones(found.size, bool)
     notes = NOT_FROM_RECORDS, *points.notes
-    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, seen)
+    return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, points.seen)

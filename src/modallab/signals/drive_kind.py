@@ -95,9 +95,11 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
 def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
     votes = [_of_block(force, rate_hz) for force in forces]
-    most = max(votes, key=votes.count)
+    most: Test = max(votes, key=votes.count)
     repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
-    return "pseudo-random" if repeats else most
+    if repeats:
+        return "pseudo-random"
+    return most
 
 
 def _of_block(force: Real, rate_hz: float) -> Test:

@@ -22,7 +22,7 @@ NODE = 0.03
 DROWNED = 2500.0
 """A record whose squares are fewer times its noise's says nothing of a percent."""
 CHANCE = 3.0
-"""Deviations of a sum of squares of noise up to which noise may have left what is beyond it."""
+"""Deviations of a sum of squares of noise up to which noise may have left what exceeds it."""
 HALF_WIDTHS = 3.0
 """Half-power half-widths about a frequency that count as at resonance, at this damping ratio:"""
 DAMPING = 0.006
@@ -95,7 +95,7 @@ def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Array) -> tup
 
 
 def discrepancies(data: Reduced, answers: Sequence[Complex]) -> dict[str, float]:
-    """Record -> what a twin leaves of it beyond noise, as a share of its response; 0 where noise may have left it.
+    """Record -> what a twin leaves of it besides noise, as a share of its response; 0 where noise may have left it.
 
     Records that drown in noise are left out.
     """
@@ -104,11 +104,11 @@ def discrepancies(data: Reduced, answers: Sequence[Complex]) -> dict[str, float]
         used = np.isfinite(r.noise)
         noise = np.where(used, r.noise, 0.0)
         own = float(np.sum(np.where(used, np.abs(r.y) ** 2, 0.0)))
-        beyond = float(np.sum(np.where(used, np.abs(r.y - answers[r.at][:, r.lines]) ** 2, 0.0) - noise))
+        left = float(np.sum(np.where(used, np.abs(r.y - answers[r.at][:, r.lines]) ** 2, 0.0) - noise))
         # The square of a complex Gaussian number scatters by as much as it is.
-        sure = beyond > CHANCE * float(np.sqrt(np.sum(noise**2)))
+        sure = left > CHANCE * float(np.sqrt(np.sum(noise**2)))
         if own > DROWNED * float(np.sum(noise)):
-            found[r.name] = float(np.sqrt(beyond / own)) if sure else 0.0
+            found[r.name] = float(np.sqrt(left / own)) if sure else 0.0
     return found
 
 

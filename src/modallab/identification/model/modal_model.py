@@ -1,5 +1,7 @@
 """The modal model of a fit, in the paper's form."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,15 +12,52 @@ from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, find_estimator
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.rows import unstack
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
 
-Residues = tuple[NDArray[np.complex128], NDArray[np.complex128], NDArray[np.float64]]
-"""Modal constants (modes, outputs, inputs), the sigmas of their parts, and residual terms (powers, outputs, inputs)."""
 FOLDED = tuple(range(9))
 """Powers of s that stand for a mode above the band; the odd ones for its damping."""
 FOLDED_LINES = 400
 """Frequencies at which they are made to."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Seen:
+    """What a model takes of a fit beside its poles.
+
+    Attributes:
+        constants: (modes, outputs, inputs) modal constants.
+        sigma_of_parts: (modes, outputs, inputs) as `Fit.modal_constants` has it.
+        terms: (powers, outputs, inputs) residual terms.
+        feigned: (modes,) share of a mode's constants that misfit or scatter can pass off as another mode's.
+    """
+
+    constants: NDArray[np.complex128]
+    sigma_of_parts: NDArray[np.complex128]
+    terms: NDArray[np.float64]
+    feigned: NDArray[np.float64]
+
+
+def _of_fit(fit: Fit) -> Seen:
+    constants, sigma = fit.modal_constants
+    return Seen(constants, sigma, residuals(fit), _feigned(fit, constants))
+
+
+def _feigned(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """(modes,) the misfit of FRFs within each mode's width, over the height of its peak; 0 of blocks.
+
+    Where one pole does not explain all FRFs of a mode, what is left takes the place of a second shape.
+    """
+    at = fit.point.parameters
+    if fit.channels is None:
+        return np.zeros(at.omega.size)
+    grid = fit.problem.blocks[0].excitation.grid
+    left = np.sum(np.abs(unstack(fit.point.groups[0].residual)) ** 2, axis=0)
+    height = np.linalg.norm(constants.reshape(at.omega.size, -1), axis=1) * at.omega ** (grid.p - 2) / (2 * at.zeta)
+    near = np.abs(grid.omega - at.omega[:, None]) <= np.maximum(at.zeta * at.omega, np.diff(grid.omega).max())[:, None]
+    lines = np.maximum(near.sum(axis=1), 1)
+    return np.asarray(np.sqrt(near @ left / lines) / np.maximum(height, np.finfo(float).tiny), np.float64)
 
 
 def model_of_fit(
@@ -30,7 +69,7 @@ def model_of_fit(
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
     method: str = USUAL,
-    seen: Residues | None = None,
+    seen: Seen | None = None,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -43,16 +82,23 @@ def model_of_fit(
         readings: half-power readings and their floor, each (kept modes,) by rising frequency.
         notes: what was found on the way.
         method: the estimator that gave the start.
-        seen: constants and residual terms that are not those of the fit.
+        seen: of points that disagree, what is not that of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    constants, of_parts, terms = seen or (*fit.modal_constants, residuals(fit))
+    used = seen or _of_fit(fit)
+    constants, of_parts = used.constants, used.sigma_of_parts
     output_points = tuple(c.point for c in rig.responses)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
-    split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
+    split = split_repeated(
+        constants[ascending],
+        np.abs(of_parts[ascending]),
+        output_points,
+        fit.input_points,
+        used.feigned[ascending],
+    )
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
-    powers, terms = _residual_terms(fit, keep, (constants, terms), band_hz)
+    powers, terms = _residual_terms(fit, keep, (constants, used.terms), band_hz)
     return ModalModel(
         method=method,
         test=test,

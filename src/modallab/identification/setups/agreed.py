@@ -9,6 +9,7 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.model.modal_model import Seen
 from modallab.identification.options import Options
 from modallab.identification.setups.merge import Merged, merged
 from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
@@ -36,16 +37,12 @@ class Agreed:
 
     Attributes:
         fit: of all FRFs at the common poles, with the covariance that the scatter leaves.
-        constants: (modes, outputs, inputs) modal constants, each from its point's own fit.
-        sigma_of_parts: (modes, outputs, inputs) as `Fit.modal_constants` has it.
-        terms: (powers, outputs, inputs) residual terms, each from its point's own fit.
+        seen: modal constants and residual terms, each from its point's own fit.
         notes: on how far the points disagree, and which are off.
     """
 
     fit: Fit
-    constants: NDArray[np.complex128]
-    sigma_of_parts: NDArray[np.complex128]
-    terms: Real
+    seen: Seen
     notes: tuple[str, ...]
 
 
@@ -100,12 +97,16 @@ def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]
     covariance = np.diag((common.sigma**2).ravel())
     axis = 1 + roved_axis(frf)
     constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
-    return Agreed(
-        replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)),
+    # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
+    feigned = common.between[:, 0] / (zeta * omega)
+    seen = Seen(
         np.concatenate(constants, axis=axis),
         np.concatenate(sigma, axis=axis),
         np.concatenate([residuals(f) for f in points.fits], axis=axis),
-        notes,
+        feigned,
+    )
+    return Agreed(
+        replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)), seen, notes
     )
 
 

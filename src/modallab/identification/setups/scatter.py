@@ -2,7 +2,7 @@
 
 Points that were measured in one set-up share what it did to the poles. Points whose shifts agree in all modes within
 their sigmas are taken for one set-up, so that a shift counts once and not at every point.
-Source: DerSimonian and Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986); Paule and
+Sources: DerSimonian and Laird, "Meta-analysis in clinical trials", Controlled Clinical Trials 7 (1986); Paule and
 Mandel, "Consensus values and weighting factors", J. Res. NBS 87 (1982).
 """
 
