@@ -24,7 +24,8 @@ BENCH = (
     "sim://cantilever?seed=32&zeta=0.01&bad_hits=0.3&pace=1&speed=20&reaction_s=0.1,0.2"
     "&effect=added_mass,mass=0.04,x=0.63"
 )
-"""The first hit is a bad one and the next are good; samples come faster than the clock; the rig file knows of no mass."""
+"""The first hit is a bad one and the next are good; samples come faster than the clock; the rig
+file knows of no mass."""
 
 PICTURES = os.environ.get("MODALLAB_PICTURES", "")
 """Folder to which the tests write what they see; none by default. The bench then is as slow as a person."""

@@ -123,7 +123,8 @@ def test_a_diagnosis_is_put_into_the_simulation(recorded: Watched, served: Servi
 def test_two_runs_are_laid_over_each_other(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
     page = recorded.page
     run = served.client.campaigns()[0].runs[-1]
-    served.client.wait_for_job(served.client.jobs(served.client.campaigns()[0].id, "identify")[0].id)
+    recorded.view("Model")
+    page.wait_for_selector("canvas.diagram")
     recorded.view("Campaigns")
     page.click("button[aria-label$='revision 2']")
     page.check(f"input[value='{run}']")
@@ -164,7 +165,7 @@ def test_a_report_opens_beside_the_page(recorded: Watched) -> None:
     report.value.close()
 
 
-def visit(recorded: Watched, view: str, campaign: str) -> None:
+def show(recorded: Watched, view: str, campaign: str) -> None:
     """A view with something to see in it."""
     recorded.view(view)
     if view in SEEN:
@@ -176,7 +177,7 @@ def visit(recorded: Watched, view: str, campaign: str) -> None:
 def test_everybody_can_read_every_view(recorded: Watched, campaign: str, scheme: str) -> None:
     recorded.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
     for view in VIEWS:
-        visit(recorded, view, campaign)
+        show(recorded, view, campaign)
         if (view, scheme) == ("Model", "dark"):
             recorded.picture("dark")
         found = Axe().run(recorded.page).response["violations"]
@@ -186,7 +187,7 @@ def test_everybody_can_read_every_view(recorded: Watched, campaign: str, scheme:
 def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched, campaign: str) -> None:
     recorded.page.set_viewport_size({"width": 390, "height": 800})
     for view in VIEWS:
-        visit(recorded, view, campaign)
+        show(recorded, view, campaign)
         assert recorded.page.evaluate("document.documentElement.scrollWidth") <= 390, view
         assert recorded.page.is_visible("button.stop")
         if view == "Gap":

@@ -150,8 +150,8 @@ def _said(modes: list[PaperMode], listed: list[Explanation], apart: float) -> li
         f"that, {LINE_HZ / 2:.2f} Hz. Lines {' and '.join(lines)} are in the table.",
         f"Mode 1, {first.printed_damping:.2%}: any beam of {DAMPING[0]:.1%} to {DAMPING[-1]:.0%} reads "
         f"{first.plain[0]:.1%} to {first.plain[1]:.1%} in such a block without a window, and {first.hann[0]:.1%} to "
-        f"{first.hann[1]:.1%} under a Hann window. As a relative width it is a damping ratio of {first.as_width:.2%}, as "
-        "a damping ratio it is what the window leaves: either way it is the block, not the beam.",
+        f"{first.hann[1]:.1%} under a Hann window. As a relative width it is a damping ratio of {first.as_width:.2%}, "
+        "as a damping ratio it is what the window leaves: either way it is the block, not the beam.",
         f"Of mode 2's {second.printed_damping:.2%} and mode 3's {third.printed_damping:.2%} the block alone makes "
         f"{second.plain[0]:.1%} and {third.plain[0]:.1%}, under a Hann window {second.hann[0]:.1%} and "
         f"{third.hann[0]:.1%}: the rest may be the beam's.",
