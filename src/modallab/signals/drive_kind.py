@@ -5,7 +5,6 @@ moves one way all the time. What is left is random, in bursts if it stops within
 block repeats the last.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -95,8 +94,8 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
 
 def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
-    votes = [_of_block(force, rate_hz) for force in forces]
-    most = Counter(votes).most_common(1)[0][0]
+    votes: list[Test] = [_of_block(force, rate_hz) for force in forces]
+    most = max(votes, key=votes.count)
     repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
     if repeats:
         return "pseudo-random"
