@@ -172,16 +172,6 @@ def misfit(problem: Problem, u: Array) -> float:
     return 0.001
 
 
-<<<<<<< ours
-=======
-def _noise_share(problem: Problem, floor: float) -> float:
-    """Mean square that noise alone leaves while such an error is forgiven."""
-    used = [(rows, np.isfinite(rows.sigma)) for rows in all_rows(problem.data)]
-    shares = [(rows.sigma[at] / softened(rows, floor).sigma[at]) ** 2 for rows, at in used]
-    return float(np.mean(np.concatenate(shares))) if shares else 0.0
-
-
->>>>>>> theirs
 def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
