@@ -337,3 +337,22 @@ def test_a_report_is_written_whole_or_not_at_all(tmp_path, content):
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
     with pytest.raises(StorageError, match="missing"):
         write_report(tmp_path / "missing" / "report.html", bare)
+
+
+def test_the_page_begins_with_what_is_good_and_what_is_to_be_looked_at(content, slim):
+    good = Page(render(content))
+    marks = [a["class"] for a in good.all("li") if a.get("class") in ("good", "look")]
+    assert marks.count("good") >= 3
+    impact = content.outcomes[0]
+    poor = replace(impact.verification, frac=np.where(np.arange(10)[:, None] == 4, 0.31, impact.verification.frac))
+    page = Page(render(replace(slim, outcomes=(replace(slim.outcomes[0], verification=poor),))))
+    assert "look" in [a.get("class") for a in page.all("li")]
+    assert "The model does not repeat what was measured at all points in the impact test: FRAC 0.3100" in page.text
+
+
+def test_details_are_folded_and_a_link_leads_into_them(parsed):
+    folded = [a["id"] for a in parsed.all("section") if a.get("class") == "folded"]
+    assert "provenance" in folded
+    assert "modes" not in folded
+    linked = {a["href"][1:] for a in parsed.all("a")}
+    assert {f"{name}-unfolded" for name in folded} <= linked

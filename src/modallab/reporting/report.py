@@ -1,5 +1,6 @@
 """The report: one HTML file that holds everything it shows."""
 
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from modallab.reporting.figures import style
 from modallab.reporting.markup import Markup, tag, trusted
 from modallab.reporting.sections import (
     assumptions,
+    at_a_glance,
     half_power,
     model,
     provenance,
@@ -40,23 +42,29 @@ def render(content: ReportContent) -> str:
     found = modes(content.models, content.truth, content.confidence)
     parts = [
         table_of_modes.section(content, found),
-        half_power.section(content, found),
-        shapes.section(content),
         verification.section(content),
-        start.section(content),
+        shapes.section(content),
+        half_power.section(content, found),
         assumptions.section(content),
-        signals.section(content),
-        model.section(content),
-        rig.section(content),
-        provenance.section(content),
+        *(
+            replace(part, folded=True)
+            for part in (
+                start.section(content),
+                signals.section(content),
+                model.section(content),
+                rig.section(content),
+                provenance.section(content),
+            )
+        ),
     ]
     shown = [p for p in parts if p.body is not None]
     absent = _absent(parts)
     if absent is not None:
         shown.insert(len(shown) - 2, absent)
     head = tag(
-        "header", tag("h1", content.title), tag("p", summary.sentence(content, found), class_="lead"), _contents(shown)
-    )
+        "header", tag("h1", content.title), tag("p", summary.sentence(content, found), class_="lead"),
+        at_a_glance.glance(content, found), _contents(shown),
+    )  # fmt: skip
     body = tag("body", head, tag("main", *(p.render() for p in shown)))
     return f'<!DOCTYPE html>\n<html lang="en">{_head(content.title)}{body}</html>\n'
 
@@ -69,7 +77,7 @@ def _absent(parts: list[Section]) -> Section | None:
 
 
 def _contents(shown: list[Section]) -> Markup:
-    return tag("nav", *(tag("a", p.heading, href=f"#{p.anchor}") for p in shown), aria_label="Contents")
+    return tag("nav", *(tag("a", p.heading, href=f"#{p.target}") for p in shown), aria_label="Contents")
 
 
 def _head(title: str) -> Markup:

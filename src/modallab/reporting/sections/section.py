@@ -18,16 +18,27 @@ class Section:
         heading: its title.
         body: what it says; None leaves it out.
         absent: a sentence for each thing it could not show, and why.
+        folded: whether it is shown, and printed, only once it is asked for: detail that most readers do not need.
     """
 
     anchor: str
     heading: str
     body: Markup | None
     absent: tuple[str, ...] = ()
+    folded: bool = False
+
+    @property
+    def target(self) -> str:
+        """What a link leads to: within what is folded, so that a browser unfolds it."""
+        return f"{self.anchor}-unfolded" if self.folded else self.anchor
 
     def render(self) -> Markup:
         """The section as HTML."""
-        return tag("section", tag("h2", self.heading), self.body, id=self.anchor)
+        heading = tag("h2", self.heading)
+        if not self.folded:
+            return tag("section", heading, self.body, id=self.anchor)
+        inside = tag("div", self.body, id=self.target)
+        return tag("section", tag("details", tag("summary", heading), inside), id=self.anchor, class_="folded")
 
 
 def plate(figure: Figure, name: str, alt: str, caption: str, columns: int = 2) -> Markup:

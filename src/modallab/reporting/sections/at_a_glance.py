@@ -1,0 +1,87 @@
+"""What a reader wants to know in ten seconds: is it good, and if not, where to look."""
+
+from collections.abc import Iterator
+from math import isfinite
+
+import numpy as np
+
+from modallab.reporting.compare import Mode, verdict
+from modallab.reporting.content import Outcome, ReportContent
+from modallab.reporting.digits import glued, listed, plain, share
+from modallab.reporting.markup import Markup, tag
+from modallab.reporting.sections.summary import MATCH, compare_tests
+
+DOUBTFUL = 0.5
+"""A mode of a lower confidence may be noise, or what the model leaves unexplained."""
+
+
+def glance(content: ReportContent, modes: tuple[Mode, ...]) -> Markup | None:
+    """A short list, each line marked as good or as to be looked at; None without a model."""
+    if not content.models:
+        return None
+    lines = [
+        *_known(modes),
+        *(line for outcome in content.outcomes for line in _repeated(outcome)),
+        *_tests(modes),
+        *(line for outcome in content.outcomes for line in _assumed(outcome)),
+    ]
+    return tag("ul", *(_line(good, text) for good, text in lines), class_="glance", aria_label="At a glance")
+
+
+def _line(good: bool, text: str) -> Markup:
+    mark = tag("i", "\N{HEAVY CHECK MARK}" if good else "!", aria_label="good:" if good else "to be looked at:")
+    return tag("li", mark, tag("span", glued(text)), class_="good" if good else "look")
+
+
+def _known(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
+    readings = [mode.best for mode in modes]
+    f = [100 * r.frequency_sigma_hz / r.frequency_hz for r in readings]
+    zeta = [100 * r.damping_sigma / r.damping for r in readings if r.damping > 0]
+    if f and zeta and all(map(isfinite, (*f, *zeta))):
+        said = f"known to {plain(max(f), 2)} % or better, damping ratios to {plain(max(zeta), 2)} %"
+        yield True, f"Natural frequencies are {said} (one standard deviation)."
+    doubted = [plain(m.frequency_hz) for m in modes if _confidence(m) < DOUBTFUL]
+    if doubted:
+        yield False, f"Doubtful: {listed(doubted)} Hz, of a confidence below {DOUBTFUL:g}."
+
+
+def _confidence(mode: Mode) -> float:
+    found = [r.confidence for r in mode.readings if isfinite(r.confidence)]
+    return max(found, default=1.0)
+
+
+def _repeated(outcome: Outcome) -> Iterator[tuple[bool, str]]:
+    if outcome.verification is None:
+        return
+    found = np.nan_to_num(outcome.verification.frac, nan=0.0)
+    good = bool(found.min() >= MATCH)
+    said = "repeats what was measured" if good else "does not repeat what was measured at all points"
+    yield good, f"The model {said} in {_called(outcome)}: FRAC {share(found.min())} to {share(found.max())}."
+
+
+def _tests(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
+    pairs = compare_tests(modes)
+    apart = [d for _, *both in pairs for d in both if isfinite(d)]
+    if apart:
+        one, other = (r.test for r in pairs[0][0].readings[:2])
+        good = verdict(max(apart)) == "agree"
+        yield (
+            good,
+            f"The {one} and the {other} test {'agree' if good else 'differ'}: at most {max(apart):.1f} \u03c3 apart.",
+        )
+
+
+def _assumed(outcome: Outcome) -> Iterator[tuple[bool, str]]:
+    if outcome.assessment is None or not outcome.assessment.verdicts:
+        return
+    for holds in (True, False):
+        names = [v.assumption for v in outcome.assessment.verdicts if v.holds == holds]
+        if names:
+            many = len(names) > 1
+            said = ("hold" if many else "holds") if holds else ("do not hold" if many else "does not hold")
+            text = f"{listed(names)} {said} in {_called(outcome)}."
+            yield holds, text[0].upper() + text[1:]
+
+
+def _called(outcome: Outcome) -> str:
+    return f"the {outcome.test} test" if outcome.test else "the FRFs"
