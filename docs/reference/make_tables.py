@@ -43,7 +43,9 @@ def format_table() -> str:
     rows = ["| name | what it is | endings | holds | read, written | may need |", "|---|---|---|---|---|---|"]
     for one in all_formats():
         does = ", ".join(word for word, there in (("read", one.read), ("written", one.write)) if there)
-        asks = ", ".join(f"`--{option.removesuffix('_hz').replace('_', '-')}`" for option in one.asks)
+        asks = ", ".join(
+            f"`--{option.removesuffix('_hz').removesuffix('_s').replace('_', '-')}`" for option in one.asks
+        )
         endings = ", ".join(f"`{ending}`" for ending in one.endings)
         rows.append(f"| `{one.name}` | {one.description} | {endings} | {', '.join(one.holds)} | {does} | {asks} |")
     return "\n".join(rows)

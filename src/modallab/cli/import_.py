@@ -21,10 +21,14 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out
     _reject_own_source(out, arguments.sources)
     options = ImportOptions(
-        test=arguments.test, rate_hz=arguments.rate, drive_point=arguments.drive_point, volts=arguments.volts
+        test=arguments.test,
+        rate_hz=arguments.rate,
+        drive_point=arguments.drive_point,
+        volts=arguments.volts,
+        window_s=arguments.window,
     )
     with waiting("reading", progress=not arguments.hush):
-        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options)
+        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options, arguments.frequency)
     write_campaign(campaign, out)
     console = console_of(arguments)
     console.print(_contents(campaign))
