@@ -88,6 +88,9 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
+    command.add_argument(
+        "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
+    )
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))

@@ -178,7 +178,7 @@ class UnitExcitation:
 
     @property
     def _s(self) -> Lines:
-        return self.shift + 1j * self.grid.omega
+        return np.asarray(self.shift + 1j * self.grid.omega, np.complex128)
 
     def _weighted(self, values: Lines) -> Lines:
         return values if self.weight is None else values * self.weight
