@@ -68,6 +68,9 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument(
         "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
+    command.add_argument(
+        "--variable", nargs="+", default=[], metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel"
+    )
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")

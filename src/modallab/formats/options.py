@@ -23,6 +23,8 @@ class ImportOptions:
             each channel's own unit.
         frequency_hz: what the generator was set to in a sine test.
         window_s: time constant tau of the exponential window exp(-t / tau) that FRFs were made with.
+        variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
+            instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
     """
 
     test: Test = "impact"
@@ -31,6 +33,7 @@ class ImportOptions:
     volts: bool = False
     frequency_hz: float | None = None
     window_s: float | None = None
+    variables: tuple[tuple[str, str], ...] = ()
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""
