@@ -26,10 +26,10 @@ def run(arguments: argparse.Namespace) -> int:
         drive_point=arguments.drive_point,
         volts=arguments.volts,
         window_s=arguments.window,
-        variables=tuple(_pair(text) for text in arguments.variable),
+        variables=tuple(_pair(text) for text in arguments.variable or ()),
     )
     with waiting("reading", progress=not arguments.hush):
-        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options, arguments.frequency)
+        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options, arguments.frequency or ())
     write_campaign(campaign, out)
     console = console_of(arguments)
     console.print(_contents(campaign))

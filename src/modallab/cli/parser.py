@@ -62,15 +62,11 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--test", choices=TESTS, default="impact", help="what the recordings are of")
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
-    command.add_argument(
-        "--frequency", type=float, nargs="+", default=[], metavar="HZ", help="of the sine in each file, or in all"
-    )
+    command.add_argument("--frequency", type=float, nargs="+", metavar="HZ", help="of the sine in each file, or in all")
     command.add_argument(
         "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
-    command.add_argument(
-        "--variable", nargs="+", default=[], metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel"
-    )
+    command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")
