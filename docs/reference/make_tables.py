@@ -7,6 +7,8 @@ from modallab.formats import all_formats, writers
 from modallab.identification import Estimator, estimator_names, find_estimator
 
 HERE = Path(__file__).parent
+OPTIONS = {"window_s": "window", "variables": "variable"}
+"""Of the command line, where it calls what is asked otherwise."""
 
 
 def pages() -> dict[Path, str]:
@@ -43,7 +45,8 @@ def format_table() -> str:
     rows = ["| name | what it is | endings | holds | read, written | may need |", "|---|---|---|---|---|---|"]
     for one in all_formats():
         does = ", ".join(word for word, there in (("read", one.read), ("written", one.write)) if there)
-        asks = ", ".join(f"`--{option.removesuffix('_hz').replace('_', '-')}`" for option in one.asks)
+        options = (OPTIONS.get(option, option).removesuffix("_hz").replace("_", "-") for option in one.asks)
+        asks = ", ".join(f"`--{option}`" for option in options)
         endings = ", ".join(f"`{ending}`" for ending in one.endings)
         rows.append(f"| `{one.name}` | {one.description} | {endings} | {', '.join(one.holds)} | {does} | {asks} |")
     return "\n".join(rows)

@@ -85,3 +85,23 @@ def test_a_source_is_never_overwritten(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["import", str(source), "--rig", RIG, "--out", str(source)]) == 2
     assert "is one of the sources and would be overwritten" in capsys.readouterr().err
     assert source.read_bytes() == (DATA / "hammer_5hits.h5").read_bytes()
+
+
+def test_the_frequency_of_each_sine_is_given_at_import(
+    tmp_path: Path, good: np.ndarray, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sources = [save(tmp_path, good, f"sine_{k}.npy") for k in (1, 2)]
+    out = tmp_path / "campaign.h5"
+    command = ["import", *sources, "--rig", RIG, "--out", str(out), "--test", "sine", "--frequency"]
+    assert main([*command, "40", "50.5"]) == 0
+    assert [b.frequency_hz for b in read_campaign(out).blocks] == [40.0, 50.5]
+    assert main([*command, "40", "50", "60"]) == 2
+    assert "3 frequencies are given for 2 files" in capsys.readouterr().err
+    assert main(["import", *sources, "--rig", RIG, "--out", str(out), "--frequency", "40"]) == 2
+    assert "with --test sine" in capsys.readouterr().err
+
+
+def test_an_exponential_window_is_of_frfs(tmp_path: Path, good: np.ndarray, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "campaign.h5"
+    assert main(["import", save(tmp_path, good), "--rig", RIG, "--out", str(out), "--window", "0.5"]) == 2
+    assert "there are no FRFs" in capsys.readouterr().err

@@ -202,6 +202,7 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("no such axis", spoilt(rsp_dir=1), "set 2, 'NONE', node 2 +x, is no single channel of the rig"),
     ("rotation", spoilt(rsp_dir=6), "node 2 rotation about +z, is no single channel"),
     ("reference axis", spoilt(ref_dir=1), "set 2, reference: direction +x is not that of the rig, +z"),
+    ("field that helps", spoilt(ref_dir=1), "set drive_direction in the rig file to +x"),
     ("twice", spoilt(rsp_node=1), "sets 1 and 2 are both the FRF of channel a01 to node 2"),
     ("gap", frf_sets()[:2], "no FRF of channel a03"),
     ("gap in matrix", [*frf_sets(), *frf_sets(node=1)[:2]], "no FRF of channel a03 to node 1"),
@@ -271,3 +272,8 @@ def test_options_name_the_drive_point(tmp_path: Path) -> None:
     path = write_hit_uff(tmp_path / "hit.uff", hit(4), force_node=2)
     (block,) = import_sources([path], RIG, ImportOptions(drive_point=3)).blocks
     assert block.drive_point == 3
+
+
+def test_an_exponential_window_that_frfs_were_made_with_is_kept_with_them(tmp_path: Path) -> None:
+    (frf,) = import_sources([write_uff(tmp_path / "frf.uff", *frf_sets())], RIG, ImportOptions(window_s=0.5)).frfs
+    assert frf.damping_shift == 2.0

@@ -9,14 +9,17 @@ from rich.table import Table
 
 from modallab.cli.saying import OUT, console_of, write_json
 from modallab.core.block import Campaign
+from modallab.core.errors import ConfigurationError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
+from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
 from modallab.pipelines.identify import Result, identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
+from modallab.pipelines.response_only import identify_responses
 from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
@@ -37,6 +40,8 @@ def run(arguments: argparse.Namespace) -> int:
         refine=arguments.refine,
     )
     console = console_of(arguments)
+    if arguments.response_only:
+        _require_plain(arguments)
     if len(campaigns) > 1:
         with waiting("identifying", progress=not arguments.hush):
             joined = identify_setups(campaigns, options)
@@ -46,7 +51,10 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     (campaign,) = campaigns
     with waiting("identifying", progress=not arguments.hush):
-        result = identify_campaign(campaign, options, arguments.test)
+        if arguments.response_only:
+            result = identify_responses(campaign, arguments.test, band)
+        else:
+            result = identify_campaign(campaign, options, arguments.test)
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
@@ -57,6 +65,24 @@ def run(arguments: argparse.Namespace) -> int:
         write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
         console.print(f"report: {arguments.report}", markup=False)
     return 0
+
+
+def _require_plain(arguments: argparse.Namespace) -> None:
+    """Reject what the identification of responses alone has no place for."""
+    given = {
+        "several campaigns": len(arguments.campaign) > 1,
+        "--report": arguments.report is not None,
+        "--method": arguments.method != USUAL,
+        "--refine": arguments.refine is not None,
+        "--order": arguments.order is not None,
+        "--pick": arguments.pick is not None,
+        "--drop": arguments.drop is not None,
+    }
+    named = [name for name, there in given.items() if there]
+    if named:
+        raise ConfigurationError(
+            f"--response-only does not go with {', '.join(named)}", remedy="leave it out; --band and --test remain"
+        )
 
 
 def show_joined(console: Console, joined: Joined, report: Path | None) -> None:

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import StorageError
+from modallab.core.errors import ConfigurationError, StorageError
 from modallab.formats.campaign.campaign_hdf5 import campaign_file, write_campaign
 from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
@@ -21,10 +21,15 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out
     _reject_own_source(out, arguments.sources)
     options = ImportOptions(
-        test=arguments.test, rate_hz=arguments.rate, drive_point=arguments.drive_point, volts=arguments.volts
+        test=arguments.test,
+        rate_hz=arguments.rate,
+        drive_point=arguments.drive_point,
+        volts=arguments.volts,
+        window_s=arguments.window,
+        variables=tuple(_pair(text) for text in arguments.variable or ()),
     )
     with waiting("reading", progress=not arguments.hush):
-        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options)
+        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options, arguments.frequency or ())
     write_campaign(campaign, out)
     console = console_of(arguments)
     console.print(_contents(campaign))
@@ -32,6 +37,15 @@ def run(arguments: argparse.Namespace) -> int:
         console.print(f"note: {note}", markup=False, highlight=False)
     console.print(f"campaign: {out}", markup=False, highlight=False)
     return 0
+
+
+def _pair(text: str) -> tuple[str, str]:
+    channel, mark, name = text.partition("=")
+    if not (mark and channel and name):
+        raise ConfigurationError(
+            f"--variable {text!r} says no CHANNEL=NAME", remedy="write it as force=F or a1=data:2, without blanks"
+        )
+    return channel, name
 
 
 def _reject_own_source(out: Path, sources: list[Path]) -> None:

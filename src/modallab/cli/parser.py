@@ -62,6 +62,11 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--test", choices=TESTS, default="impact", help="what the recordings are of")
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
+    command.add_argument("--frequency", type=float, nargs="+", metavar="HZ", help="of the sine in each file, or in all")
+    command.add_argument(
+        "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
+    )
+    command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")
@@ -82,6 +87,9 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
+    command.add_argument(
+        "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
+    )
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))

@@ -74,6 +74,11 @@ Truth = Annotated[bool, Strict()]
 """What someone asks for or agrees to: true or false, and neither 1, "yes" nor "on", which may be a slip."""
 
 
+def absent(value: object) -> bool:
+    """Whether there is no array: one cannot be compared as `unstated` does."""
+    return value is None
+
+
 def unstated(value: object) -> bool:
     """Whether an optional field holds nothing: then it is not written, as in documents from before there was one."""
     return value is None or value == ()

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.frozen import ComplexArray, Frozen, RealArray, unstated
+from modallab.core.frozen import ComplexArray, Frozen, RealArray, absent, unstated
 from modallab.core.units import Test
 from modallab.core.versions import MODEL
 
@@ -66,6 +66,8 @@ class ModalModel(Frozen):
         half_power_floor: (modes,) what half-power reads for an undamped mode in a block of this length.
         notes: plain sentences on what was found on the way.
         scale_uncertainty: what the sensitivities' uncertainty adds; None where none is stated.
+        operating_shapes: (modes, outputs) of unknown scale, 1 at the largest, where no force was measured; else None.
+        operating_shape_sigma: (modes, outputs) of the complex number, or None.
     """
 
     format_version: Literal[1] = MODEL
@@ -91,6 +93,8 @@ class ModalModel(Frozen):
     half_power_floor: RealArray
     notes: tuple[str, ...] = Field(default=())
     scale_uncertainty: ScaleUncertainty | None = Field(default=None, exclude_if=unstated)
+    operating_shapes: ComplexArray | None = Field(default=None, exclude_if=absent)
+    operating_shape_sigma: RealArray | None = Field(default=None, exclude_if=absent)
 
     @property
     def n_modes(self) -> int:

@@ -160,15 +160,15 @@ class DampingPrior(Frozen):
 
 
 class Point(Frozen):
-    """A measurement point on the beam.
+    """A measurement point on the structure.
 
     Attributes:
         id: its number, unique on the rig.
-        x_m: distance from the clamp.
+        x_m: where it is; on a beam its distance from the clamp, elsewhere from wherever x is counted.
     """
 
     id: PositiveInt
-    x_m: NonNegative
+    x_m: Finite
 
 
 class Channel(Frozen):

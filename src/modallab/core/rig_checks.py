@@ -64,7 +64,7 @@ def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str,
     length = _number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
     for place, point in enumerate(points):
         x = _number(point.get("x_m"))
-        if x is not None and length is not None and x > length * (1 + _ROUNDING):
+        if x is not None and length is not None and not 0 <= x <= length * (1 + _ROUNDING):
             problems.append(Problem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
     return problems
 

@@ -64,7 +64,7 @@ def facts_or_options(facts: BlockFacts | None, name: str, rate_hz: float, option
         FormatError: the remark's rate is not that of the times.
     """
     if facts is None:
-        return BlockFacts(name, options.test, rate_hz, options.drive_point)
+        return BlockFacts(name, options.test, rate_hz, options.drive_point, frequency_hz=options.frequency_hz)
     if abs(facts.rate_hz - rate_hz) > _AGREE * rate_hz:
         raise FormatError(
             f"its remark says {facts.rate_hz:g} Hz, its times {rate_hz:g} Hz",

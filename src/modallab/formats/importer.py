@@ -15,7 +15,12 @@ from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
 
 
-def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | None = None) -> Campaign:
+def import_sources(
+    paths: Sequence[Path],
+    rig: Rig,
+    options: ImportOptions | None = None,
+    frequencies_hz: Sequence[float] = (),
+) -> Campaign:
     """Read recordings, in the order given, as one campaign on `rig`.
 
     Channels that agree to the last bit are not rejected, but noted in the provenance under "notes".
@@ -24,16 +29,19 @@ def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | Non
         paths: files of any known kind, or folders with a campaign.
         rig: the rig they were made on.
         options: what the files do not say themselves.
+        frequencies_hz: what the generator was set to in each of the files of a sine test; one for all, or none.
 
     Raises:
         ModallabError: one error with everything that is wrong in any of the files.
     """
     options = options or ImportOptions()
-    options.check(rig)
+    each = _each(options, len(paths), frequencies_hz)
+    for one in each:
+        one.check(rig)
     errors, parts = Collected(), list[Campaign]()
-    for path in counted(map(Path, paths), len(paths), "files"):
+    for path, own in zip(counted(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_checked(_read(path, rig, options)))
+            parts.append(_windowed(_checked(_read(path, rig, own)), own))
     errors.done()
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = [frf for part in parts for frf in part.frfs]
@@ -44,6 +52,33 @@ def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | Non
     provenance |= {"sources": "\n".join(Path(part.source).name for part in parts)}
     provenance |= {"notes": "\n".join(notes)} if notes else {}
     return Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
+
+
+def _each(options: ImportOptions, n: int, frequencies_hz: Sequence[float]) -> list[ImportOptions]:
+    """The options of each file."""
+    if not frequencies_hz:
+        return [options] * n
+    if len(frequencies_hz) not in (1, n):
+        raise DataError(
+            f"{len(frequencies_hz)} frequencies are given for {n} files",
+            remedy="give one for each file, in the order of the files, or one for all",
+        )
+    every = frequencies_hz if len(frequencies_hz) == n else list(frequencies_hz) * n
+    return [replace(options, frequency_hz=f) for f in every]
+
+
+def _windowed(campaign: Campaign, options: ImportOptions) -> Campaign:
+    """The campaign with the exponential window that its FRFs were made with."""
+    if options.window_s is None:
+        return campaign
+    if not campaign.frfs:
+        raise DataError(
+            "an exponential window is named, and there are no FRFs",
+            where=campaign.source,
+            remedy="leave it out: of time records everything is identified without a window",
+        )
+    frfs = tuple(replace(frf, damping_shift=frf.damping_shift or 1 / options.window_s) for frf in campaign.frfs)
+    return replace(campaign, frfs=frfs)
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:

@@ -1,5 +1,6 @@
 """What a file without such facts is to be taken for."""
 
+import math
 from dataclasses import dataclass
 
 from modallab.core.errors import DataError
@@ -20,12 +21,19 @@ class ImportOptions:
         drive_point: point of the hit or of the shaker.
         volts: numbers without a unit are volts, to be scaled by the sensitivities of the rig; otherwise they are in
             each channel's own unit.
+        frequency_hz: what the generator was set to in a sine test.
+        window_s: time constant tau of the exponential window exp(-t / tau) that FRFs were made with.
+        variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
+            instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
     """
 
     test: Test = "impact"
     rate_hz: float | None = None
     drive_point: int | None = None
     volts: bool = False
+    frequency_hz: float | None = None
+    window_s: float | None = None
+    variables: tuple[tuple[str, str], ...] = ()
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""
@@ -35,8 +43,19 @@ class ImportOptions:
         """Reject what does not fit the rig.
 
         Raises:
-            DataError: the drive point is not on the rig.
+            DataError: the drive point is not on the rig, a frequency of another test than a sine's, or a window that
+                is none.
         """
+        if self.frequency_hz is not None and (self.test != "sine" or not 0 < self.frequency_hz < math.inf):
+            raise DataError(
+                f"a frequency of {self.frequency_hz:g} Hz is given for recordings of the {self.test} test",
+                remedy="give frequencies above 0 Hz, and only with --test sine",
+            )
+        if self.window_s is not None and not 0 < self.window_s < math.inf:
+            raise DataError(
+                f"a window that falls within {self.window_s:g} s is none",
+                remedy="give its time constant: T / ln(1 / share) for one that falls to a share within T seconds",
+            )
         known = [point.id for point in rig.points]
         if self.drive_point is not None and self.drive_point not in known:
             raise DataError(

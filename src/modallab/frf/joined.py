@@ -40,7 +40,7 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     first = signals[0]
     check_outputs(first, rig)
     rate = first.rate_hz
-    longest = max(_runs(signals), key=len)
+    longest = max(contiguous(signals), key=len)
     force = np.concatenate([s.force for s in longest])
     responses = np.concatenate([s.responses for s in longest], axis=1)
     n = min(force.size, max(first.force.size, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
@@ -63,8 +63,8 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     )
 
 
-def _runs(signals: Sequence[Signals]) -> list[list[Signals]]:
-    """Blocks that follow each other without a gap."""
+def contiguous(signals: Sequence[Signals]) -> list[list[Signals]]:
+    """The blocks in order, those together that follow each other without a gap."""
     runs: list[list[Signals]] = []
     for item in sorted(signals, key=lambda s: s.block.order):
         last = runs[-1][-1] if runs else None

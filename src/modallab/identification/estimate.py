@@ -11,12 +11,19 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.identification.estimator import Order, find_estimator
 from modallab.identification.start.bands import Band, split_bands
+from modallab.identification.start.peak_poles import half_power_pole, poles_of_peaks
 from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
 
 Complex = NDArray[np.complex128]
 
 CROWDED = 0.4
 """Where stable poles take up this share of what the highest order can hold, the range is cut into bands."""
+
+
+FEW_ORDERS = 30
+"""Up to so many orders, a pole need not have held over five of them to be looked at."""
+DAMPED = Tolerance(max_zeta=0.2)
+BRIEFLY = Tolerance(frequency=5e-3, damping=2e-2, min_run=2, min_share=0.1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,6 +64,23 @@ def estimate_poles(
         return PoleEstimate(used.poles(frf))
     assert used.order is not None
     return _of_orders(frf, used.order, max_order, tolerance)
+
+
+def alone(frf: Frf, estimate: PoleEstimate) -> Complex:
+    """Poles that may be looked at where none is stable, as such stand.
+
+    That are poles damped by more than usual; and in lines too few for orders to rise, as those of a mode alone in a
+    narrow band, clear peaks. Whether these are modes, the search for the maximum of the likelihood must say.
+
+    Args:
+        frf: what was estimated from.
+        estimate: without poles.
+    """
+    held = _stable(estimate.orders, DAMPED)
+    if held.size or len(estimate.orders) > FEW_ORDERS:
+        return held
+    held = _stable(estimate.orders, BRIEFLY)
+    return held if held.size else poles_of_peaks(frf, half_power_pole)
 
 
 def of_few_inputs(frf: Frf) -> Frf:

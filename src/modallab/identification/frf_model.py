@@ -3,19 +3,21 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_frf
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.identification.estimate import estimate_poles
+from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
 from modallab.identification.likelihood.search import FIRST_LOOK, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
+from modallab.identification.selection.lost_modes import with_lost
 from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
 from modallab.identification.setups.agreed import Agreed, agreed
 
@@ -36,7 +38,11 @@ def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
     # Lines ascend, so those of a band are neighbours, and looking at them needs no copy.
     lines = slice(int(np.argmax(inside)), int(np.argmax(inside)) + int(np.count_nonzero(inside)))
     used = replace(
-        frf, frequency_hz=frf.frequency_hz[lines], values=frf.values[..., lines], coherence=None, variance=None
+        frf,
+        frequency_hz=frf.frequency_hz[lines],
+        values=frf.values[..., lines],
+        coherence=None if frf.coherence is None else frf.coherence[..., lines],
+        variance=None if frf.variance is None else frf.variance[..., lines],
     )
     if used.frequency_hz.size < 8:
         raise IdentificationError(
@@ -56,6 +62,8 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     band = (float(used.frequency_hz[0]), float(used.frequency_hz[-1]))
     estimate = estimate_poles(used, options.method, options.max_order)
     poles = start_poles(estimate.poles, estimate.orders, options)
+    if poles.size == 0 and options.refined:
+        poles = alone(used, estimate)
     if poles.size == 0:
         raise IdentificationError(
             f"no pole of {options.estimator.called} between {band[0]:.4g} and {band[1]:.4g} Hz is stable",
@@ -70,6 +78,9 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
         at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
         fit = fit_frf(used, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay])
         keep = chosen(fit, band, options, first=False)
+    lost: tuple[str, ...] = ()
+    if options.refined and not options.pick_hz and not options.drop_hz:
+        fit, keep, lost = with_lost(used, fit, keep, estimate.orders, band)
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz", remedy="widen the band"
@@ -78,6 +89,8 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     read = half_power_readings(used, found)
     notes = (
         NOT_FROM_RECORDS,
+        *_window_note(frf, found),
+        *lost,
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
     )
     floor = np.full(found.size, np.nan)
@@ -85,10 +98,20 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     return model if options.refined else without_sigma(model), fit
 
 
+def _window_note(frf: Frf, found_hz: NDArray[np.float64]) -> tuple[str, ...]:
+    if frf.damping_shift == 0 or not found_hz.size:
+        return ()
+    tau, most = 1 / frf.damping_shift, 100 * frf.damping_shift / (2 * np.pi * found_hz.min())
+    return (
+        f"The damping of an exponential window of {tau:.4g} s is taken off: 1 / (tau omega), {most:.3g} % at "
+        f"{found_hz.min():.4g} Hz. Half-power readings hold it still.",
+    )
+
+
 def _of_points(points: Agreed, frf: Frf, rig: Rig, band: tuple[float, float], options: Options) -> ModalModel:
     fit = points.fit
     found = np.sort(fit.point.parameters.omega) / (2 * np.pi)
     readings = half_power_readings(frf, found), np.full(found.size, np.nan)
     keep = np.ones(found.size, bool)
-    notes = NOT_FROM_RECORDS, *points.notes
+    notes = NOT_FROM_RECORDS, *_window_note(frf, found), *points.notes
     return model_of_fit(fit, keep, rig, None, band, readings, notes, options.method, points.seen)

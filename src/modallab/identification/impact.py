@@ -11,7 +11,7 @@ from modallab.core.model import ModalModel
 from modallab.core.progress import part
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.identification.estimate import estimate_poles
+from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
 from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
@@ -97,8 +97,11 @@ def start_frf(groups: Groups, rig: Rig, band_hz: tuple[float, float]) -> Frf:
 
 
 def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: Options) -> NDArray[np.complex128]:
-    estimate = estimate_poles(start_frf(groups, rig, band), options.method, options.max_order)
+    frf = start_frf(groups, rig, band)
+    estimate = estimate_poles(frf, options.method, options.max_order)
     found = start_poles(estimate.poles, estimate.orders, options)
+    if not found.size and options.refined:
+        found = alone(frf, estimate)
     if not found.size:
         sought = (
             f"stable pole between {band[0]:.4g} and {band[1]:.4g} Hz up to order {estimate.orders[-1].order}"

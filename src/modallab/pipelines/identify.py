@@ -190,7 +190,8 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
     band = options.band_hz or driven_band(every)
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
     made = joined_frf if test in ("random", "burst-random") else broadband_frf
-    frf = made(of_one_level(every), campaign.rig, band)
+    # Its lines count alike: what varies from line to line is the drive's own level, and the next look has another.
+    frf = replace(made(of_one_level(every), campaign.rig, band), coherence=None, variance=None)
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)

@@ -101,18 +101,22 @@ def verify_frf(model: ModalModel, frf: Frf) -> Verification:
         frf, frequency_hz=frf.frequency_hz[inside], values=frf.values[..., inside], coherence=None, variance=None
     )
     measured = convert(used, "mobility")
-    return _verification(measured, synthesised(model, measured.frequency_hz, "mobility"), model)
+    again = synthesised(model, measured.frequency_hz, "mobility", measured.damping_shift)
+    return _verification(measured, again, model)
 
 
-def synthesised(model: ModalModel, frequency_hz: NDArray[np.float64], quantity: FrfQuantity) -> Frf:
-    """The model's own FRF, no block, no truncation."""
+def synthesised(
+    model: ModalModel, frequency_hz: NDArray[np.float64], quantity: FrfQuantity, damping_shift: float = 0.0
+) -> Frf:
+    """The model's own FRF, no block, no truncation; with a damping shift as an exponential window leaves it."""
     plain = Frf(
         frequency_hz=frequency_hz,
-        values=receptance(model, frequency_hz),
+        values=receptance(model, frequency_hz, damping_shift),
         quantity="receptance",
         outputs=model.outputs,
         output_points=model.output_points,
         input_points=model.input_points,
+        damping_shift=damping_shift,
     )
     return convert(plain, quantity)
 

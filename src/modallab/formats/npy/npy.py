@@ -41,6 +41,7 @@ def read_npy(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         units=tuple(options.unit(channel) for channel in rig.channels),
         channels=channels,
         drive_point=options.drive_point,
+        frequency_hz=options.frequency_hz,
     )
     return Campaign(rig, (block,), source=where)
 

@@ -60,7 +60,8 @@ def _place_all(content: UniversalFile, kind: int, rig: Rig, where: str) -> dict[
     placed: dict[tuple[str, _Input], _Placed] = {}
     for function in (f for f in content.functions if f.kind == kind):
         match = match_channel(function, rig.responses, where)
-        turned = sense(function.reference_direction, rig.drive_direction, f"{where}, set {function.place}, reference")
+        place = f"{where}, set {function.place}, reference"
+        turned = sense(function.reference_direction, rig.drive_direction, place, "drive_direction")
         at = (function.reference_node, abs(function.reference_direction))
         key = (match.channel.name, at)
         if key in placed:

@@ -45,11 +45,18 @@ def match_channel(function: Function, candidates: Sequence[Channel], where: str)
             where=where,
             remedy="give the rig's channel this point and direction, or the set the channel's name",
         )
-    return Match(found, sense(function.direction, found.direction, f"{where}, set {function.place}"))
+    field = f"the direction of channel {found.name}"
+    return Match(found, sense(function.direction, found.direction, f"{where}, set {function.place}", field))
 
 
-def sense(direction: int, own: str, where: str) -> int:
+def sense(direction: int, own: str, where: str, field: str) -> int:
     """1 or -1: whether a direction of the format has the sense of one of the rig, such as "+z".
+
+    Args:
+        direction: 1, 2, 3 for x, y, z, negative for the other sense; 0 if unknown.
+        own: direction in the rig.
+        where: file and set.
+        field: of the rig file that says the rig's direction.
 
     Raises:
         DataError: another axis, or a rotation.
@@ -60,7 +67,7 @@ def sense(direction: int, own: str, where: str) -> int:
         raise DataError(
             f"direction {_direction(direction)} is not that of the rig, {own}",
             where=where,
-            remedy="mend the direction in the rig file, or leave this set out",
+            remedy=f"set {field} in the rig file to {_direction(direction)}, or leave this set out",
         )
     return 1 if (direction > 0) == (own[0] == "+") else -1
 

@@ -97,7 +97,9 @@ def _model(title: str, modes: Sequence[_Mode], rig: Rig, where: str) -> ModeShap
 def _along(mode: _Mode, channel: Channel, where: str) -> complex:
     axis = "xyz".index(channel.direction[1])
     assert channel.point is not None
-    return complex(mode.at[channel.point][axis]) * sense(axis + 1, channel.direction, where)
+    return complex(mode.at[channel.point][axis]) * sense(
+        axis + 1, channel.direction, where, f"the direction of channel {channel.name}"
+    )
 
 
 def _check_nodes(content: Mapping[str, Any], rig: Rig, where: str) -> None:

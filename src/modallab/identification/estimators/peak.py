@@ -41,8 +41,11 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         )
     index = np.array([p.line for p in peaks])
     zeta = np.array([p.damping_ratio for p in peaks])
+    read = zeta
+    # Part of the width is that of an exponential window, if there was one.
+    zeta = read - frf.damping_shift / (2 * np.pi * f[index])
     at = np.moveaxis(mobility.values[..., index], -1, 0)
-    usable = np.where(np.isfinite(zeta), zeta, 0.0)
+    usable = np.where(np.isfinite(read), read, 0.0)
     constants = 2 * usable[:, None, None] * 2 * np.pi * f[index][:, None, None] * at.real
     spacing = np.maximum(f[np.minimum(index + 1, f.size - 1)] - f[index], f[index] - f[np.maximum(index - 1, 0)])
     floor = floor_lines * spacing / (2 * f[index])
@@ -64,7 +67,7 @@ def identify_peaks(frf: Frf, test: Test | None, floor_lines: float = 0.886) -> M
         residuals=np.zeros((0, *constants.shape[1:])),
         shapes=shapes.phi,
         shapes_unavailable=shapes.unavailable,
-        half_power=zeta,
+        half_power=read,
         half_power_floor=floor,
         notes=("Half-power reads the resolution of the block wherever its reading is near the floor beside it.",),
     )

@@ -164,15 +164,30 @@ class HitExcitation:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class UnitExcitation:
-    """An FRF as such: unit force at every line and no block."""
+    """An FRF as such: unit force at every line and no block.
+
+    Attributes:
+        grid: the lines.
+        shift: rate in 1/s: the FRF is evaluated at s = shift + j omega, as an exponential window leaves it.
+        weight: (lines,) by which responses are multiplied; None for 1.
+    """
 
     grid: Grid
+    shift: float = 0.0
+    weight: NDArray[np.float64] | None = None
+
+    @property
+    def _s(self) -> Lines:
+        return np.asarray(self.shift + 1j * self.grid.omega, np.complex128)
+
+    def _weighted(self, values: Lines) -> Lines:
+        return values if self.weight is None else values * self.weight
 
     def forced(self, poles: NDArray[np.complex128], shared: Kernel | None = None) -> tuple[Lines, Lines]:
         """See Excitation."""
         del shared
-        s, lam = 1j * self.grid.omega, poles[:, None]
-        value = s**self.grid.p / (s - lam)
+        s, lam = self._s, poles[:, None]
+        value = self._weighted(s**self.grid.p / (s - lam))
         return value, value / (s - lam)
 
     @property
@@ -187,7 +202,7 @@ class UnitExcitation:
 
     def static(self, power: int) -> Lines:
         """See Excitation."""
-        return np.power(1j * self.grid.omega, self.grid.p + power, dtype=np.complex128)
+        return self._weighted(np.power(self._s, self.grid.p + power, dtype=np.complex128))
 
     def scaled(self, factor: complex) -> "UnitExcitation":
         """See Excitation; an FRF is already per unit force."""

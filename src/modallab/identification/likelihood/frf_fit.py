@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.identification.likelihood.basis import LineBlock
-from modallab.identification.likelihood.excitation import Grid, UnitExcitation
+from modallab.identification.likelihood.excitation import Excitation, Grid, UnitExcitation
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.projection import Parameters, Problem, solve_at
 from modallab.identification.likelihood.rows import stack, unstack
 from modallab.identification.likelihood.search import MAX_ITERATIONS, Effort, search
@@ -31,7 +32,7 @@ def fit_frf(
     """The fit of FRFs after a search from these poles.
 
     Args:
-        frf: lines ascending.
+        frf: lines ascending; its variance or coherence, where there is one, weighs them.
         poles: (modes,) rad/s.
         max_iterations: at most so many steps; none leaves the poles where they are.
         omega_prior: (modes, 2) centre and sigma, rad/s; None for none.
@@ -43,9 +44,10 @@ def fit_frf(
     grid = Grid(2 * np.pi * frf.frequency_hz, 0, 0.0, DERIVATIVES[frf.quantity])
     # Every FRF is a channel of its own: all share the columns, whatever the input.
     channels = frf.values.reshape(-1, frf.frequency_hz.size)
-    omega = np.abs(poles)
+    omega, weight = np.abs(poles), line_weights(frf)
+    excitation = UnitExcitation(grid, frf.damping_shift, weight)
     problem = Problem(
-        blocks=[LineBlock(UnitExcitation(grid), channels, 0)],
+        blocks=[LineBlock(excitation, channels if weight is None else channels * weight, 0)],
         powers=(-2, 0, 2),
         n_inputs=1,
         state_sigma=None,
@@ -63,6 +65,12 @@ def fit_frf(
     return Fit(problem, search(problem, begin, Effort(max_iterations)), frf.input_points, frf.values.shape[:2])
 
 
+def _at_lines(excitation: Excitation, grid: Grid, thin: int) -> UnitExcitation:
+    assert isinstance(excitation, UnitExcitation)
+    weight = None if excitation.weight is None else excitation.weight[::thin]
+    return UnitExcitation(grid, excitation.shift, weight)
+
+
 def _nearer(problem: Problem, start: Parameters) -> Parameters:
     """A start at the optimum of a few channels in which all modes of many show.
 
@@ -75,7 +83,7 @@ def _nearer(problem: Problem, start: Parameters) -> Parameters:
         return start
     thin = max(1, response.shape[1] // (LINES * n_columns))
     grid = replace(excitation.grid, omega=excitation.grid.omega[::thin])
-    some = [LineBlock(UnitExcitation(grid), response[:, ::thin], 0)]
+    some = [LineBlock(_at_lines(excitation, grid, thin), response[:, ::thin], 0)]
     point = solve_at(replace(problem, blocks=some), start)
     mix, _ = np.linalg.qr((point.groups[0].coefficients / point.noise).T)
     few = unstack(stack(response) @ (mix / point.noise[:, None]))

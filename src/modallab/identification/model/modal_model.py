@@ -185,17 +185,24 @@ def without_sigma(model: ModalModel) -> ModalModel:
     )
 
 
-def receptance(model: ModalModel, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+def receptance(
+    model: ModalModel, frequency_hz: NDArray[np.float64], damping_shift: float = 0.0
+) -> NDArray[np.complex128]:
     """The model's receptance (outputs, inputs, lines), with no block and no truncation: eqs. 13 and 14.
+
+    Args:
+        model: poles, modal constants and residual terms.
+        frequency_hz: (lines,)
+        damping_shift: rate in 1/s: at s = damping_shift + j omega, as an exponential window leaves an FRF.
 
     Raises:
         DataError: frequencies that are none, or 0 Hz where a residual term has no value there.
     """
     if frequency_hz.ndim != 1 or not np.isfinite(frequency_hz).all():
         raise DataError(f"frequencies {frequency_hz.shape} are no lines, or not finite", remedy="give (lines,) in Hz")
-    if min(model.residual_powers, default=0) < 0 and np.any(frequency_hz == 0):
+    if min(model.residual_powers, default=0) < 0 and damping_shift == 0 and np.any(frequency_hz == 0):
         raise DataError("the residual terms have no value at 0 Hz", remedy="leave that line out")
-    s = 2j * np.pi * frequency_hz
+    s = damping_shift + 2j * np.pi * frequency_hz
     poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
     residue = model.modal_constants / (2j * poles.imag[:, None, None])
     value = np.einsum("moi,mk->oik", residue, 1 / (s - poles[:, None]))

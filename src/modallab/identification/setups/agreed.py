@@ -55,7 +55,7 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
         options: the estimator; modes that were picked or dropped by hand are left as they are.
     """
     few = max(frf.values.shape[:2]) < LEAST_POINTS or min(frf.values.shape[:2]) < 2
-    if few or options.pick_hz or options.drop_hz or misfit_over_noise(frf, fit) < MISFIT:
+    if few or options.pick_hz or options.drop_hz or misfit_over_noise(fit) < MISFIT:
         return None
     found, asked = _merged(frf, fit, options)
     if found.centre.shape[0] == 0:
@@ -70,9 +70,10 @@ def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
         return None
 
 
-def misfit_over_noise(frf: Frf, fit: Fit) -> float:
+def misfit_over_noise(fit: Fit) -> float:
     """The fit's residual over the noise from line to line, median over the FRFs: 1 where the model explains them."""
-    fourth = np.diff(frf.values, 4, axis=-1)
+    # As the fit saw them, weighed line by line.
+    fourth = np.diff(fit.problem.blocks[0].response, 4, axis=-1)
     # Of white noise a fourth difference has 70 times the variance; a median magnitude is 1.177 sigmas of a part.
     noise = np.median(np.abs(fourth), axis=-1) / np.sqrt(70) / 1.1774
     ratio = fit.point.noise / np.maximum(noise.reshape(-1), np.finfo(float).tiny)

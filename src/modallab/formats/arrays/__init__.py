@@ -1,0 +1,1 @@
+"""Files of arrays that have names: MATLAB, netCDF4; and sound files, which have none."""

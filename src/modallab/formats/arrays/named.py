@@ -1,0 +1,177 @@
+"""A record or FRFs from arrays with names."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_frf, check_rate, check_time
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.rig import Rig
+from modallab.core.units import DERIVATIVE
+from modallab.formats.options import ImportOptions
+
+Arrays = Mapping[str, NDArray[Any]]
+
+TIME, RATE, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "frequency", "frf", "coherence", "all"
+_USUAL = {
+    TIME: ("time", "t"),
+    RATE: ("rate", "fs", "sample_rate", "sampling_rate", "samplerate"),
+    FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
+    FRF: ("frf", "h", "frfs"),
+    COHERENCE: ("coherence", "coh"),
+}
+
+
+def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptions, where: str) -> Campaign:
+    """One record, or one matrix of FRFs.
+
+    An array belongs to the channel of its name, or to the one that `options.variables` says. `frequency` and `frf`
+    hold FRFs; `time` or `rate` belong to records, whose channels may also stand in one array, `all`, in rig order.
+
+    Raises:
+        DataError: channels, times or lines that are missing or do not fit.
+    """
+    found = {key: _find(arrays, key, options, where) for key in _USUAL}
+    if found[FRF] is not None and found[FREQUENCY] is not None:
+        return Campaign(rig, (), (_frf(found, rig, options, where),), source=where)
+    samples = _samples(arrays, rig, options, where)
+    block = Block(
+        name=name,
+        test=options.test,
+        order=0,
+        rate_hz=_rate(found, options, samples.shape[1], where),
+        samples=samples,
+        scale=np.ones(len(samples)),
+        units=tuple(options.unit(channel) for channel in rig.channels),
+        channels=tuple(channel.name for channel in rig.channels),
+        drive_point=options.drive_point,
+        frequency_hz=options.frequency_hz,
+    )
+    return Campaign(rig, (block,), source=where)
+
+
+def _find(arrays: Arrays, key: str, options: ImportOptions, where: str) -> NDArray[Any] | None:
+    """The array that a key stands for; None if there is none."""
+    said = dict(options.variables).get(key)
+    if said is not None:
+        name, _, column = said.partition(":")
+        if name not in arrays:
+            raise DataError(f"has no array {name!r}", where=where, remedy=f"name one of {', '.join(arrays) or 'none'}")
+        return arrays[name] if not column else _column(arrays[name], column, said, where)
+    lowered = {name.lower(): name for name in arrays}
+    return next((arrays[lowered[u]] for u in _USUAL.get(key, (key.lower(),)) if u in lowered), None)
+
+
+def _column(values: NDArray[Any], column: str, said: str, where: str) -> NDArray[Any]:
+    if values.ndim != 2 or not column.isdigit() or not 1 <= int(column) <= min(values.shape):
+        raise DataError(
+            f"{said!r} names no column of an array {values.shape}", where=where, remedy="count its columns from 1"
+        )
+    rows = values if values.shape[0] < values.shape[1] else values.T
+    return rows[int(column) - 1]
+
+
+def _samples(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> NDArray[np.float64]:
+    names = [channel.name for channel in rig.channels]
+    each = {name: _find(arrays, name, options, where) for name in names}
+    missing = [name for name, values in each.items() if values is None]
+    if missing:
+        return _together(arrays, names, missing, options, where)
+    rows = [np.ravel(values) for values in each.values() if values is not None]
+    if len({row.size for row in rows}) > 1:
+        listed = ", ".join(f"{name} {row.size}" for name, row in zip(names, rows, strict=True))
+        raise DataError(f"the channels differ in length: {listed}", where=where, remedy="export them together")
+    return _real(np.stack(rows), where)
+
+
+def _together(
+    arrays: Arrays, names: list[str], missing: list[str], options: ImportOptions, where: str
+) -> NDArray[np.float64]:
+    """All channels from one array, the only one with as many rows or columns."""
+    whole = _find(arrays, ALL, options, where)
+    fitting = [a for a in arrays.values() if a.ndim == 2 and len(names) == min(a.shape) < max(a.shape)]
+    if whole is None and len(fitting) == 1:
+        (whole,) = fitting
+    if whole is None or whole.ndim != 2 or len(names) not in whole.shape:
+        held = ", ".join(f"{name} {'x'.join(map(str, a.shape))}" for name, a in arrays.items()) or "no arrays"
+        raise DataError(
+            f"no array for channel {', '.join(missing)}; there are {held}",
+            where=where,
+            remedy="say which is which by --variable CHANNEL=NAME or CHANNEL=NAME:COLUMN, or all of them by all=NAME",
+        )
+    return _real(whole if whole.shape[0] == len(names) else whole.T, where)
+
+
+def _real(values: NDArray[Any], where: str) -> NDArray[np.float64]:
+    if values.dtype.kind not in "fiu":
+        raise DataError(f"holds values of type {values.dtype}", where=where, remedy="give records as real numbers")
+    return np.ascontiguousarray(values, np.float64)
+
+
+def _rate(found: Mapping[str, NDArray[Any] | None], options: ImportOptions, n: int, where: str) -> float:
+    times, rate = found[TIME], found[RATE]
+    if times is not None and times.size == n:
+        own = check_time(np.ravel(times).astype(np.float64), f"{where}, times")
+    elif rate is not None and rate.size == 1:
+        own = check_rate(float(np.ravel(rate)[0]), where)
+    elif options.rate_hz is not None:
+        return check_rate(options.rate_hz, where)
+    else:
+        raise DataError(
+            "says neither times nor a rate", where=where, remedy="give the rate with --rate, or --variable time=NAME"
+        )
+    options.agree(own, where)
+    return own
+
+
+def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOptions, where: str) -> Frf:
+    lines, coherence = np.ravel(_there(found[FREQUENCY])).astype(np.float64), found[COHERENCE]
+    outputs = rig.responses
+    values = _matrix(_there(found[FRF]), lines.size, len(outputs), where).astype(np.complex128)
+    names = tuple(channel.name for channel in outputs)
+    check_frf(lines, values, names, where, even=False)
+    kinds = {DERIVATIVE.get(channel.quantity) for channel in outputs}
+    quantity: dict[int | None, FrfQuantity] = {d: q for q, d in DERIVATIVES.items()}
+    (kind, *others) = kinds
+    if others or kind not in quantity:
+        raise DataError(
+            "the rig's responses are of several quantities, or of none of motion",
+            where=where,
+            remedy="leave the others out of the rig",
+        )
+    inputs = values.shape[1]
+    return Frf(
+        frequency_hz=lines,
+        values=values,
+        quantity=quantity[kind],
+        outputs=names,
+        output_points=tuple(channel.point for channel in outputs),
+        input_points=(options.drive_point,) if inputs == 1 else (None,) * inputs,
+        coherence=None if coherence is None else _matrix(coherence, lines.size, len(outputs), where).astype(np.float64),
+    )
+
+
+def _there(values: NDArray[Any] | None) -> NDArray[Any]:
+    assert values is not None
+    return values
+
+
+def _matrix(values: NDArray[Any], lines: int, outputs: int, where: str) -> NDArray[Any]:
+    """(outputs, inputs, lines), whichever way round they stand."""
+    if values.ndim <= 2 and values.size == lines * outputs:
+        rows = values.reshape(-1, lines) if values.ndim < 2 or values.shape[-1] == lines else values.T
+        return np.ascontiguousarray(rows.reshape(outputs, 1, lines))
+    places = [axis for axis in range(values.ndim) if values.shape[axis] == lines]
+    if values.ndim == 3 and len(places) == 1:
+        turned = np.moveaxis(values, places[0], -1)
+        if outputs in turned.shape[:2]:
+            return np.ascontiguousarray(turned if turned.shape[0] == outputs else turned.transpose(1, 0, 2))
+    raise DataError(
+        f"FRFs of shape {values.shape} are none of {outputs} outputs at {lines} lines",
+        where=where,
+        remedy="give (outputs, inputs, lines) or (lines, outputs, inputs), with the rig's responses as outputs",
+    )

@@ -1,0 +1,39 @@
+"""WAV files: channels in rig order."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from scipy.io import wavfile
+
+from modallab.core.block import Campaign
+from modallab.core.errors import FormatError
+from modallab.core.rig import Rig
+from modallab.formats.arrays.named import ALL, RATE, campaign_of_arrays
+from modallab.formats.options import ImportOptions
+
+
+def read_wav(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
+    """One record. Whole numbers are shares of full scale, from -1 to 1; a note says so.
+
+    Raises:
+        FormatError: no whole WAV file.
+        DataError: not as many channels as the rig has.
+    """
+    try:
+        with warnings.catch_warnings():
+            # Chunks of other programs say nothing of the samples; one that ends early is an error.
+            warnings.filterwarnings("ignore", message="Chunk")
+            warnings.filterwarnings("error", message="Reached EOF")
+            rate, samples = wavfile.read(path)
+    except (ValueError, OSError, EOFError, wavfile.WavFileWarning) as error:
+        raise FormatError(f"is no whole WAV file: {error}", where=str(path), remedy="copy the file again") from error
+    note = ""
+    if samples.dtype.kind in "iu":
+        half = 2.0 ** (8 * samples.dtype.itemsize - 1)
+        samples = (samples.astype(np.float64) - (half if samples.dtype.kind == "u" else 0.0)) / half
+        unit = "V" if options.volts else "each channel's unit"
+        note = f"{path.name}: whole numbers were taken as shares of full scale, and full scale as 1 {unit}"
+    arrays = {ALL: samples.reshape(len(samples), -1), RATE: np.array(float(rate))}
+    found = campaign_of_arrays(arrays, path.stem, rig, options, str(path))
+    return Campaign(rig, found.blocks, provenance={"notes": note} if note else {}, source=str(path))

@@ -1,0 +1,1 @@
+"""Modal analysis of responses alone: the force is random, and was not measured."""

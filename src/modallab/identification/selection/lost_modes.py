@@ -1,0 +1,140 @@
+"""Modes that the search for the maximum of the likelihood has lost, or that only some orders of the estimator show.
+
+A pole that the search pulls onto a neighbour, out of the band or up to a damping that is none has not shown that its
+mode is not there. What it explains of the FRFs shows that, held against what is left where it stands.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import Frf
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.selection.prune import MAX_ZETA, MIN_SIGNIFICANCE, is_mode
+from modallab.identification.start.stabilisation import OrderPoles, Tolerance, stable_poles
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SHARE = 0.9
+"""Of the power within its width, which a lost mode explains and no other pole does."""
+SOME_SHARE = 0.5
+"""The same before the search, when the others may stand off their places."""
+WIDTHS = 2.0
+"""Half-widths to either side within which that is asked; three lines at least."""
+APART = 0.5
+"""Half-widths from a mode within which a lost pole is its double."""
+SOME = Tolerance(min_share=0.08)
+"""A weak mode shows at few orders."""
+MOST = 12
+"""So many lost poles are asked at most, those of the longest runs."""
+FROM_ESTIMATOR = (
+    "The mode{s} at {hz} Hz stand{v} where the estimator put {it}: {it2} explain{v} what no other does, and the search"
+    " does not stay there."
+)
+
+
+def own_share(fit: Fit) -> Real:
+    """(poles,) share of the power within each pole's width that it explains and no other pole or residual term does.
+
+    The residues of all others are solved for anew, in closed form.
+
+    Args:
+        fit: of FRFs: one group.
+    """
+    at, (group,) = fit.point.parameters, fit.point.groups
+    omega = fit.problem.blocks[0].excitation.grid.omega
+    left = np.sum((group.residual / fit.point.noise) ** 2, axis=1).reshape(-1, 2).sum(axis=1)
+    inverse = np.linalg.inv(group.r)
+    found = np.empty(at.omega.size)
+    for r in range(at.omega.size):
+        rows, own = inverse[2 * r : 2 * r + 2], group.coefficients[2 * r : 2 * r + 2] / fit.point.noise
+        explained = float(np.sum(own * np.linalg.solve(rows @ rows.T, own)))
+        reach = max(WIDTHS * at.zeta[r] * at.omega[r], 3 * float(np.diff(omega).max()))
+        near = float(left[np.abs(omega - at.omega[r]) <= reach].sum())
+        found[r] = explained / max(explained + near, np.finfo(float).tiny)
+    return found
+
+
+def with_lost(
+    frf: Frf, fit: Fit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
+) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+    """The fit with the modes that it has lost, which of its poles are modes, and a note where the search lost them.
+
+    Args:
+        frf: the FRFs.
+        fit: its end.
+        keep: (poles,) which are modes.
+        orders: the estimator's poles by order.
+        band_hz: where modes are looked for.
+    """
+    at = fit.point.parameters
+    kept = _poles(at.omega[keep], at.zeta[keep])
+    lost = _candidates(orders, kept, band_hz)
+    if not lost.size:
+        return fit, keep, ()
+    try:
+        # Poles that stand on one another have no finite covariance, and are then not seen.
+        with np.errstate(over="ignore", invalid="ignore"):
+            likely = _standing(frf, kept, lost, SOME_SHARE)
+            stand = _standing(frf, kept, likely, SHARE)
+        if not likely.size:
+            return fit, keep, ()
+        again = fit_frf(frf, np.concatenate([kept, likely]))
+        known = is_mode(again, band_hz) & (own_share(again) > SHARE)
+        if known.sum() > kept.size + max(0, stand.size - 1):
+            return _alone(frf, again, known, band_hz)
+        if not stand.size:
+            return fit, keep, ()
+        fixed = fit_frf(frf, np.concatenate([kept, stand]), 0)
+    except IdentificationError:
+        return fit, keep, ()
+    names = ", ".join(f"{f:.4g}" for f in np.sort(np.abs(stand)) / (2 * np.pi))
+    one = stand.size == 1
+    words = {"s": "" if one else "s", "hz": names, "v": "s" if one else ""}
+    note = FROM_ESTIMATOR.format(**words, it="it" if one else "them", it2="it" if one else "they")
+    return fixed, np.ones(fixed.point.parameters.omega.size, bool), (note,)
+
+
+def _alone(
+    frf: Frf, fit: Fit, known: NDArray[np.bool_], band_hz: tuple[float, float]
+) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:
+    """The same fit without the poles that have turned out to be none."""
+    if np.all(known):
+        return fit, known, ()
+    at = fit.point.parameters
+    again = fit_frf(frf, _poles(at.omega[known], at.zeta[known]))
+    keep = is_mode(again, band_hz)
+    return (again, keep, ()) if keep.sum() >= known.sum() else (fit, known, ())
+
+
+def _standing(frf: Frf, kept: Complex, lost: Complex, least: float) -> Complex:
+    """Those of the lost poles that explain what no other does: the least one goes until all do."""
+    while lost.size:
+        fit = fit_frf(frf, np.concatenate([kept, lost]), 0)
+        constants, sigma = (v.reshape(kept.size + lost.size, -1) for v in fit.modal_constants)
+        seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma), 1e-300), axis=1) > MIN_SIGNIFICANCE
+        share = np.where(seen, own_share(fit), 0.0)[kept.size :]
+        if share.min() > least:
+            break
+        lost = np.delete(lost, int(np.argmin(share)))
+    return lost
+
+
+def _candidates(orders: Sequence[OrderPoles], kept: Complex, band_hz: tuple[float, float]) -> Complex:
+    found = sorted(stable_poles(orders, replace(SOME, max_zeta=MAX_ZETA)), key=lambda p: p.run, reverse=True)
+    poles = np.array([p.pole for p in found], np.complex128)
+    size = np.abs(poles)
+    inside = (size > 2 * np.pi * band_hz[0]) & (size < 2 * np.pi * band_hz[1]) & (poles.real < 0)
+    if kept.size:
+        apart = np.abs(size[:, None] - np.abs(kept))
+        inside &= np.all(apart > APART * np.maximum(-poles.real[:, None], -kept.real), axis=1)
+    return poles[inside][:MOST]
+
+
+def _poles(omega: Real, zeta: Real) -> Complex:
+    return np.asarray(-zeta * omega + 1j * omega * np.sqrt(1 - zeta**2), np.complex128)
