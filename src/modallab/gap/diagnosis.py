@@ -31,6 +31,7 @@ from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, intervals, probabilities
 from modallab.gap.search.explain import explain
+from modallab.gap.search.nonlinear import nonlinear_levels
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -63,7 +64,15 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
-    choice = choose(bench, explain(bench), unseen if campaign.rig.tolerance.of_assembly else None)
+    matters = unseen if campaign.rig.tolerance.of_assembly else None
+    levels = explain(bench)
+    choice = choose(bench, levels, matters)
+    location = None if choice.flat else locate(bench, prepared, choice.base)
+    nonlinear = location is not None and location.nonlinear
+    if nonlinear:
+        stepped = choose(bench, nonlinear_levels(bench, levels), matters)
+        if stepped.explained and (not choice.explained or stepped.fit.cost < choice.fit.cost):
+            choice = replace(stepped, rivals=(*stepped.rivals, *choice.rivals))
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
@@ -71,8 +80,6 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
-    location = None if choice.flat else locate(bench, prepared, choice.base)
-    nonlinear = location is not None and location.nonlinear
     return Diagnosis(
         rig=campaign.rig.name,
         verdict=verdict,

@@ -4,6 +4,8 @@ Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963
 curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,8 @@ STEP = 1e-4
 
 FELT = 0.02
 """Relative error that is forgiven, from which the deviations of an ordinary bench are not felt."""
+WORKERS = 2
+"""Records in time are stepped outside the interpreter's lock."""
 FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
 
@@ -70,8 +74,14 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     if smooth:
         near = sum(k < problem.free.size for k in smooth)
         J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], near, len(r)) / STEP
-    for k in set(used) - set(smooth):
-        J[:, k] = (problem.residual(moved[k]) - r) / STEP
+    rest = sorted(set(used) - set(smooth))
+    if here.element is None:
+        rows = (problem.residual(moved[k]) for k in rest)
+    else:
+        with ThreadPoolExecutor(WORKERS) as workers:
+            rows = list(workers.map(lambda k: problem.residual(moved[k]), rest))
+    for k, there in zip(rest, rows, strict=True):
+        J[:, k] = (there - r) / STEP
     return J
 
 

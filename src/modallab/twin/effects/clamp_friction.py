@@ -1,7 +1,32 @@
 """A root that sticks and slips."""
 
-from modallab.core.effects import EffectKind, Parameter
-from modallab.twin.effect_model import EffectModel, NoChange
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.nonlinear.element import Element, Law
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s, numbers = twin.structure, effect.parameters
+    stick = numbers["k_stick"]
+    slider = max(stick - numbers["k_slip"], 1e-6 * stick)
+    root = s.root_rotation + s.bending_stiffness / s.length_m / numbers["k_slip"]
+    element = Element(Law.FRICTION, 0.0, (slider, numbers["moment_limit"]))
+    return replace(twin, structure=replace(s, root_rotation=root), element=element)
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    unit = beam.bending_stiffness_n_m2 / beam.length_m
+    return (
+        Slot("k_slip", "log", spread(2.5 * unit, 20 * unit, 3)),
+        Slot("k_stick", "log", spread(12 * unit, 120 * unit, 3), power=-1.0),
+        Slot("moment_limit", "log", spread(1e-5 * unit, 1e-3 * unit, 4), power=-1.0),
+    )
+
 
 MODEL = EffectModel(
     kind=EffectKind(
@@ -18,9 +43,9 @@ MODEL = EffectModel(
     ),
     rank=30,
     spoken="clamp friction",
-    change=NoChange.NO_MODEL_YET,
+    change=_change,
     moves_poles=True,
     once=True,
-    search=None,
+    search=Search(rank=30, slots=_slots),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )
