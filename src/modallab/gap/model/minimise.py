@@ -79,7 +79,7 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
         rows = (problem.residual(moved[k]) for k in rest)
     else:
         with ThreadPoolExecutor(WORKERS) as workers:
-            rows = list(workers.map(lambda k: problem.residual(moved[k]), rest))
+            rows = list(workers.map(problem.residual, moved[rest]))
     for k, there in zip(rest, rows, strict=True):
         J[:, k] = (there - r) / STEP
     return J

@@ -53,7 +53,7 @@ def in_hit(modes: Modes, own: Coupling, pulse: Array, first: int, n: int, dt: fl
     record = np.zeros(n)
     record[first : first + len(pulse)] = pulse[: n - first]
     spectrum = np.fft.rfft(record)
-    fine = np.fft.irfft(spectrum, n * HIT_STEPS) * HIT_STEPS
+    fine = np.asarray(np.fft.irfft(spectrum, n * HIT_STEPS) * HIT_STEPS, dtype=np.float64)
     # The last sample's own value stays whatever follows it.
     stepped = _stepped(modes, own, fine[begin * HIT_STEPS :], HIT_STEPS, 0, n - begin, dt, x_m)
     before = np.zeros((len(stepped.modes), begin), dtype=np.complex128)
@@ -125,7 +125,7 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
     else:
         felt = np.concatenate([own.switch[None, :kept], shapes * (poles if own.law is Law.DRAG else 1.0)])
         whole = np.eye(count) - static - 2 * np.real((shapes * (h * second)) @ shapes.T)
-        opened = np.linalg.inv(whole) if own.law is Law.CRACK else np.zeros((count, count))
+        opened = np.asarray(np.linalg.inv(whole) if own.law is Law.CRACK else whole, dtype=np.float64)
         direct = direct if own.law is Law.CRACK else np.zeros_like(direct)
         numbers = np.array(own.numbers)
         stepping.step_many(
