@@ -33,7 +33,8 @@ REST_SAMPLES = 1000
 BURSTS = 2
 RAMP_S = 1.0
 VISIBLE = 10.0
-"""A channel that moves by less than so many times its noise, had it gone on, cannot be seen to fail."""
+"""A channel that moves by less than so many times its noise, had it gone on, cannot be seen to fail; nor can two that
+change places and read the same to this."""
 
 
 class TimedBench(FaultyBench):
@@ -44,6 +45,7 @@ class TimedBench(FaultyBench):
     began_s = 0.0
     next = 0
     row = 0
+    swapped_with: int | None = None
     noise = 1.0
     moved = 0.0
 
@@ -57,7 +59,10 @@ class TimedBench(FaultyBench):
         if self.next < REST_SAMPLES:
             self.noise = float(np.diff(chunk.samples[self.row].astype(float), 2).std() / 6**0.5)
         if self.at is not None and self.at - LOOK_SAMPLES < self.next <= self.at + LOOK_SAMPLES:
-            self.moved = max(self.moved, float(self.sound[self.row].astype(float).std()))
+            moves = self.sound.astype(float)
+            # Of two that change places it is their difference that can be seen.
+            change = moves[self.row] if self.swapped_with is None else moves[self.row] - moves[self.swapped_with]
+            self.moved = max(self.moved, float(change.std()))
         return chunk
 
     def play(self, burst: Burst) -> int:
@@ -77,7 +82,7 @@ class Outcome:
     Attributes:
         took_s: from the fault to 0 V.
         accepted: blocks with the fault in them that count.
-        visible: motion of the channel about the fault, without it, over its noise.
+        visible: motion of the channel about the fault, without it, over its noise; if swapped, less the other's.
         what: was said.
     """
 
@@ -96,7 +101,7 @@ def trial(rig: Rig, seed: int, fault: ChannelFault, *, free: bool) -> Outcome:
     )  # fmt: skip
     url = f"sim://cantilever?seed={seed}" + ("" if free else "&pace=1")
     bench = TimedBench(open_bench(url, rig), fault, seed)
-    bench.row = fault.channel
+    bench.row, bench.swapped_with = fault.channel, fault.other if fault.kind == "swapped" else None
     what, rate_hz = "went on", plan.rate_hz
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder)) as store:
         with store.begin(plan, rig, bench.info) as recorder:

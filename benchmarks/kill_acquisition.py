@@ -32,11 +32,14 @@ from modallab.storage import Store
 
 URL = "sim://cantilever?seed=1&zeta=0.01"
 
-PLANS: tuple[Plan, ...] = (
-    ImpactPlan(points=(10, 6, 3)),
-    # Hardly any rest: about a third of this run's time goes into writing, so many kills fall into a write.
-    SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(100)), ramp_s=0.2, settle_s=0.3, wait_s=0.1),
-)
+
+def plans(hits: int, frequencies: int) -> tuple[Plan, ...]:
+    """An impact test of so many hits at each of three points, and a sine test of so many frequencies."""
+    return (
+        ImpactPlan(points=(10, 6, 3), hits=hits),
+        # Hardly any rest: about a third of this run's time goes into writing, so many kills fall into a write.
+        SinePlan(frequencies_hz=tuple(3.0 + 0.5 * n for n in range(frequencies)), ramp_s=0.2, settle_s=0.3, wait_s=0.1),
+    )
 
 
 @dataclass
@@ -55,15 +58,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1, help="of the moments")
+    parser.add_argument("--hits", type=int, default=5, help="at each point")
+    parser.add_argument("--frequencies", type=int, default=100)
     arguments = parser.parse_args()
     chance = random.Random(arguments.seed)
     rig = read_rig(Path(str(resources.files("modallab.cli") / "link_rig.yaml")))
-    tally = Tally()
+    tally, both = Tally(), plans(arguments.hits, arguments.frequencies)
     with tempfile.TemporaryDirectory() as folder:
-        whole = [run_whole(rig, plan, Path(folder) / f"whole{n}") for n, plan in enumerate(PLANS)]
+        whole = [run_whole(rig, plan, Path(folder) / f"whole{n}") for n, plan in enumerate(both)]
         attempt = 0
         while tally.kills < arguments.kills:
-            plan, (blocks, took_s) = PLANS[attempt % 2], whole[attempt % 2]
+            plan, (blocks, took_s) = both[attempt % 2], whole[attempt % 2]
             # A block of the run, then a moment until the next: so it falls into the run however busy the machine is.
             moment = (chance.randrange(len(blocks)), chance.uniform(0, took_s / len(blocks)))
             kill_once(rig, plan, Path(folder) / f"kill{attempt}", moment, blocks, tally)

@@ -35,6 +35,7 @@ from modallab.core.documents.runs import Stop
 from modallab.core.errors import BenchTimeoutError, SamplesLostError, UnsupportedError
 from modallab.core.plan import HitAcceptance, ImpactPlan
 from modallab.core.rig import Rig
+from modallab.storage import Store
 
 ENDED = ("done", "failed", "aborted")
 ENTRY = "[modallab.backends]\nmany = many_channels:open_many\n"
@@ -168,8 +169,9 @@ def watch_samples(service: ServiceProcess, run: str, seen: Watched) -> None:
             seen.lost += about["lost"]
 
 
-def watch_frfs(service: ServiceProcess, run: str, seen: Watched, until: threading.Event) -> None:
-    with open_socket(service, f"/runs/{run}/frf/live?output=a01&output=a05") as socket:
+def watch_frfs(service: ServiceProcess, run: str, seen: Watched, until: threading.Event, outputs: int) -> None:
+    chosen = "&".join(f"output=a{n:02d}" for n in range(1, outputs + 1))
+    with open_socket(service, f"/runs/{run}/frf/live?{chosen}") as socket:
         while not until.is_set():
             try:
                 about = parse(socket.recv(1.0))
@@ -193,6 +195,7 @@ def main() -> int:
     parser.add_argument("--channels", type=int, default=64)
     parser.add_argument("--rate", type=float, default=51200.0)
     parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--outputs", type=int, default=2, help="FRFs watched live")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -203,10 +206,10 @@ def main() -> int:
         env = {"PYTHONPATH": os.pathsep.join((name, str(Path(__file__).parent))), "MANY_BEGAN": str(folder / "began")}
         rig = rig_file(folder, arguments.channels)
         with ServiceProcess(folder / "data", "--rig", str(rig), "--no-jobs", env=env) as service:
-            return measure(service, arguments, folder / "began")
+            return measure(service, arguments, folder)
 
 
-def measure(service: ServiceProcess, arguments: argparse.Namespace, began: Path) -> int:
+def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path) -> int:
     lab = service.client
     campaign = lab.create_campaign("many", service.rig)
     lease = lab.lease(service.rig, "Ada", ttl_s=3600)
@@ -219,7 +222,7 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, began: Path)
     seen, until = Watched(), threading.Event()
     viewers = [
         threading.Thread(target=watch_samples, args=(service, run, seen), daemon=True),
-        threading.Thread(target=watch_frfs, args=(service, run, seen, until), daemon=True),
+        threading.Thread(target=watch_frfs, args=(service, run, seen, until, arguments.outputs), daemon=True),
     ]
     for viewer in viewers:
         viewer.start()
@@ -237,12 +240,17 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, began: Path)
         viewer.join(30)
     view = lab.run(run)
     blocks = [b for b in lab.blocks(run) if b.accepted]
-    start_s = float(began.read_text())
+    start_s = float((folder / "began").read_text())
     ends = [start_s + (b.first_sample + b.count) / arguments.rate for b in blocks]
     late = sorted(at - ends[n - 1] for n, at in seen.frfs if n <= len(ends) and n > 1)
+    # The catalogue's clock is the machine's own, as is the device's here.
+    with Store(folder / "data") as store:
+        rows = [row for row in store.catalogue.blocks(run) if row.note.accepted]
+    kept = sorted(row.monotonic_s - end for row, end in zip(rows, ends, strict=True))
     print(f"run {view.state}: {len(blocks)} of {view.blocks} blocks accepted; {view.reason}")
     print(f"live: {seen.samples} samples each, {seen.lost} lost")
     print("share of a core by process: " + ", ".join(f"{name} {share:.2f}" for name, share in shares.items()))
+    print("last sample of a block to its record, ms: " + ", ".join(f"{1e3 * x:.0f}" for x in kept))
     print(f"last sample of a block to its FRF, ms, {len(late)}: " + ", ".join(f"{1e3 * x:.0f}" for x in late))
     return int(seen.lost > 0 or view.state != "done")
 

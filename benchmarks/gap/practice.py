@@ -60,8 +60,8 @@ def run(practice: Path, names: list[str], out: Path, withhold: bool = False) -> 
         campaign = read_campaign(practice / name)
         begun = time.process_time()
         diagnosis = diagnose(campaign, allowed=lambda effect, held=withheld: effect not in held)
-        entry = {"name": name, "seconds": time.process_time() - begun, "diagnosis": diagnosis.model_dump(mode="json")}
-        entry["withheld"] = sorted(withheld)
+        seconds, said = time.process_time() - begun, diagnosis.model_dump(mode="json")
+        entry = {"name": name, "seconds": seconds, "diagnosis": said, "withheld": sorted(withheld)}
         with out.open("a") as target:
             target.write(json.dumps(entry) + "\n")
 

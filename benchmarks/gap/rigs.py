@@ -4,13 +4,16 @@ from importlib.resources import files
 
 import numpy as np
 
-from modallab.core.rig import Beam, Rig, Tolerance
+from modallab.core.rig import Beam, Channel, Rig, Tolerance
+from modallab.core.units import STANDARD_GRAVITY
 from modallab.formats.rig.rig_file import parse_rig
 
 LENGTH_M = (0.8, 1.2)
 WIDTH_M = (0.04, 0.06)
 FIRST_HZ = (4.2, 6.2)
 """Of the nominal beam, rigidly clamped: its thickness follows."""
+TURNED = 1 / 3
+"""Share of accelerometers that are mounted against the drive, and of those that are given in g."""
 
 
 def drawn_rig(seed: int) -> Rig:
@@ -37,3 +40,20 @@ def drawn_rig(seed: int) -> Rig:
             "points": tuple(p.model_copy(update={"x_m": length * p.id / 10}) for p in link.points),
         }
     )
+
+
+def mounted(rig: Rig, seed: int) -> Rig:
+    """The rig as labs write it down: some accelerometers are mounted against the drive, some are given in g."""
+    rng = np.random.default_rng([seed, 80])
+    return rig.model_copy(update={"channels": tuple(_mounted(c, rng) for c in rig.channels)})
+
+
+def _mounted(channel: Channel, rng: np.random.Generator) -> Channel:
+    turned, in_g = rng.random(2) < TURNED
+    if channel.quantity != "acceleration":
+        return channel
+    own: dict[str, object] = {"direction": "-z" if turned else "+z"}
+    if in_g and isinstance(channel.sensitivity_v_per_unit, dict):
+        volts = {test: value * STANDARD_GRAVITY for test, value in channel.sensitivity_v_per_unit.items()}
+        own |= {"unit": "g", "sensitivity_v_per_unit": volts}
+    return channel.model_copy(update=own)

@@ -11,6 +11,7 @@ tolerances of beam and sensitivity.
 import argparse
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +37,7 @@ def as_ideal(campaign: Campaign) -> Campaign:
     """The campaign with a rig that knows of no tolerances but the beam's and the sensitivities'."""
     rig = campaign.rig
     stated = {k: v for k, v in rig.tolerance.model_dump().items() if k in BEAM}
-    return Campaign(
-        rig.model_copy(update={"tolerance": Tolerance.model_validate(stated)}), campaign.blocks, campaign.source
-    )
+    return replace(campaign, rig=rig.model_copy(update={"tolerance": Tolerance.model_validate(stated)}))
 
 
 def run(folder: Path, names: list[str], out: Path, ideal: bool) -> None:

@@ -25,7 +25,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from rigs import drawn_rig
+from rigs import drawn_rig, mounted
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, catalogue
@@ -33,6 +33,7 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import dump_rig
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.initial_gap import gap_before
+from modallab.twin.effects import models
 from modallab_simulators.cantilever.draw_effect import draw_effect, draw_gap
 from modallab_simulators.cantilever.effects import kinds
 from modallab_simulators.cantilever.trial import make_trial
@@ -43,6 +44,8 @@ PAIR = "pair"
 PAIR_GAP = (100.0, 3000.0)
 ROUGH_GAP = (30.0, 3000.0)
 TRIES = 3
+BEYOND = 6.0
+"""Deviations of its own tolerance from which an effect on a bench as built is drawn."""
 CLOSE = 0.2
 """Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
 FURTHER = 2.5
@@ -86,7 +89,7 @@ def made(draw: Draw) -> tuple[Campaign, dict[str, object]]:
     """The campaign of a trial and its truth, with the gap its effect opens in noise units."""
     rig = drawn_rig(draw.seed)
     if draw.tolerances != "none":
-        return rough(draw, rig.model_copy(update={"tolerance": Tolerance.usual()}))
+        return rough(draw, mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed))
     if draw.effect == NONE:
         return make_trial(rig, draw.seed)
     if draw.effect == PAIR:
@@ -116,8 +119,19 @@ def rough(draw: Draw, rig: Rig) -> tuple[Campaign, dict[str, object]]:
     low, high = np.log(ROUGH_GAP)
     gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
     drawn = draw_effect(rig, draw.seed, draw.effect, gap)
+    for _ in range(TRIES):
+        if _beyond(drawn.effect, rig):
+            break
+        gap *= FURTHER
+        drawn = draw_effect(rig, draw.seed, draw.effect, gap)
     campaign, truth = make_trial(rig, draw.seed, (drawn.effect,), draw.tolerances)
     return campaign, truth | {"gap": drawn.gap}
+
+
+def _beyond(effect: Effect, rig: Rig) -> bool:
+    """Whether it is far beyond its own tolerance: what lies within is no gap, and rightly called none."""
+    search = models()[effect.effect].search if effect.effect in models() else None
+    return search is None or search.deviations(effect, rig) > BEYOND
 
 
 def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:

@@ -1,4 +1,4 @@
-"""Writes openapi.json and problems.md from the program; run it after a change to the API.
+"""Writes openapi.json, asyncapi.json and problems.md from the program; run it after a change to the API.
 
 python docs/reference/make_openapi.py
 """
@@ -31,13 +31,15 @@ field of a request that is not valid.
 
 
 def main() -> None:
-    """Write both."""
+    """Write them."""
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder)) as store:
         controllers = Controllers([], Leases(store.catalogue.engine, "none"))
         service = open_service(Path(folder), controllers, "none")
-        document = create_app(service, Settings(data=Path(folder)), "none").openapi()
+        app = create_app(service, Settings(data=Path(folder)), "none")
+        documents = {"openapi.json": app.openapi(), "asyncapi.json": app.state.asyncapi()}
         service.close()
-    (HERE / "openapi.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    for name, document in documents.items():
+        (HERE / name).write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     rows = [f"| `{kind.code}` | {kind.status} | {kind.title} | {kind.meaning} |" for kind in kinds().values()]
     (HERE / "problems.md").write_text(PROBLEMS + "\n".join(rows) + "\n", encoding="utf-8")
 

@@ -8,7 +8,7 @@ import pytest
 from modallab.acquisition.monitor.run_states import IllegalTransitionError
 from modallab.acquisition.process.rig_process import RigProcess
 from modallab.core.errors import PlanError, StorageError
-from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.core.plan import HitAcceptance, ImpactPlan, SinePlan
 from modallab.core.rig import Rig
 from modallab.storage import Store, campaign_of
 
@@ -110,3 +110,50 @@ def test_before_anything_is_driven_it_is_said_how_long_the_longest_burst_lasts(l
     # settle 2 s, block 1.024 s, margin 0.1 s, ramp 1 s
     assert "longest burst 4.124 s" in notice.what
     assert "ends with the process" in notice.what
+
+
+def test_the_operator_decides_of_every_hit_whether_it_counts(link_rig: Rig, tmp_path: Path) -> None:
+    plan = ImpactPlan(points=(10,), hits=2, operator_decides="every")
+    asked: list[str] = []
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(plan):
+            if event.kind == "decision_requested":
+                asked.append(event.name)
+                assert event.accepted
+                assert process.view.undecided == event.name
+                if len(asked) == 1:
+                    process.drop(event.name, "beside the point")
+                else:
+                    process.accept(event.name, "good", "Ada")
+        assert asked == ["impact_p10_1", "impact_p10_1_again_1", "impact_p10_2"]
+        assert process.view.blocks == ("impact_p10_1_again_1", "impact_p10_2")
+
+
+def test_the_operator_decides_of_rejected_hits_only(link_rig: Rig, tmp_path: Path) -> None:
+    plan = ImpactPlan(points=(10,), hits=1, operator_decides="rejected", acceptance=HitAcceptance(min_force_n=479.0))
+    decisions: list[str] = []
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(plan):
+            if event.kind == "decision_requested":
+                assert not event.accepted
+                assert "at least 479 N" in event.reason
+                if not decisions:
+                    process.drop(event.name, "indeed")
+                else:
+                    process.accept(event.name, "strong enough", "Ada")
+                decisions.append(event.name)
+        assert decisions == ["impact_p10_1_rejected_1", "impact_p10_1_rejected_2"]
+        assert process.view.blocks == ("impact_p10_1_rejected_2",)
+
+
+def test_what_was_dropped_is_taken_back_until_it_is_struck_again(link_rig: Rig, tmp_path: Path) -> None:
+    with RigProcess(URL, link_rig, tmp_path) as process:
+        for event in process.run(ImpactPlan(points=(10,), hits=2, operator_decides="every")):
+            if event.kind == "decision_requested" and event.name == "impact_p10_1":
+                process.pause()
+                process.drop(event.name, "a slip")
+                process.accept(event.name, "no slip", "Ada")
+                process.resume()
+            elif event.kind == "decision_requested":
+                process.accept(event.name, "good", "Ada")
+        assert process.view.blocks == ("impact_p10_1", "impact_p10_2")

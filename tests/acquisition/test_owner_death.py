@@ -6,6 +6,7 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 
 from modallab.acquisition.process.rig_process import RigProcess
@@ -103,11 +104,23 @@ def test_when_the_rigs_process_is_killed_its_owner_zeroes_the_output(
     assert ("outside-zero" in done) == (url == "free")
 
 
-@pytest.mark.parametrize("kills", [4])
+@pytest.mark.parametrize("kills", [2])
 def test_kills_at_random_moments_lose_nothing_that_was_acknowledged(kills: int) -> None:
     script = Path(__file__).parents[2] / "benchmarks" / "kill_acquisition.py"
-    command = [sys.executable, str(script), "--kills", str(kills)]
+    command = [sys.executable, str(script), "--kills", str(kills), "--hits", "2", "--frequencies", "12"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert f"{kills} kills" in done.stdout
     assert "0 lost or different" in done.stdout
+
+
+@pytest.mark.parametrize("moment_s", [0.0, 0.1, 0.3])
+def test_a_rigs_process_that_still_starts_ends_with_its_owner(tmp_path: Path, link_rig: Rig, moment_s: float) -> None:
+    owner, _ = start_owner(tmp_path, link_rig, settle_s=20.0)
+    while not (started := psutil.Process(owner.pid).children(recursive=True)) and owner.poll() is None:
+        time.sleep(0.005)
+    time.sleep(moment_s)
+    started = psutil.Process(owner.pid).children(recursive=True)
+    owner.kill()
+    owner.wait()
+    assert psutil.wait_procs(started, timeout=5.0)[1] == []

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scripted_bench import ScriptedBench, scripted_rig
 
+from modallab.acquisition.monitor.changed_places import ChangedPlaces
+from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import dead, faults, foresee, tone_basis
 from modallab.acquisition.process.run import record, run_plan
@@ -180,3 +182,45 @@ def test_flat_tops_are_a_cut_off_channel_and_a_coarsely_sampled_sine_is_none() -
         assert not cut_off(sine, noise).any()
     cut = np.clip(np.rint(900 * np.sin(2 * np.pi * 30 * T)), -600, 600).astype(np.int16)[None]
     assert cut_off(cut, noise).all()
+
+
+def moved(rng: np.random.Generator, shapes: np.ndarray, growth: float) -> tuple[np.ndarray, np.ndarray]:
+    """(11, 1000) volts of a rise in which two shapes beat, with noise; and its rest before."""
+    t = np.arange(1000) / 1000
+    parts = np.stack([growth * t**2 * np.sin(2 * np.pi * 23 * t), np.sin(2 * np.pi * 20 * t) * np.exp(-2 * t)])
+    noise = rng.standard_normal((11, 1500))
+    return shapes @ parts + noise[:, :1000], noise[:, 1000:]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_plugs_that_change_places_are_seen_in_a_rise_too_and_a_new_shape_is_no_fault(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shapes = 20 * rng.standard_normal((11, 3))
+    values, rest = moved(rng, shapes[:, :2], 10.0)
+    one, other = sorted(rng.choice(11, 2, replace=False).tolist())
+
+    def seen(later: np.ndarray) -> list[tuple[int, int] | None]:
+        places = ChangedPlaces(rest, np.ones(11))
+        places.learn(values[:, :800])
+        return [places.look(later[:, n : n + 50]) for n in (850, 870, 890)]
+
+    assert seen(values) == [None, None, None]
+    swapped = values.copy()
+    swapped[[one, other]] = values[[other, one]]
+    assert seen(swapped)[1:] == [(one, other)] * 2
+    assert seen(values + np.outer(shapes[:, 2], np.sin(np.arange(1000) / 10))) == [None, None, None]
+
+
+def test_a_response_in_a_node_is_not_missed_and_one_that_the_others_ask_for_is() -> None:
+    rng = np.random.default_rng(3)
+    modes = rng.standard_normal((10, 3)) + 0j
+    modes[4] = 1.0, 0.5, 0.0
+    known = KnownShapes()
+    for _ in range(4):
+        known.keep(1000 * modes[:, :2] @ rng.standard_normal(2) + rng.standard_normal(10))
+    tone = 1000 * modes[:, :2] @ np.array([1.0, -0.5]) + rng.standard_normal(10)
+    full = float(np.abs(tone[4]))
+    tone[4] = 0.0
+    assert 0.8 * full < known.must_read(4, tone) < full
+    in_a_node = 1000 * modes[:, 2] + rng.standard_normal(10)
+    assert known.must_read(4, in_a_node) == 0.0

@@ -7,11 +7,17 @@ from scipy.stats import chi2
 from modallab.acquisition.monitor.settled import (
     FLOOR_SCATTER,
     Floor,
+    SettledCheck,
+    WindowLook,
     check_settled,
     fading,
     floor_of,
+    largest_ratio,
+    motion_at,
     noise_limit,
-    residual_ratio,
+    own_motion,
+    ringing_lines,
+    sensor_motion,
 )
 
 RATE, N, CHANNELS = 2000.0, 4096, 10
@@ -30,6 +36,15 @@ def ringing(rng: np.random.Generator, tip: float, hz: float = 4.8) -> np.ndarray
     return tip * SIGMA * SHAPE[:, None] * np.sin(2 * np.pi * hz * T + rng.uniform(0, 2 * np.pi))
 
 
+def check(samples: np.ndarray, floor: Floor) -> SettledCheck:
+    return check_settled(WindowLook.of(samples, floor.rms), floor)
+
+
+def residual_ratio(before: np.ndarray, block: np.ndarray, floor: Floor) -> tuple[float, int]:
+    moves, lines = ringing_lines(WindowLook.of(before, floor.rms), floor)
+    return largest_ratio(moves, lines, own_motion(sensor_motion(block, before.shape[1], floor)))
+
+
 @pytest.fixture(scope="module")
 def floor() -> Floor:
     rng = np.random.default_rng(0)
@@ -38,12 +53,12 @@ def floor() -> Floor:
 
 def test_noise_alone_is_rest(floor: Floor) -> None:
     rng = np.random.default_rng(1)
-    assert all(check_settled(window(rng), floor).settled for _ in range(200))
+    assert all(check(window(rng), floor).settled for _ in range(200))
 
 
 def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(floor: Floor) -> None:
     rng = np.random.default_rng(2)
-    looks = [check_settled(window(rng, ringing(rng, 0.2, 4.8 + rng.uniform(-0.25, 0.25))), floor) for _ in range(200)]
+    looks = [check(window(rng, ringing(rng, 0.2, 4.8 + rng.uniform(-0.25, 0.25))), floor) for _ in range(200)]
     assert not any(look.settled for look in looks)
     assert max(look.level for look in looks) < 1.1
     assert all(abs(look.line * RATE / N - 4.8) < 0.8 for look in looks)
@@ -51,14 +66,14 @@ def test_a_fifth_of_the_noise_at_the_free_end_is_no_rest_though_its_level_is(flo
 
 def test_a_twentieth_of_the_noise_passes(floor: Floor) -> None:
     rng = np.random.default_rng(3)
-    assert np.mean([check_settled(window(rng, ringing(rng, 0.05)), floor).settled for _ in range(100)]) > 0.97
+    assert np.mean([check(window(rng, ringing(rng, 0.05)), floor).settled for _ in range(100)]) > 0.97
 
 
 def test_a_loud_channel_is_no_rest(floor: Floor) -> None:
     rng = np.random.default_rng(4)
     loud = window(rng)
     loud[3] *= 2
-    look = check_settled(loud, floor)
+    look = check(loud, floor)
     assert look.level == pytest.approx(2, rel=0.1)
     assert not look.settled
 
@@ -67,19 +82,21 @@ def test_a_hum_that_was_there_from_the_start_is_part_of_the_floor() -> None:
     rng = np.random.default_rng(5)
     hum = 5 * np.sin(2 * np.pi * 50 * T)
     humming = floor_of([window(rng, hum) for _ in range(4)])
-    assert all(check_settled(window(rng, hum), humming).settled for _ in range(50))
-    assert not check_settled(window(rng, hum + ringing(rng, 0.3)), humming).settled
+    assert all(check(window(rng, hum), humming).settled for _ in range(50))
+    assert not check(window(rng, hum + ringing(rng, 0.3)), humming).settled
 
 
-def test_an_offset_is_no_motion(floor: Floor) -> None:
+@pytest.mark.parametrize("offset", [1e3, 1e9])
+def test_an_offset_is_no_motion_and_hides_none(floor: Floor, offset: float) -> None:
     rng = np.random.default_rng(6)
-    assert check_settled(window(rng) + 1000, floor).settled
+    assert check(window(rng) + offset, floor).settled
+    assert not check(window(rng, ringing(rng, 0.3)) + offset, floor).settled
 
 
 def test_a_channel_below_one_count_has_the_rounding_as_its_floor() -> None:
     still = floor_of([np.zeros((2, 512))] * 4)
     np.testing.assert_allclose(still.rms, 1 / np.sqrt(12))
-    assert check_settled(np.zeros((2, 512)), still).settled
+    assert check(np.zeros((2, 512)), still).settled
 
 
 @pytest.mark.parametrize("channels", [1, 2, 10, 30])
@@ -109,3 +126,10 @@ def test_no_residual_is_zero(floor: Floor) -> None:
     rng = np.random.default_rng(9)
     own = window(rng, ringing(rng, 300.0))[:, : N // 2]
     assert all(residual_ratio(window(rng), own, floor)[0] == 0 for _ in range(50))
+
+
+def test_a_few_lines_are_those_of_all(floor: Floor) -> None:
+    rng = np.random.default_rng(10)
+    block = window(rng, ringing(rng, 30.0))[:, : N // 2 - 3]
+    lines = np.array([1, 9, 10, 11, 700])
+    np.testing.assert_allclose(motion_at(block, N, lines, floor), sensor_motion(block, N, floor)[:, lines], rtol=1e-3)

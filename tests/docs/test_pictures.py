@@ -5,22 +5,12 @@ from pathlib import Path
 
 from pages import ROOT
 
-from modallab.acquisition.process.run import record
-from modallab.bench.loader import open_bench
-from modallab.cli.demo_rig import demo_rig
-from modallab.core.plan import ImpactPlan, SinePlan
-from modallab.storage import Store, campaign_of
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 
-def test_every_picture_is_drawn_from_a_campaign_of_the_demo(tmp_path: Path) -> None:
+def test_every_picture_is_drawn_from_a_campaign_of_the_demo(demo: Path, tmp_path: Path) -> None:
     script = runpy.run_path(str(ROOT / "docs/images/make.py"))
-    rig = demo_rig()
-    bench = open_bench("sim://cantilever?seed=2", rig)
-    with Store(tmp_path / "data") as store:
-        runs = [
-            record(bench, rig, plan, store, lambda _: None) for plan in (ImpactPlan(points=(10, 6), hits=1), SinePlan())
-        ]
-        drawn = script["pictures"](campaign_of(store, runs))
+    drawn = script["pictures"](read_campaign(demo / "campaign.h5"))
     assert {f"{name}.svg" for name in drawn} == {p.name for p in (ROOT / "docs/images").glob("*.svg")}
     for name, figure in drawn.items():
         script["write"](figure, tmp_path / f"{name}.svg", name)

@@ -19,7 +19,7 @@ from modallab.storage import Store
 PLAN = ImpactPlan(points=(10,), hits=2, trigger="hardware", hit_timeout_s=60.0)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def striking(rig: Rig):
     with NiServer(rig, "9215", "--bench", "sim://cantilever?seed=1&bad_hits=0&zeta=0.02") as server:
         server.say("preamplifiers impact")

@@ -72,8 +72,7 @@ def wave_like_noise(rng: np.random.Generator) -> Waveform:
 
 
 @pytest.mark.parametrize("way", ["zero", "stop", "close", "supervisor"])
-@pytest.mark.parametrize("_moment", range(3))
-def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: str, _moment: int) -> None:
+def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: str) -> None:
     rng = np.random.default_rng()
     wave = wave_like_noise(rng)
     bench = open_bench(paced.url, rig)

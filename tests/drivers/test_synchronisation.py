@@ -1,5 +1,7 @@
 """Several devices that sample as one: how they are bound, and what the self-test sees if they are not."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 from ni_server import NiServer
@@ -58,63 +60,75 @@ def on(rig: Rig, inputs: list[str], method: str = "auto") -> Rig:
     )
 
 
-def checked(rig: Rig, system: str, device: str) -> tuple[list[Finding], Finding]:
+def checked(server: NiServer, rig: Rig) -> tuple[list[Finding], Finding]:
     """What rig check says, and the phase between the first and the last channel, all on one cable."""
     names = (rig.channels[0].name, rig.channels[-1].name)
-    with NiServer(rig, system, "--cables", device=device) as server:
-        bench = open_bench(server.url, rig)
-        found = check_synchronisation(bench), check_common_signal(bench, rig, names, 0.5)
-        bench.close()
+    bench = open_bench(server.url, rig)
+    found = check_synchronisation(bench), check_common_signal(bench, rig, names, 0.5)
+    bench.close()
     return found
 
 
+@pytest.fixture(scope="module")
+def cards(rig: Rig) -> Iterator[NiServer]:
+    """Two cards of one chassis, every input on one cable."""
+    with NiServer(on(rig, CARDS), "4461", "--cables", device="PXI1Slot2,PXI1Slot3") as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def usb(rig: Rig) -> Iterator[NiServer]:
+    """Two devices on USB, every input on one cable."""
+    with NiServer(on(rig, USB), "two-4431", "--cables", device="Dev1,Dev2") as server:
+        yield server
+
+
+USB = ["Dev1/ai0", "Dev1/ai1", "Dev2/ai0", "Dev2/ai1"]
 CARDS = ["PXI1Slot2/ai0", "PXI1Slot2/ai1", "PXI1Slot3/ai0", "PXI1Slot3/ai1"]
 CHASSIS = ["cDAQ1Mod1/ai0", "cDAQ2Mod1/ai0", "cDAQ1Mod1/ai1", "cDAQ2Mod1/ai1"]
 
 
-@pytest.mark.parametrize(
-    ("system", "device", "inputs", "method"),
-    [
-        ("4461", "PXI1Slot2,PXI1Slot3", CARDS, "auto"),
-        ("4461", "PXI1Slot2,PXI1Slot3", CARDS, "reference-clock"),
-        ("4461", "PXI1Slot2,PXI1Slot3", CARDS, "timebase"),
-        ("two-chassis", "cDAQ1,cDAQ2", CHASSIS, "auto"),
-    ],
-)
-def test_devices_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_khz(
-    rig: Rig, system: str, device: str, inputs: list[str], method: str
+@pytest.mark.parametrize("method", ["auto", "reference-clock", "timebase"])
+def test_cards_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_khz(
+    cards: NiServer, rig: Rig, method: str
 ):
-    said, phase = checked(on(rig, inputs, method), system, device)
+    said, phase = checked(cards, on(rig, CARDS, method))
     assert {finding.verdict for finding in said} == {"good"}
     assert phase.verdict == "good", phase.value
 
 
-def test_devices_that_follow_no_common_clock_are_seen_by_their_phase(rig: Rig, monkeypatch: pytest.MonkeyPatch):
+def test_chassis_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_khz(rig: Rig):
+    wanted = on(rig, CHASSIS)
+    with NiServer(wanted, "two-chassis", "--cables", device="cDAQ1,cDAQ2") as server:
+        said, phase = checked(server, wanted)
+    assert {finding.verdict for finding in said} == {"good"}
+    assert phase.verdict == "good", phase.value
+
+
+def test_devices_that_follow_no_common_clock_are_seen_by_their_phase(
+    cards: NiServer, rig: Rig, monkeypatch: pytest.MonkeyPatch
+):
     # What the driver would do if it left out the sync pulse: the converters begin anywhere in a sample.
     monkeypatch.setattr("modallab_drivers.ni_daqmx.input_task.InputTask.filter_delays_s", lambda task: [0.0] * 2)
-    assert checked(on(rig, CARDS, "reference-clock"), "4461", "PXI1Slot2,PXI1Slot3")[1].verdict == "bad"
+    assert checked(cards, on(rig, CARDS, "reference-clock"))[1].verdict == "bad"
 
 
-def test_devices_that_cannot_be_in_one_task_are_rejected_with_the_reason(rig: Rig):
-    wanted = on(rig, ["Dev1/ai0", "Dev1/ai1", "Dev2/ai0", "Dev2/ai1"], "one-task")
-    with NiServer(wanted, "two-4431", "--cables", device="Dev1,Dev2") as server:
-        bench = open_bench(server.url, wanted)
-        with pytest.raises(ConfigurationError, match=r"Dev1, Dev2 cannot be synchronised.*by one task"):
-            check_synchronisation(bench)
-        bench.close()
+def test_devices_that_cannot_be_in_one_task_are_rejected_with_the_reason(usb: NiServer, rig: Rig):
+    bench = open_bench(usb.url, on(rig, USB, "one-task"))
+    with pytest.raises(ConfigurationError, match=r"Dev1, Dev2 cannot be synchronised.*by one task"):
+        check_synchronisation(bench)
+    bench.close()
 
 
 @pytest.mark.parametrize("clock", ["PXIe_Clk100", "PXI_Clk10"])
-def test_devices_on_usb_have_no_clock_of_a_backplane(rig: Rig, clock: str):
-    wanted = on(rig, ["Dev1/ai0", "Dev1/ai1", "Dev2/ai0", "Dev2/ai1"], "reference-clock")
-    wanted = wanted.model_copy(
+def test_devices_on_usb_have_no_clock_of_a_backplane(usb: NiServer, rig: Rig, clock: str):
+    wanted = on(rig, USB, "reference-clock").model_copy(
         update={"synchronisation": Synchronisation(method="reference-clock", reference_clock=clock)}
     )
-    with NiServer(wanted, "two-4431", "--cables", device="Dev1,Dev2") as server:
-        bench = open_bench(server.url, wanted)
-        with pytest.raises(ConfigurationError, match=f"by {clock}: .*-89120"):
-            check_synchronisation(bench)
-        bench.close()
+    bench = open_bench(usb.url, wanted)
+    with pytest.raises(ConfigurationError, match=f"by {clock}: .*-89120"):
+        check_synchronisation(bench)
+    bench.close()
 
 
 def test_channels_of_several_tasks_stand_in_the_order_of_the_rig(rig: Rig):

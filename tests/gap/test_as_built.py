@@ -9,6 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
+from modallab.core.progress import heard_by
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.model.tolerances import applied, deviations, with_tolerances
@@ -52,8 +53,14 @@ def campaign(make: Make, rough: Rig) -> Campaign:
 
 
 @pytest.fixture(scope="module")
-def sound(campaign: Campaign) -> Diagnosis:
-    return diagnose(campaign)
+def steps() -> list[tuple[float, str]]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def sound(campaign: Campaign, steps: list[tuple[float, str]]) -> Diagnosis:
+    with heard_by(lambda share, words: steps.append((share, words))):
+        return diagnose(campaign)
 
 
 def only(*names: str) -> Callable[[str], bool]:
@@ -80,6 +87,25 @@ def test_the_budget_is_whole_and_the_noise_is_small(sound: Diagnosis) -> None:
     assert left["noise"] < 0.01
     assert abs(left["model"]) < 0.01
     assert all("Within tolerance" in line for line in sound.budget.calibrate)
+
+
+def test_the_budget_says_where_each_part_lies(sound: Diagnosis) -> None:
+    assert sound.budget is not None
+    for row in sound.budget.rows:
+        assert set(row.by) == {"test", "channel", "band", "mode"}
+        for parts in row.by.values():
+            assert sum(parts.values()) == pytest.approx(row.share, abs=1e-9)
+    # A sensor that stands elsewhere is no other channel's matter.
+    moved = next(r for r in sound.budget.rows if r.name == "position_m")
+    elsewhere = [share for name, share in moved.by["channel"].items() if name != moved.place]
+    assert max(map(abs, elsewhere)) < 1e-9
+
+
+def test_a_diagnosis_says_what_it_is_at(sound: Diagnosis, steps: list[tuple[float, str]]) -> None:
+    shares = [share for share, _ in steps]
+    assert shares == sorted(shares)
+    assert 0 == shares[0] < shares[-1] < 1
+    assert "without any effect" in steps[1][1]
 
 
 def test_the_gap_is_stated_in_percent_too(sound: Diagnosis) -> None:

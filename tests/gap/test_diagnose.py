@@ -11,6 +11,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect
 from modallab.core.errors import DataError, PlanError, RigError
+from modallab.core.progress import heard_by
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.gap.conditioning.split import split
@@ -41,7 +42,12 @@ def test_a_bench_that_is_its_twin_has_no_gap(make: Make) -> None:
 
 
 def test_a_mass_is_named_with_its_place_and_size(make: Make) -> None:
-    found = diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
+    said: list[tuple[float, str]] = []
+    with heard_by(lambda share, stage: said.append((share, stage))):
+        found = diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
+    # Whoever waits sees it move.
+    assert len({share for share, _ in said}) >= 10
+    assert any("round 1: candidates fitted, 1 of" in stage for _, stage in said)
     assert (found.verdict, found.where.stage) == ("known", "structure")
     assert [f.effect for f in found.effects] == ["added_mass"]
     assert found.effects[0].parameters["mass"] == pytest.approx(0.05, rel=0.01)

@@ -1,7 +1,6 @@
 """A fit whose beam has strayed far outside its tolerances finds its way back."""
 
 import numpy as np
-import pytest
 
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare
@@ -25,9 +24,8 @@ def strayed(rig, make, beam):
     return bench, Fit(problem, u, float(r @ r), r, np.eye(len(u)))
 
 
-@pytest.mark.parametrize("beam", [(60.0, -40.0, -5.0), (-40.0, -28.0, -2.6)])
-def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, make, beam):
-    bench, fit = strayed(rig, make, beam)
+def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, make):
+    bench, fit = strayed(rig, make, (60.0, -40.0, -5.0))
     assert finish(bench, fit, COARSE / 12).gap > 1.5
     found = ended(bench, fit, COARSE / 12)
     assert found.gap < 1.1

@@ -8,6 +8,9 @@ from pathlib import Path
 
 from lab import RIG, TOKEN, Lab
 
+from modallab.service.records.run_queue import RunQueue
+from modallab.service.records.users import Users
+
 PHASES = ("examples", "coverage", "fuzzing", "stateful")
 CHECKS = (
     "not_a_server_error",
@@ -37,7 +40,7 @@ expected-statuses = [401, 403, 404, 405, 409, 412, 413, 415, 422, 428]
 [[operations]]
 include-path = "/api/v1/events/stream"
 # It has no end: the first event will do, and where none is of the kind asked for, a while of waiting.
-request-timeout = 3
+request-timeout = 1
 parameters = { "query.after" = 0 }
 """
 
@@ -78,7 +81,7 @@ def ask(
 
 
 def _known(lab: Lab) -> str:
-    service = lab.service
+    service, users = lab.service, Users(lab.service.engine)
     runs = [run for campaign in service.repository.campaigns(None, 50) for run in campaign.runs]
     names = {
         "campaign": [campaign.id for campaign in service.repository.campaigns(None, 50)],
@@ -87,6 +90,9 @@ def _known(lab: Lab) -> str:
         "rig": [RIG],
         "n": [block.n for block in service.store.catalogue.blocks(runs[0])],
         "name": ["report.html", "models.json"],
+        "item": [item.id for item in RunQueue(service.engine).open(RIG)],
+        "user": [user.name for user in users.all()],
+        "token": [token.id for user in users.all() for token in users.tokens(user.name)],
     }
     bound = {f"path.{name}": name for name in names} | {"header.Modallab-Lease": "lease"}
     names["lease"] = [lab.lease().id]

@@ -1,19 +1,24 @@
-"""A service that has something of everything: campaigns, a run with blocks, its model, a job that waits."""
+"""A service that has something of everything: campaigns, a run with blocks, its model, jobs, users, a queue."""
 
 import time
 from pathlib import Path
 
 from lab import RIG, Lab
 
+from modallab.core.documents.queue import QueueItemNew
 from modallab.core.documents.results import JobNew
 from modallab.core.documents.runs import RunNew
+from modallab.core.documents.users import TokenNew, UserNew
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
 from modallab.jobs.kind import Kind
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
+from modallab.service.api.rigs import state_of
 from modallab.service.campaigns.begin import begin
+from modallab.service.campaigns.queueing import queue_run
 from modallab.service.jobs.campaign_jobs import order
+from modallab.service.records.users import Users
 from modallab.storage.address import name_database
 
 URL = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
@@ -38,10 +43,20 @@ def furnish(folder: Path, rig: Rig, database: str | None = None) -> Lab:
         lab.service.leases.release(RIG, lease.id)
         _compute(lab)
         order(lab.service, campaign, "report", JobNew(), "Ada")
+        _let_people_in(lab)
+        new = QueueItemNew(campaign=campaign, plan=ImpactPlan(points=(10,)))
+        queue_run(lab.service, state_of(lab.service, RIG), new, "Ada")
     except BaseException:
         lab.close()
         raise
     return lab
+
+
+def _let_people_in(lab: Lab) -> None:
+    users = Users(lab.service.engine)
+    for name in ("Olga", "Otto"):
+        users.add(UserNew(name=name), "Ada")
+        users.make_token(name, TokenNew(), "Ada")
 
 
 def _compute(lab: Lab) -> None:
@@ -53,5 +68,5 @@ def _compute(lab: Lab) -> None:
     leases = Leases(lab.service.engine, "furnisher")
     for taken in leases.take(known, 10):
         kind: Kind = known[taken.job.kind]
-        computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda _: None)
+        computed = kind.compute(kind.load(dict(taken.job.parameters), taken.job.inputs), lambda *_: None)
         assert leases.done(taken, kind.keep(taken.attempt, computed))

@@ -32,6 +32,7 @@ class ServiceProcess:
         self._log = (data.parent.parent / f"{data.parent.name}-{data.name}.log").open("a+")
         command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
         command += ["--bench", bench] if bench else []
+        self.said: list[str] = []
         self.process = subprocess.Popen(
             [*command, *options],
             stdout=subprocess.PIPE,
@@ -41,11 +42,12 @@ class ServiceProcess:
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {}),
         )
         try:
-            self.url = self._said(r"serves at (http://\S+)/,")
-            self.stop_url = self._said(r"POST (http://\S+)")
+            self.url = self._said(r"serves at (https?://\S+)/,")
+            self.stop_url = self._said(r"POST (https?://\S+)")
             self._said(r"(rig):")
             self.token = (data / "token").read_text().strip()
-            self.client = Client(self.url, self.token, "tester", timeout_s=120.0)
+            ca = data / "tls" / "cert.pem"
+            self.client = Client(self.url, self.token, "tester", timeout_s=120.0, ca=ca if ca.exists() else None)
             self.rig = self._ready()
         except BaseException:
             self.close()
@@ -81,6 +83,7 @@ class ServiceProcess:
     def _said(self, pattern: str) -> str:
         assert self.process.stdout is not None
         for line in self.process.stdout:
+            self.said.append(line)
             found = re.search(pattern, line)
             if found:
                 return found[1]

@@ -81,10 +81,10 @@ def test_many_who_order_the_same_at_once_get_one_job(jobs: Jobs) -> None:
 def test_a_result_that_is_no_more_requested_is_not_taken(jobs: Jobs, engine: Engine) -> None:
     job = jobs.submit("identify", {}, [])
     leases, taken = Leases(engine, "one"), _take(engine)
-    assert leases.renew({job.id: (taken.fence, 0.25)}) == set()
+    assert leases.renew({job.id: (taken.fence, 0.25, "fitting")}) == set()
     assert jobs.get(job.id).progress == 0.25
     jobs.cancel(job.id)
-    assert leases.renew({job.id: (taken.fence, 0.5)}) == {job.id}
+    assert leases.renew({job.id: (taken.fence, 0.5, "")}) == {job.id}
     assert not leases.done(taken, 1)
     assert not leases.give_back(taken, "", counts=True)
     assert (jobs.get(job.id).state, jobs.get(job.id).result) == ("cancelled", None)

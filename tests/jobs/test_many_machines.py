@@ -32,7 +32,7 @@ def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines,
     with Runner(jobs, kinds(tmp_path), lab.address):
         both = ended(jobs, *(jobs.submit("wait", {"x": x, "steps": 40}, []) for x in range(4)))
         assert len({job.result["process"] for job in both}) == 2
-        ordered = [jobs.submit("wait", {"x": x, "steps": 150}, []) for x in range(6)]
+        ordered = [jobs.submit("wait", {"x": x, "steps": 75}, []) for x in range(6)]
         until(lambda: sum(jobs.get(job.id).progress > 0 for job in ordered) >= 2)
         victim.kill()
         done = ended(jobs, *ordered)
@@ -44,7 +44,7 @@ def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines,
 def test_a_killed_scheduler_costs_time_and_no_job(jobs: Jobs, lab: Machines, tmp_path: Path) -> None:
     lab.worker()
     with Runner(jobs, kinds(tmp_path), lab.address) as runner:
-        ordered = [jobs.submit("wait", {"x": x, "steps": 150}, []) for x in range(3)]
+        ordered = [jobs.submit("wait", {"x": x, "steps": 60}, []) for x in range(3)]
         until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
         lab.end()
         until(lambda: runner.status == "connecting")
@@ -64,7 +64,7 @@ def test_the_jobs_of_a_killed_runner_are_taken_by_another(
     script = str(Path(HERE) / "runner_process.py")
     doomed = subprocess.Popen([sys.executable, script, url, lab.address, str(tmp_path), "2"], env=dict(os.environ))
     try:
-        job = jobs.submit("wait", {"x": 5, "steps": 200}, [])
+        job = jobs.submit("wait", {"x": 5, "steps": 75}, [])
         until(lambda: jobs.get(job.id).progress > 0)
     finally:
         doomed.kill()

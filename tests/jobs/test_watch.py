@@ -100,7 +100,7 @@ def test_a_sign_between_the_look_and_the_taking_keeps_the_job(engine: Engine) ->
     (taken,) = holder.take(["identify"], 1)
     heir = Leases(engine, "heir", lease_s=0.01)
     for _ in range(40):
-        assert holder.renew({taken.job.id: (taken.fence, 0.5)}) == set()
+        assert holder.renew({taken.job.id: (taken.fence, 0.5, "")}) == set()
         assert heir.take(["identify"], 1) == []
     assert holder.done(taken, "mine")
 

@@ -78,3 +78,13 @@ def test_one_sample_that_stands_out_by_chance_does_not_lengthen_the_hit(seed):
     spike = raw.copy()
     spike[1500] = 0.3 + 12 * 0.02
     assert find_hit(spike).stop > 1500
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.3, 0.5, 0.7, 1.0])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_hit_is_short_where_noise_is_less_than_a_step_of_the_converter(noise, seed):
+    step = 0.015
+    # The median of such noise is zero: by it every sample that is not would belong to the hit.
+    seen = step * np.rint(force((100, 12.0), noise=noise * step, offset=0.0, seed=seed) / step)
+    hit = find_hit(seen)
+    assert hit.stop - hit.first < 60

@@ -18,6 +18,9 @@ from modallab_simulators.cantilever.effects import kinds
 from modallab_simulators.cantilever.read_effect import read_effect
 from modallab_simulators.cantilever.trial import make_trial
 
+RIVALS = (NAME, "ground_spring", "added_mass", "stiffness_loss", "clamp_rotation")
+"""What could pass for it; that it stands among all candidates is seen without a fit."""
+
 SPRING = Effect(effect=NAME, parameters={"k_slope": 5.0}, place={"x": 0.6})
 
 
@@ -56,7 +59,7 @@ def test_two_files_are_an_effect_for_as_long_as_they_are_there(
 def test_a_diagnosis_finds_it_in_the_simulated_bench(tmp_path: Path, link: Rig):
     with added(tmp_path, *page_files()):
         campaign, truth = make_trial(link, 3, (SPRING,))
-        found = diagnose(campaign)
+        found = diagnose(campaign, allowed=lambda name: name in RIVALS)
         assert truth["effects"] == [
             {"effect": NAME, "family": "structure", "parameters": {"k_slope": 5.0}, "place": {"x": 0.6}}
         ]

@@ -13,6 +13,7 @@ from noiseless_bench import noiseless_rig
 
 from modallab.core.block import Block
 from modallab.core.effects import Effect, catalogue
+from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.model.predicted_records import predict_record
 from modallab.signals.signals import to_signals
@@ -23,7 +24,16 @@ from modallab.twin.structure import MODES, Structure
 from modallab_simulators.cantilever.draw import draw_damping
 from modallab_simulators.cantilever.trial import LAST_ORDER, Operator, rigidly_clamped
 
-RIG = rigidly_clamped(noiseless_rig())
+
+def mounted(rig: Rig) -> Rig:
+    """One accelerometer upside down and given in g: what is exchanged with it goes along with both."""
+    channels = list(rig.channels)
+    own = {"unit": "g", "direction": "-z", "sensitivity_v_per_unit": {"impact": 0.1, "sine": 1.0}}
+    channels[3] = channels[3].model_copy(update=own)
+    return rig.model_copy(update={"channels": tuple(channels)})
+
+
+RIG = mounted(rigidly_clamped(noiseless_rig()))
 SEED = 5
 ORDER = 40
 LINES = (6, 33)

@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 Floats = NDArray[np.float64]
+
+HALVINGS = 56
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class CantileverBeam:
         # Mode n has b between (n - 1) pi and n pi, so only one mode is in doubt.
         limit = float(np.sqrt(omega / self._rate))
         sure = int(limit / pi)
-        return sure + (_wave_number(sure + 1, self.kappa) < limit)
+        return sure + bool(_roots(sure + 1, sure + 1, self.kappa)[0] < limit)
 
     @property
     def total_mass_kg(self) -> float:
@@ -94,18 +95,22 @@ class CantileverBeam:
 
 def wave_numbers(count: int, kappa: float) -> Floats:
     """Roots b = beta L of the frequency equation for kappa > 0, ascending, (count,)."""
-    return np.array([_wave_number(n, kappa) for n in range(1, count + 1)], dtype=np.float64)
+    return _roots(1, count, kappa).copy()
 
 
-@lru_cache(maxsize=4096)
-def _wave_number(n: int, kappa: float) -> float:
+@lru_cache(maxsize=256)
+def _roots(first: int, last: int, kappa: float) -> Floats:
+    """Of modes `first` to `last`: one root between (n - 1) pi, where the equation has the sign of cos b, and n pi."""
     # Dividing by kappa or by b keeps the terms of order one for a soft as for a stiff root.
     soft, stiff = (kappa, 1.0) if kappa < 1 else (1.0, 0.0 if kappa == inf else 1.0 / kappa)
-
-    def equation(b: float) -> float:
-        return float(soft * (_sech(b) + np.cos(b)) - stiff * b * (np.sin(b) - np.cos(b) * np.tanh(b)))
-
-    return float(brentq(equation, (n - 1) * pi, n * pi, xtol=1e-15 * n * pi, rtol=8.9e-16))
+    n = np.arange(first, last + 1)
+    low, high, sign = (n - 1) * pi, n * pi, np.where(n % 2, 1.0, -1.0)
+    # Halved down to rounding, all at once: a solver of SciPy's would take every process longer to import.
+    for _ in range(HALVINGS):
+        b = (low + high) / 2
+        before = sign * (soft * (_sech(b) + np.cos(b)) - stiff * b * (np.sin(b) - np.cos(b) * np.tanh(b))) > 0
+        low, high = np.where(before, b, low), np.where(before, high, b)
+    return (low + high) / 2
 
 
 def _sech(b: Any) -> Any:

@@ -11,7 +11,6 @@ from modallab_simulators.cantilever.assembled import elements_of
 from modallab_simulators.cantilever.chain import Chain, Hum
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
-from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
 from modallab_simulators.cantilever.injected import Injected
@@ -102,7 +101,12 @@ class Site:
         linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
         changes = truth.effects.altered.structure
         elements = elements_of(truth.beam_at(progress), changes)
-        return FedStructure(linear, elements, changes.drag, self.step_s) if elements or changes.drag else linear
+        if not elements and not changes.drag:
+            return linear
+        # The compiled loop: a bench without local nonlinearities does not pay for the import.
+        from modallab_simulators.cantilever.feedback.structure import FedStructure
+
+        return FedStructure(linear, elements, changes.drag, self.step_s)
 
     def _clipped(self, chain: Chain) -> Chain:
         for clip in self._truth.effects.altered.chain.clips:

@@ -15,7 +15,6 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
@@ -52,7 +51,7 @@ class Structure:
         self._wait = max(0, ceil(max(o.later_s for o in outputs) * rate_hz - 1e-9))
         self._span = 2 * DELAY + self._wait
         self._columns = self._span + 3
-        self._fft = next_fast_len(BLOCK + self._columns + 1, real=True)
+        self._fft = _fast_length(BLOCK + self._columns + 1)
         owned = [pole for o in outputs for pole in o.sensor.poles]
         self._poles = np.concatenate([basis.poles, np.array(owned, dtype=np.complex128)])
         self._scan = Scan(self._poles, oversample * self._step_s, BLOCK)
@@ -118,7 +117,7 @@ class Structure:
             self._put(driving, drive.force_n, into)
             spectrum += self._filtered(drive.force_n, kernel)
         states, after = self._scan.driven(state, driving)
-        seen = irfft(spectrum, self._fft, axis=1)[:, self._columns - 1 : self._columns - 1 + BLOCK]
+        seen = np.fft.irfft(spectrum, self._fft, axis=1)[:, self._columns - 1 : self._columns - 1 + BLOCK]
         seen += self._seen @ states.view(np.float64).T
         return seen, _flushed(after)
 
@@ -145,7 +144,7 @@ class Structure:
 
     def _filtered(self, force: Floats, kernel: Complex) -> Complex:
         phases = np.ascontiguousarray(force.reshape(-1, self._oversample).T)
-        return np.einsum("cjf,jf->cf", kernel, rfft(phases, self._fft, axis=1))
+        return np.einsum("cjf,jf->cf", kernel, np.fft.rfft(phases, self._fft, axis=1))
 
     def _filters_of(self) -> dict[float, _Filter]:
         wait = self._wait * self._oversample
@@ -216,10 +215,18 @@ class Structure:
         padded = np.zeros((len(taps), self._columns * self._oversample))
         padded[:, self._oversample - REACH : self._oversample - REACH + taps.shape[1]] = taps
         phases = padded.reshape(len(taps), self._columns, self._oversample)[:, ::-1].transpose(0, 2, 1)
-        return rfft(np.ascontiguousarray(phases), self._fft, axis=2)
+        return np.fft.rfft(np.ascontiguousarray(phases), self._fft, axis=2)
 
 
 def _flushed(state: Complex) -> Complex:
     # A state that has died away would soon cost denormal arithmetic.
     state[np.abs(state) < _TINY] = 0
     return state
+
+
+def _fast_length(least: int) -> int:
+    """The smallest length of at least so many samples whose transform is fast: of the primes 2, 3 and 5 alone."""
+    length = least
+    while 30**20 % length:
+        length += 1
+    return length

@@ -20,7 +20,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _backup(arguments: argparse.Namespace) -> int:
-    _require_data(arguments.data)
+    require_data(arguments.data)
     with Store(arguments.data) as store:
         _notify(back_up(store, arguments.out, [JOBS]), arguments.out)
     return 0
@@ -32,7 +32,7 @@ def _restore(arguments: argparse.Namespace) -> int:
 
 
 def _retention(arguments: argparse.Namespace) -> int:
-    _require_data(arguments.data)
+    require_data(arguments.data)
     days = arguments.older_than
     states = tuple(arguments.state or ("failed", "aborted"))
     rule = Rule(timedelta(days=days), states, arguments.valid)
@@ -51,8 +51,12 @@ def _retention(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _require_data(folder: Path) -> None:
-    # A store makes the folder it is given; a command that was given a wrong one must not.
+def require_data(folder: Path) -> None:
+    """Reject what is no data folder: a store makes what it is given, and a command with a wrong one must not.
+
+    Raises:
+        StorageError: it is none.
+    """
     if not ((folder / DATABASE).is_file() or (folder / ADDRESS).is_file()):
         raise StorageError("is no data folder", where=str(folder), remedy=f"name a folder with {DATABASE} or {ADDRESS}")
 

@@ -1,9 +1,11 @@
-"""The commands that move and keep data: export, backup, restore, retention."""
+"""The commands that move and keep data: export, backup, restore, retention; and users, who are kept with them."""
 
 from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.formats.format import writers
+
+ROLES = ("observer", "operator", "admin")
 
 
 class _Commands(Protocol):
@@ -16,6 +18,7 @@ def add_data_commands(commands: _Commands) -> None:
     _add_backup(commands)
     _add_restore(commands)
     _add_retention(commands)
+    _add_user(commands)
 
 
 def _add_export(commands: _Commands) -> None:
@@ -53,3 +56,24 @@ def _add_retention(commands: _Commands) -> None:
     command.add_argument("--valid", action="store_true", help="runs with valid data too")
     command.add_argument("--delete", action="store_true", help="delete them; without it they are only listed")
     command.set_defaults(module="backup", action="retention")
+
+
+def _add_user(commands: _Commands) -> None:
+    user = commands.add_parser("user", help="say who may ask the service, and make and revoke tokens")
+    actions = user.add_subparsers(metavar="ACTION", required=True, dest="action")
+    add = actions.add_parser("add", help="add a user, and make a token")
+    add.add_argument("--role", choices=ROLES, default="operator", help="what the user may do")
+    token = actions.add_parser("token", help="make another token for a user")
+    token.add_argument("--role", choices=ROLES, help="what it is for, if less than the user may do")
+    for command in (add, token):
+        command.add_argument("--rig", action="append", metavar="ID", help="work at this rig only; may be repeated")
+        command.add_argument("--days", type=float, metavar="N", help="it counts for so long (default: until revoked)")
+        command.add_argument("--label", default="", help="where it is kept")
+    listed = actions.add_parser("list", help="show users and tokens, without what is secret")
+    revoke = actions.add_parser("revoke", help="have the tokens of a user not count any more")
+    revoke.add_argument("--token", metavar="ID", help="only this one")
+    for command in (add, token, revoke):
+        command.add_argument("name", metavar="NAME", help="of the user")
+    for command in (add, token, listed, revoke):
+        command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="of the service")
+    user.set_defaults(module="user")

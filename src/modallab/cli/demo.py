@@ -6,6 +6,7 @@ from urllib.parse import quote
 
 from rich.console import Console
 
+from modallab.cli import serve
 from modallab.cli.demo_rig import demo_rig
 from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
@@ -28,14 +29,30 @@ DEMO_POINTS = (10, 6, 3)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run both tests, identify, verify, and leave everything in one folder."""
+    """Run both tests, identify, verify, and leave everything in one folder; or show the bench on the page."""
+    return _on_the_page(arguments) if arguments.serve else _at_the_terminal(arguments)
+
+
+def _on_the_page(arguments: argparse.Namespace) -> int:
+    # In real time, so that a hit can be seen; twice as fast, since nobody waits ten minutes for a demonstration.
+    bench = f"{_bench(arguments)}&pace=1&speed=2&zeta=0.02"
+    options = dict.fromkeys((*serve.OPTIONS, "rig"), None)
+    data = arguments.out / "served"
+    return serve.run(argparse.Namespace(**options | {"data": data}, bench=bench, open=True))
+
+
+def _bench(arguments: argparse.Namespace) -> str:
+    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
+    built = "&tolerances=stated" if arguments.as_built else ""
+    return f"sim://cantilever?seed={arguments.seed}{built}{effects}"
+
+
+def _at_the_terminal(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
     folder.mkdir(parents=True, exist_ok=True)
     rig = _as_built(demo_rig()) if arguments.as_built else demo_rig()
     console = Console()
-    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
-    built = "&tolerances=stated" if arguments.as_built else ""
-    url = f"sim://cantilever?seed={arguments.seed}{built}{effects}"
+    url = _bench(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     with Display(console) as display:
         campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)

@@ -13,6 +13,7 @@ from rich.table import Table
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import FormatError, PlanError
 from modallab.core.plan import Plan
+from modallab.core.progress import heard_by
 from modallab.core.versions import PREDICTION
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
@@ -35,8 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnose(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
-    diagnosis = diagnose(campaign, arguments.hold_out)
     console = Console()
+    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
+        diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"

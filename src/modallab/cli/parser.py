@@ -45,6 +45,9 @@ def _add_demo(commands: _Commands) -> None:
         help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
     )
     demo.add_argument("--as-built", action="store_true", help="a little of everything is wrong with the bench")
+    demo.add_argument(
+        "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
+    )
     demo.set_defaults(module="demo")
 
 
@@ -166,8 +169,14 @@ def _add_serve(commands: _Commands) -> None:
     command.add_argument("--port", type=int, metavar="N", help="of the REST service (default: 8000)")
     command.add_argument("--stop-port", type=int, metavar="N", help="of the emergency stop (default: 8001)")
     command.add_argument("--token-file", type=Path, metavar="FILE", help="where the token is kept")
+    command.add_argument("--tls-cert", type=Path, metavar="FILE", help="speak TLS with this certificate, as PEM")
+    command.add_argument("--tls-key", type=Path, metavar="FILE", help="its key")
+    command.add_argument(
+        "--tls-self-signed", action="store_const", const=True, help="make a certificate in the data folder, and use it"
+    )
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (default: own workers)")
     command.add_argument("--workers", type=int, metavar="N", help="processes that compute jobs on this machine")
+    command.add_argument("--open", action="store_true", help="open a browser that is logged in")
     command.add_argument("--no-jobs", dest="jobs", action="store_const", const=False, help="compute no jobs here")
     command.set_defaults(module="serve")
 

@@ -2,6 +2,7 @@
 
 import argparse
 import signal
+import webbrowser
 from typing import Any
 
 from modallab.cli.demo_rig import demo_rig
@@ -11,30 +12,45 @@ from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
 from modallab.service.process.start_up import require_scheduler, require_token, settle_database, token_path
 from modallab.service.process.supervisor import Supervisor
+from modallab.service.process.tls import fingerprint, settle_tls
 from modallab.service.process.workers import set_up
 
-OPTIONS = ("data", "host", "port", "stop_port", "token_file", "scheduler", "workers", "jobs")
+OPTIONS = (
+    "data", "host", "port", "stop_port", "token_file", "tls_cert", "tls_key", "tls_self_signed", "scheduler", "workers",
+    "jobs",
+)  # fmt: skip
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until asked to leave."""
-    given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS if getattr(arguments, name) is not None}
-    settings = Settings(**given)
+    given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS}
+    settings = Settings(**{name: value for name, value in given.items() if value is not None})
     set_up(settings.log_level)
     rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig or ()] or [_demo(arguments.bench)]
     token = require_token(settings)
+    settings = settle_tls(settings)
     settle_database(settings)
     require_scheduler(settings)
     with Supervisor(settings, rigs, token) as supervisor:
         signal.signal(signal.SIGTERM, lambda _number, _frame: supervisor.ask_to_close())
         place = supervisor.place
-        print(f"modallab serves at http://{place.host}:{place.port}/, the API is at /docs")
-        print(f"emergency stop:    curl -X POST http://{place.host}:{place.stop_port}/emergency-stop")
+        print(f"modallab serves at {settings.scheme}://{place.host}:{place.port}/, the API is at /docs")
+        if settings.tls_self_signed and settings.tls_cert is not None:
+            print(f"certificate:       {settings.tls_cert}, SHA-256 {fingerprint(settings.tls_cert)}")
+        print(f"emergency stop:    curl -X POST {settings.scheme}://{place.host}:{place.stop_port}/emergency-stop")
         print(f"token:             {'as set' if settings.token else token_path(settings)}")
+        if arguments.open:
+            _open(f"http://{place.host}:{place.port}{supervisor.login_path()}")
         for state in supervisor.controllers.states():
             print(f"rig:               {state.id} at {state.bench}", flush=True)
         supervisor.wait()
     return 0
+
+
+def _open(address: str) -> None:
+    print(f"log in once:       {address}")
+    # Where there is no browser, the address is there to be copied.
+    webbrowser.open(address)
 
 
 def _with_bench(rig: Rig, url: str | None) -> tuple[Rig, str]:

@@ -1,19 +1,22 @@
 """The client: one method for each thing the service does."""
 
-import secrets
 import time
 import zlib
-from collections.abc import Iterator, Mapping
-from typing import Any, Self, TypeVar
+from collections.abc import Iterator
+from typing import Any
 
 import httpx
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, JsonValue
+from pydantic import JsonValue
 
+from modallab.client.archive_calls import ArchiveCalls, hidden
+from modallab.client.connection import AGAIN_S
 from modallab.client.held_lease import HeldLease
 from modallab.client.problem import require_good
+from modallab.client.queue_calls import QueueCalls
 from modallab.client.stream import read_events
+from modallab.client.user_calls import UserCalls
 from modallab.core.documents.campaigns import CampaignNew, CampaignView
 from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import EventView, Page
@@ -22,23 +25,12 @@ from modallab.core.documents.rigs import Lease, LeaseNew, RigView, StopReason
 from modallab.core.documents.runs import BlockView, Command, RunNew, RunView, Verdict
 from modallab.core.plan import Plan
 
-Document = TypeVar("Document", bound=BaseModel)
 ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
-AGAIN_S = 0.5
-TRIES = 5
-_BROKEN = (httpx.ConnectError, httpx.ReadError, httpx.WriteError, httpx.RemoteProtocolError)
 
 
-class Client:
+class Client(ArchiveCalls, QueueCalls, UserCalls):
     """A connection to one service. Every method raises `ServiceProblemError` for what the service rejects."""
-
-    def __init__(self, url: str, token: str, operator: str = "", timeout_s: float = 30.0) -> None:
-        """`operator` is who is asking, for the record."""
-        headers = [(b"Authorization", f"Bearer {token}".encode())]
-        # As bytes: a name need not be ASCII.
-        headers += [(b"Modallab-Operator", operator.encode())] if operator else []
-        self._http = httpx.Client(base_url=f"{url.rstrip('/')}/api/v1", headers=headers, timeout=timeout_s)
 
     def rigs(self) -> tuple[RigView, ...]:
         """All rigs of the service."""
@@ -73,12 +65,25 @@ class Client:
         """Let a tripped rig be driven again."""
         return self._post(RigView, f"/rigs/{rig}/reset", StopReason(reason=reason), lease)
 
-    def lease(self, rig: str, operator: str, ttl_s: float = 30.0, *, take_over: bool = False) -> HeldLease:
+    def lease(
+        self,
+        rig: str,
+        operator: str | None = None,
+        ttl_s: float = 30.0,
+        *,
+        take_over: bool = False,
+        recover: bool = False,
+    ) -> HeldLease:
         """Take the lease of a rig; it is renewed until it is closed.
 
-        With `take_over` it is taken from whoever holds it, as long as no run is on.
+        Args:
+            rig: its id.
+            operator: who asks, with the service's own token; with a user's token it is that user.
+            ttl_s: for so long, unless it is renewed.
+            take_over: from whoever holds it, as long as no run is on; from yourself always.
+            recover: the one you hold already.
         """
-        new = LeaseNew(operator=operator, ttl_s=ttl_s, take_over=take_over)
+        new = LeaseNew(operator=operator, ttl_s=ttl_s, take_over=take_over, recover=recover)
         lease = self._post(Lease, f"/rigs/{rig}/lease", new)
         return HeldLease(lease, self._renew, self._release)
 
@@ -86,9 +91,14 @@ class Client:
         """Make a campaign on a rig."""
         return self._post(CampaignView, "/campaigns", CampaignNew(name=name, rig=rig, note=note))
 
-    def campaigns(self) -> tuple[CampaignView, ...]:
-        """All campaigns, the newest first."""
-        return tuple(self._all(CampaignView, "/campaigns"))
+    def campaigns(self, *, archived: bool = False, deleted: bool = False) -> tuple[CampaignView, ...]:
+        """All campaigns, the newest first; those that are archived or deleted only where they are asked for."""
+        return tuple(self._all(CampaignView, "/campaigns", hidden(archived=archived, deleted=deleted)))
+
+    def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[RunView, ...]:
+        """The runs of a campaign, the oldest first; archived or deleted ones only where they are asked for."""
+        query = hidden(archived=archived, deleted=deleted)
+        return tuple(self._all(RunView, f"/campaigns/{campaign}/runs", query))
 
     def campaign(self, campaign: str) -> CampaignView:
         """A campaign and the names of its runs."""
@@ -194,16 +204,6 @@ class Client:
         """The newest report of a campaign, as HTML."""
         return self._send("GET", f"/campaigns/{campaign}/report").text
 
-    def close(self) -> None:
-        """Let go of the connection."""
-        self._http.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def _stream(self, run: str, after: int) -> Iterator[EventView]:
         patience = httpx.Timeout(30.0)
         query = {"run": run, "after": str(after)}
@@ -218,40 +218,3 @@ class Client:
 
     def _release(self, lease: Lease) -> None:
         self._send("DELETE", f"/rigs/{lease.rig}/lease", None, lease)
-
-    def _all(self, kind: type[Document], path: str) -> Iterator[Document]:
-        cursor: str | None = None
-        while True:
-            page = self._get(Page[kind], path, {} if cursor is None else {"cursor": cursor})
-            yield from page.items
-            cursor = page.next
-            if cursor is None:
-                return
-
-    def _get(self, kind: type[Document], path: str, query: Mapping[str, str] | None = None) -> Document:
-        return kind.model_validate_json(self._send("GET", path, query=query).content)
-
-    def _post(self, kind: type[Document], path: str, body: BaseModel, lease: HeldLease | None = None) -> Document:
-        return kind.model_validate_json(self._send("POST", path, body, lease).content)
-
-    def _send(
-        self,
-        method: str,
-        path: str,
-        body: BaseModel | None = None,
-        lease: HeldLease | Lease | None = None,
-        query: Mapping[str, str] | None = None,
-    ) -> httpx.Response:
-        headers = {} if lease is None else {"Modallab-Lease": lease.id}
-        if method == "POST":
-            headers["Idempotency-Key"] = secrets.token_urlsafe(18)
-        content = None if body is None else body.model_dump_json()
-        if content is not None:
-            headers["Content-Type"] = "application/json"
-        for _ in range(TRIES - 1):
-            try:
-                return require_good(self._http.request(method, path, content=content, headers=headers, params=query))
-            except _BROKEN:
-                # Sent again it is not done again: it changes nothing, or says the same, or carries its key.
-                time.sleep(AGAIN_S)
-        return require_good(self._http.request(method, path, content=content, headers=headers, params=query))

@@ -24,6 +24,9 @@ class Percent(Frozen):
     away: float | None
 
 
+Division = Literal["test", "channel", "band", "mode"]
+
+
 class BudgetRow(Frozen):
     """A part of the gap.
 
@@ -35,6 +38,7 @@ class BudgetRow(Frozen):
         sigmas: how many deviations of its tolerance it has moved.
         share: of the squares of measured less predicted by the rig file's own twin, each record's response counting
             alike. All shares add up to 1; a negative one works against the others.
+        by: test, channel, band or mode -> name of each -> the part of the share that lies there.
     """
 
     kind: Literal["tolerance", "effect", "model", "noise"]
@@ -43,6 +47,7 @@ class BudgetRow(Frozen):
     said: str
     sigmas: float | None
     share: float
+    by: dict[Division, dict[str, float]] = Field(default_factory=dict[Division, dict[str, float]])
 
 
 class Budget(Frozen):
@@ -149,7 +154,13 @@ class Found(Frozen):
 
 
 class CandidateSet(Frozen):
-    """An explanation and its probability; `gap` is what it leaves."""
+    """An explanation and its probability; `gap` is what it leaves.
+
+    Attributes:
+        effects: names of its effects.
+        probability: 0 to 1.
+        gap: that it leaves, in noise units.
+    """
 
     effects: list[str]
     probability: float
@@ -223,7 +234,21 @@ class Calibrated(Frozen):
 
 
 class Diagnosis(Frozen):
-    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin."""
+    """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin.
+
+    Attributes:
+        rig: its name.
+        verdict: whether there is a gap, and whether it is explained.
+        gap: how wide it is.
+        where: it lies.
+        effects: that cause it, the most probable first.
+        candidates: other explanations, with their probabilities.
+        shrink: how far it shrank on records that were held out.
+        next_experiment: that would say more.
+        twin: the simulation as it was calibrated.
+        notes: what was found on the way.
+        budget: how far the calibration moved, against the tolerances; None in older documents.
+    """
 
     format_version: Literal[1, 2] = DIAGNOSIS
     rig: str

@@ -12,7 +12,13 @@ RunState = Literal[
 
 
 class StateChanged(Frozen):
-    """The run entered a state."""
+    """The run entered a state.
+
+    Attributes:
+        run: the run.
+        state: it is in now.
+        reason: why it ended so, else "".
+    """
 
     kind: Literal["state"] = "state"
     run: str
@@ -21,7 +27,14 @@ class StateChanged(Frozen):
 
 
 class HitRequested(Frozen):
-    """Armed, the pre-trigger is full: strike this point now."""
+    """Armed, the pre-trigger is full: strike this point now.
+
+    Attributes:
+        run: the run.
+        point: to strike.
+        hit: its number there.
+        of: how many there.
+    """
 
     kind: Literal["hit_requested"] = "hit_requested"
     run: str
@@ -31,7 +44,13 @@ class HitRequested(Frozen):
 
 
 class HitRejected(Frozen):
-    """A hit did not count; `reason` carries the number that decided."""
+    """A hit did not count; `reason` carries the number that decided.
+
+    Attributes:
+        run: the run.
+        point: that was to be struck.
+        reason: with the number that decided.
+    """
 
     kind: Literal["hit_rejected"] = "hit_rejected"
     run: str
@@ -40,7 +59,13 @@ class HitRejected(Frozen):
 
 
 class HitTooEarly(Frozen):
-    """Somebody struck before a hit was requested; rest is waited for anew, and nothing was recorded."""
+    """Somebody struck before a hit was requested; rest is waited for anew, and nothing was recorded.
+
+    Attributes:
+        run: the run.
+        point: that will be requested.
+        peak_n: of the force.
+    """
 
     kind: Literal["hit_too_early"] = "hit_too_early"
     run: str
@@ -52,6 +77,7 @@ class WaitingForRest(Frozen):
     """The structure still moves before the next hit, said about once a block.
 
     Attributes:
+        run: the run.
         point: that will be struck.
         hit: its number there.
         of: how many there.
@@ -76,6 +102,7 @@ class BlockAcknowledged(Frozen):
     """A block is on the disk and in the table: from here on it cannot be lost.
 
     Attributes:
+        run: the run.
         n: its number in the run, from 0.
         name: unique in the run.
         first_sample: place of the first sample in the device's own count.
@@ -106,7 +133,13 @@ class BlockAcknowledged(Frozen):
 
 
 class BlockDropped(Frozen):
-    """A block that was acknowledged no longer counts; its samples stay."""
+    """A block that was acknowledged no longer counts; its samples stay.
+
+    Attributes:
+        run: the run.
+        name: of the block.
+        reason: why.
+    """
 
     kind: Literal["dropped"] = "dropped"
     run: str
@@ -115,7 +148,13 @@ class BlockDropped(Frozen):
 
 
 class BlockAccepted(Frozen):
-    """A block that was rejected counts all the same, by the operator's word."""
+    """A block that was rejected counts all the same, by the operator's word.
+
+    Attributes:
+        run: the run.
+        name: of the block.
+        reason: why.
+    """
 
     kind: Literal["accepted"] = "accepted"
     run: str
@@ -123,8 +162,34 @@ class BlockAccepted(Frozen):
     reason: str
 
 
+class DecisionRequested(Frozen):
+    """The run waits for the operator: does this hit count? Accepting or dropping its block is the answer.
+
+    Attributes:
+        run: the run.
+        n: number of the block.
+        name: of the block.
+        point: that was to be struck.
+        accepted: what the acceptance says.
+        reason: why it says so, with the numbers that decided; "" where nothing speaks against it.
+    """
+
+    kind: Literal["decision_requested"] = "decision_requested"
+    run: str
+    n: int
+    name: str
+    point: int
+    accepted: bool
+    reason: str = ""
+
+
 class Notice(Frozen):
-    """What the operator should know before or while something moves, such as how long a burst may last."""
+    """What the operator should know before or while something moves, such as how long a burst may last.
+
+    Attributes:
+        run: the run.
+        what: in words.
+    """
 
     kind: Literal["notice"] = "notice"
     run: str
@@ -132,7 +197,14 @@ class Notice(Frozen):
 
 
 class Progress(Frozen):
-    """How far the run is."""
+    """How far the run is.
+
+    Attributes:
+        run: the run.
+        done: hits, frequencies or blocks so far.
+        total: of how many.
+        what: was done last, or is waited for.
+    """
 
     kind: Literal["progress"] = "progress"
     run: str
@@ -142,7 +214,14 @@ class Progress(Frozen):
 
 
 class Failed(Frozen):
-    """The run ended early; blocks acknowledged before are kept."""
+    """The run ended early; blocks acknowledged before are kept.
+
+    Attributes:
+        run: the run.
+        code: of the error.
+        what: was wrong.
+        remedy: what to do.
+    """
 
     kind: Literal["failed"] = "failed"
     run: str
@@ -160,6 +239,7 @@ Event = Annotated[
     | BlockAcknowledged
     | BlockDropped
     | BlockAccepted
+    | DecisionRequested
     | Notice
     | Progress
     | Failed,

@@ -1,15 +1,28 @@
 """The base of every document, and NumPy arrays as fields of one."""
 
+import inspect
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetJsonSchemaHandler,
+    PlainSerializer,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 
 class Frozen(BaseModel):
-    """An immutable document that rejects fields it does not know.
+    """An immutable document that rejects fields it does not know. What its docstring says of its fields, its JSON
+    schema says too.
 
     Attributes:
         renamed: field of an older version -> its name today, so that stored documents stay readable.
@@ -27,6 +40,33 @@ class Frozen(BaseModel):
         # A document that holds both names is neither old nor new: the old one is then rejected as any unknown field.
         names = {old: new for old, new in cls.renamed.items() if new not in fields}
         return {names.get(name, name): value for name, value in fields.items()}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler, /) -> JsonSchemaValue:
+        schema = handler(core_schema)
+        own = handler.resolve_ref_schema(schema)
+        own["description"], of_fields = described(cls)
+        for name, text in (_OF_ALL | of_fields).items():
+            if name in own.get("properties", {}):
+                own["properties"][name].setdefault("description", text)
+        return schema
+
+
+def described(cls: type) -> tuple[str, dict[str, str]]:
+    """What a class's docstring says of itself, and what it and those of its bases say of each attribute."""
+    fields: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        listed = inspect.cleandoc(base.__doc__ or "").partition(_LIST)[2]
+        for names, text in _ATTRIBUTE.findall(listed):
+            said = re.sub(r"\s+", " ", text).strip()
+            said = re.sub(r"\bNone\b", "null", said[:1].upper() + said[1:])
+            fields |= dict.fromkeys((name.strip() for name in names.split(",")), said)
+    return (inspect.getdoc(cls) or "").partition(_LIST)[0], fields
+
+
+_LIST = "\n\nAttributes:\n"
+_OF_ALL = {"kind": "Says which of several documents it is.", "format_version": "Of the document's form."}
+_ATTRIBUTE = re.compile(r"^ {4}([a-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
 
 
 def unstated(value: object) -> bool:

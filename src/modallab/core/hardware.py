@@ -73,6 +73,16 @@ class Calibration(Frozen):
     """One calibration of one channel, as it was found; nothing here is ever changed, only added to.
 
     `test` is the one whose settings of the preamplifier it holds for; none: it was not noted.
+
+    Attributes:
+        date: day of it.
+        channel: name of the channel.
+        serial: of the sensor.
+        method: how it was calibrated.
+        sensitivity_v_per_unit: that was found.
+        sigma_v_per_unit: its standard deviation; 0 where not known.
+        remark: in words.
+        test: whose settings of the preamplifier it holds for; None: it was not noted.
     """
 
     date: date

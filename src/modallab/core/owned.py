@@ -4,6 +4,7 @@ Whatever is slow to import comes after the watch has begun; so this file needs t
 process works with comes as bytes.
 """
 
+import multiprocessing
 import os
 import pickle
 import signal
@@ -11,34 +12,78 @@ import sys
 import time
 from importlib import import_module
 from multiprocessing.connection import Connection
-from threading import Thread
+from multiprocessing.process import BaseProcess
+from threading import Event, Thread
+from typing import cast
 
 _PR_SET_PDEATHSIG = 1
 
 
-def run_owned(life: Connection, owner: int, grace_s: float, name: str, arguments: bytes, *handles: object) -> None:
+def start_owned(
+    name: str,
+    target: str,
+    handles: tuple[object, ...],
+    arguments: bytes,
+    *,
+    grace_s: float = 0.0,
+    daemon: bool = False,
+) -> tuple[BaseProcess, Connection]:
+    """Start a process that ends with this one.
+
+    Args:
+        name: of the process.
+        target: `module:function`, called with the handles and the arguments.
+        handles: connections and sockets, which cannot be passed as bytes.
+        arguments: pickled tuple.
+        grace_s: it lives so long at most after this process has died, if its function was called by then; with 0 the
+            system ends it, too, with the thread that calls this.
+        daemon: whether it is ended when this process ends in good order.
+
+    Returns:
+        the process, and what must be kept as long as it is to live.
+    """
+    context = multiprocessing.get_context("spawn")
+    watched, life = context.Pipe(duplex=False)
+    process = context.Process(
+        target=run_owned,
+        args=(watched, os.getpid(), grace_s, target, arguments, *handles),
+        name=name,
+        daemon=daemon,
+    )
+    process.start()
+    watched.close()
+    return process, cast("Connection", life)
+
+
+def run_owned(life: Connection, owner: int, grace_s: float, target: str, arguments: bytes, *handles: object) -> None:
     """Run a function until it returns or the owner is gone.
 
     Args:
         life: a pipe whose other end only the owner holds: it breaks when the owner dies.
         owner: the system's number of the owner.
-        grace_s: from the owner's death until this process ends, whatever it does; with 0 the system ends it, too.
-        name: `module:function`.
+        grace_s: from the owner's death until this process ends, whatever it does; none while it only imports. With 0
+            the system ends it, too.
+        target: `module:function`.
         arguments: pickled tuple, after `handles`.
         handles: connections and sockets, which cannot be passed as bytes.
     """
     if grace_s == 0.0:
         _end_with(owner)
-    Thread(target=_watch, args=(life, grace_s), name="owner", daemon=True).start()
-    module, _, function = name.partition(":")
-    getattr(import_module(module), function)(*handles, *pickle.loads(arguments))
+    begun = Event()
+    Thread(target=_watch, args=(life, begun, grace_s), name="owner", daemon=True).start()
+    module, _, name = target.partition(":")
+    function, known = getattr(import_module(module), name), pickle.loads(arguments)
+    begun.set()
+    function(*handles, *known)
 
 
-def _watch(life: Connection, grace_s: float) -> None:
+def _watch(life: Connection, begun: Event, grace_s: float) -> None:
     try:
         life.recv_bytes()
     except (EOFError, OSError):
-        time.sleep(grace_s)
+        # What has not begun holds nothing that it would have to leave in good order.
+        if begun.is_set():
+            time.sleep(grace_s)
         os._exit(1)
 
 

@@ -20,6 +20,16 @@ class HitAcceptance(Frozen):
 
     `max_residual_ratio` also says how long rest is waited for: until what still moves is below that part of what the
     hit will make. With `check_point` a hit that looks like one at another point does not count.
+
+    Attributes:
+        min_force_n: least peak of the force.
+        max_force_n: largest peak of the force.
+        double_hit_ratio: a second contact must be smaller than this part of the first.
+        max_contact_s: longest contact.
+        max_residual_ratio: largest motion before the hit, as part of what the hit makes.
+        min_band_hz: up to here the spectrum of the force may fall by `band_drop_db` at most.
+        band_drop_db: see `min_band_hz`.
+        check_point: whether a hit that looks like one at another point is rejected.
     """
 
     min_force_n: PositiveFloat = 10.0
@@ -51,6 +61,23 @@ class ImpactPlan(Frozen):
     to `block_s`. With `delivered_hz` blocks are read back at exactly that rate; what the device gave is what is kept.
     The trigger is in software on the continuous stream; `hardware` asks for the device's own reference trigger.
     With `setups` all points are struck once a set-up, each a run of its own; between them sensors are moved.
+    `operator_decides` says of which hits the operator is asked whether they count: the run waits for the answer.
+
+    Attributes:
+        points: to strike, in this order.
+        hits: good ones at each point.
+        rate_hz: asked of the device.
+        delivered_hz: of the blocks as they are read back; None: the device's.
+        block_s: length of a block.
+        pre_trigger_s: of it before the hit.
+        trigger_n: force that triggers.
+        hysteresis_n: the force must have been so far below the trigger before.
+        trigger: who triggers.
+        hit_timeout_s: how long to wait for rest, and for a hit.
+        max_rejections: so many rejected hits at one point end the run.
+        acceptance: when a hit counts.
+        setups: where sensors stand, once a set-up; none: as in the rig file.
+        operator_decides: of which hits the operator is asked whether they count.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"max_refusals": "max_rejections"}
@@ -69,10 +96,16 @@ class ImpactPlan(Frozen):
     max_rejections: PositiveInt = 20
     acceptance: HitAcceptance = HitAcceptance()
     setups: tuple[SetUp, ...] = Field(default=(), exclude_if=unstated)
+    operator_decides: Literal["never", "rejected", "every"] = Field(default="never", exclude_if=lambda v: v == "never")
 
 
 class KnownMode(Frozen):
-    """A mode of the structure, as a test before found it: enough to know its free decay."""
+    """A mode of the structure, as a test before found it: enough to know its free decay.
+
+    Attributes:
+        frequency_hz: undamped natural frequency.
+        damping_ratio: zeta.
+    """
 
     frequency_hz: PositiveFloat
     damping_ratio: Annotated[float, Field(gt=0, lt=1)]

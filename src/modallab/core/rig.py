@@ -34,7 +34,16 @@ RESPONSE = 0.02
 
 
 class Beam(Frozen):
-    """A prismatic cantilever, clamped at x = 0."""
+    """A prismatic cantilever, clamped at x = 0.
+
+    Attributes:
+        length_m: from the clamp to the free end.
+        width_m: across the direction of bending.
+        thickness_m: in the direction of bending.
+        youngs_modulus_pa: E.
+        density_kg_m3: rho.
+        clamp: in words.
+    """
 
     length_m: Positive
     width_m: Positive
@@ -136,7 +145,13 @@ class Tolerance(Frozen):
 
 
 class DampingPrior(Frozen):
-    """What is believed about the damping ratio of every mode: log-normal about `guess`."""
+    """What is believed about the damping ratio of every mode: log-normal about `guess`.
+
+    Attributes:
+        guess: the most likely damping ratio.
+        factor: one standard deviation, as a factor.
+        meaning: in words.
+    """
 
     guess: Positive = 0.006
     factor: Annotated[float, Field(gt=1, allow_inf_nan=False)] = 2.0
@@ -144,7 +159,12 @@ class DampingPrior(Frozen):
 
 
 class Point(Frozen):
-    """A measurement point on the beam."""
+    """A measurement point on the beam.
+
+    Attributes:
+        id: its number, unique on the rig.
+        x_m: distance from the clamp.
+    """
 
     id: PositiveInt
     x_m: NonNegative
@@ -218,7 +238,13 @@ class Channel(Frozen):
 
 
 class Converter(Frozen):
-    """The analog-to-digital converter behind every channel."""
+    """The analog-to-digital converter behind every channel.
+
+    Attributes:
+        bits: resolution.
+        range_v: full scale, either way.
+        noise_rms_v: of one sample.
+    """
 
     bits: Annotated[int, Field(ge=8, le=32)] = 16
     range_v: Positive = 10.0
@@ -255,7 +281,26 @@ class Limits(Frozen):
 
 
 class Rig(Frozen):
-    """The bench as the operator believes it to be."""
+    """The bench as the operator believes it to be.
+
+    Attributes:
+        name: of the bench.
+        model: what kind of structure it is.
+        bench: address of the bench; None: named when it is opened.
+        beam: the structure; None where it is not described.
+        tolerance: of what is believed.
+        damping_ratio: what is believed of it.
+        gravity_axis: where down is.
+        drive_direction: of positive force.
+        points: where sensors stand and hits land.
+        channels: of the chain, the force channel among them.
+        converter: behind every channel; None: the device says.
+        shaker_point: where the shaker drives; None: there is none.
+        limits: of the excitation; None: nothing may be driven.
+        excitation: what drives the shaker; None: nothing is said of it.
+        history: calibrations, the oldest first.
+        synchronisation: how several devices sample as one; None: there is one.
+    """
 
     format_version: Literal[2] = RIG
     name: str

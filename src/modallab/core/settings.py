@@ -39,6 +39,12 @@ class Settings(BaseSettings):
             stopped; when it ends, at once. On a machine so busy that nobody gets to listen it may be up to five times
             as long.
         log_level: of the log on standard error.
+        grace_days: for so long what was deleted over REST can be restored.
+        tls_cert: certificate of the service, as PEM; REST service and emergency stop then speak TLS.
+        tls_key: its key.
+        tls_self_signed: whether a certificate is made, in the folder `tls` of the data folder, and used.
+        file_bytes: largest recording that is sent to be imported.
+        cors: origins of other sites whose pages may use the service, with a token: `https://page.lab:8443`.
     """
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", extra="forbid", frozen=True, populate_by_name=True)
@@ -64,6 +70,17 @@ class Settings(BaseSettings):
         Field(ge=1, le=60, validation_alias=AliasChoices(*RENAMED)),
     ] = 1.0
     log_level: str = "INFO"
+    grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    tls_self_signed: bool = False
+    file_bytes: Annotated[int, Field(ge=1024)] = 1 << 30
+    cors: tuple[Annotated[str, Field(pattern=r"^https?://[^/\s]+$")], ...] = ()
+
+    @property
+    def scheme(self) -> str:
+        """`https` with TLS, else `http`."""
+        return "http" if self.tls_cert is None else "https"
 
     @property
     def is_local(self) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import reduce
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.core.axis_checks import check_frequencies, check_rate
@@ -181,7 +182,8 @@ def hit_sums(signals: Signals, chosen: NDArray[np.int64], damping_shift: float =
         force, response = force * window, response * window
     # A slice of lines is a view; picking them by index would copy the largest array there is.
     band = slice(int(chosen[0]), int(chosen[-1]) + 1)
-    return PowerSums.of(np.fft.rfft(force)[None, band], np.fft.rfft(response)[None, :, band])
+    # scipy's transform is faster than numpy's where the length has large prime factors.
+    return PowerSums.of(scipy.fft.rfft(force)[None, band], scipy.fft.rfft(response)[None, :, band])
 
 
 def pre_trigger_level(signals: Signals) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
+from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
@@ -25,13 +26,16 @@ from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, shown
 from modallab.gap.report.locate import locate
-from modallab.gap.report.measure import band_of, by_frequency, squares
+from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
-from modallab.gap.search.choose import Choice, choose, intervals, probabilities
+from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
+from modallab.gap.search.fitting import Bench
+from modallab.gap.search.intervals import intervals
 from modallab.gap.search.nonlinear import nonlinear_levels
+from modallab.gap.search.round import Level
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -40,7 +44,11 @@ SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
 
 
-def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str], bool] = lambda _: True) -> Diagnosis:
+def diagnose(
+    campaign: Campaign,
+    hold_out: str = "mixed",
+    allowed: Callable[[str], bool] = lambda _: True,
+) -> Diagnosis:
     """Diagnose a campaign.
 
     Args:
@@ -55,6 +63,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     """
     # First of all: without one no record is of use, whatever else it lacks.
     beam_of(campaign.rig)
+    report(0.0, "noise, hum and ring-down")
     stated = campaign.rig.tolerance.stated
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
     campaign = prepared.campaign
@@ -64,15 +73,17 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
+    with part(0.06, 0.7, "search"):
+        levels = explain(bench)
+    report(0.7, "where the gap lies and what it is made of")
     matters = unseen if campaign.rig.tolerance.of_assembly else None
-    levels = explain(bench)
     choice = choose(bench, levels, matters)
+    report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
     nonlinear = location is not None and location.nonlinear
     if nonlinear:
-        stepped = choose(bench, nonlinear_levels(bench, levels), matters)
-        if stepped.explained and (not choice.explained or stepped.fit.cost < choice.fit.cost):
-            choice = replace(stepped, rivals=(*stepped.rivals, *choice.rivals))
+        report(0.74, "effects that depend on the size of the motion")
+        choice = _with_motion(bench, levels, choice, matters)
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
@@ -80,6 +91,7 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
+    report(0.96, "budget")
     return Diagnosis(
         rig=campaign.rig.name,
         verdict=verdict,
@@ -90,9 +102,17 @@ def diagnose(campaign: Campaign, hold_out: str = "mixed", allowed: Callable[[str
         shrink=_shrink(campaign, prepared, choice, unseen, [b.name for b in held or fitted], bool(held)),
         next_experiment=next_experiment(verdict, ranked, campaign, nonlinear),
         twin=calibrated(choice.believed, everything),
-        budget=budget(choice.believed, everything, usual=not stated),
+        budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not stated),
         notes=_notes(prepared, choice, shows, stated, nonlinear),
     )
+
+
+def _with_motion(bench: Bench, levels: list[Level], choice: Choice, matters: Reduced | None) -> Choice:
+    """The choice once effects that depend on the size of the motion have been looked at too."""
+    stepped = choose(bench, nonlinear_levels(bench, levels), matters)
+    if stepped.explained and (not choice.explained or stepped.fit.cost < choice.fit.cost):
+        return replace(stepped, rivals=(*stepped.rivals, *choice.rivals))
+    return choice
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:
@@ -161,11 +181,7 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
     twin = twin_of(choice.base, data)
     raw = as_came(prepared, twin)
     thirds = np.minimum((raw.order * 3).astype(int), 2)
-    hz = [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
-
-    def mode_of(f: float) -> str:
-        return str(1 + int(np.argmin(np.abs(np.log(np.array(hz) / max(f, 0.1)))))) if hz else "none"
-
+    hz = _resonances_hz(prepared)
     names = [campaign.rig.channels[c].name for c in raw.channels]
     fitted = twin_of(choice.believed, data)
     after = squares(fitted, data)
@@ -179,13 +195,17 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         by_channel=raw.by(names),
         after_by_channel=after.by(names),
         by_band=by_frequency(twin, data, band_of),
-        by_mode=by_frequency(twin, data, mode_of),
+        by_mode=by_frequency(twin, data, nearest_mode(hz)),
         by_order=raw.by([("first third", "middle third", "last third")[i] for i in thirds]),
         poles_hz=hz,
         share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
         share_before=_percent(twin, data, hz),
         share_after=_percent(fitted, data, hz),
     )
+
+
+def _resonances_hz(prepared: Prepared) -> list[float]:
+    return [float(f) for f in np.abs(prepared.poles) / (2 * np.pi)]
 
 
 def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:

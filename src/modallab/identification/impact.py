@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
+from modallab.core.progress import part
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.estimate import estimate_poles
@@ -119,12 +120,15 @@ def _searched(
     options: Options,
 ) -> tuple[Fit, NDArray[np.bool_], float]:
     """The fit at the maximum of the likelihood, the poles that are modes, and the misfit over the pre-trigger noise."""
-    fit = first_look(unknown, poles, groups, band)
+    with part(0.0, 0.5, "first search"):
+        fit = first_look(unknown, poles, groups, band)
     keep = chosen(fit, band, options, first=True)
     if np.any(keep):
-        fit = again(unknown, fit, keep, band)
+        with part(0.5, 0.8, "search"):
+            fit = again(unknown, fit, keep, band)
         keep = chosen(fit, band, options, first=False)
-    return _without_errors(unknown, fit, keep, signals, band, options)
+    with part(0.8, 1.0, "poles that stand for errors"):
+        return _without_errors(unknown, fit, keep, signals, band, options)
 
 
 def _without_errors(

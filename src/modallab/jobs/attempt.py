@@ -21,11 +21,11 @@ AGAIN_S = 0.5
 
 
 class Attempt:
-    """A job while this runner holds it. `progress` is what its worker last said."""
+    """A job while this runner holds it. `progress` and `stage` are what its worker last said."""
 
     def __init__(self, taken: Taken, kind: Kind, leases: Leases, client: Client) -> None:
         self.taken = taken
-        self.progress = 0.0
+        self.progress, self.stage = 0.0, ""
         self._kind = kind
         self._leases = leases
         self._client = client

@@ -27,6 +27,7 @@ class Job(Frozen):
         parameters: what was asked for.
         inputs: names of what it works on, such as runs.
         progress: 0 to 1.
+        stage: what is being done, in words; "" where nothing is.
         attempts: times it was begun; more than once if the machine that computed it was lost.
         created_utc: for people, ISO 8601.
         ended_utc: "" until it has ended.
@@ -49,6 +50,7 @@ class Job(Frozen):
     revision: str = ""
     result: JsonValue = None
     error: str | None = None
+    stage: str = ""
 
     @property
     def ended(self) -> bool:

@@ -1,7 +1,7 @@
 """The list of jobs, for those who order them."""
 
 import secrets
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
@@ -95,6 +95,31 @@ class Jobs:
             mine = JOBS.c.id.in_(idle), JOBS.c.state == "queued", JOBS.c.priority == AUTOMATIC
             return connection.execute(update(JOBS).where(*mine).values(ended)).rowcount
 
+    def outdated(self, name: str, revision: Callable[[tuple[str, ...]], str]) -> list[Job]:
+        """Jobs that wait or go on, work on what is called `name`, and were ordered when their inputs held other things.
+
+        Raises:
+            StorageError: the database cannot be read.
+        """
+        query = select(*_BUT_RESULTS).where(JOBS.c.state.in_(sorted(OPEN))).order_by(JOBS.c.n)
+        with self._reading() as connection:
+            found = [job_of(row) for row in connection.execute(query).mappings()]
+        concerned = (job for job in found if job.revision and name in job.inputs)
+        return [job for job in concerned if revision(job.inputs) != job.revision]
+
+    def replace(self, job: Job, revision: str) -> Job:
+        """Order the work of a job anew, of what its inputs hold now, as urgently; the old one is cancelled.
+
+        Raises:
+            StorageError: the database cannot be written.
+        """
+        urgent = select(JOBS.c.priority).where(JOBS.c.id == job.id)
+        with self._reading() as connection:
+            automatic = connection.scalar(urgent) == AUTOMATIC
+        newer = self.submit(job.kind, dict(job.parameters), job.inputs, revision, automatic=automatic)
+        self.cancel(job.id, f"the blocks that count have changed: job {newer.id} does it with those that do now")
+        return newer
+
     def get(self, job: str) -> Job:
         """One job.
 
@@ -140,15 +165,15 @@ class Jobs:
             jobs=tuple(job_of(row) for row in rows[:limit]), cursor=str(rows[limit - 1]["n"]) if more else None
         )
 
-    def cancel(self, job: str) -> Job:
+    def cancel(self, job: str, why: str | None = None) -> Job:
         """Cancel a job, at once: what is still being computed is stopped by its runner, and not taken.
 
-        A job that has ended stays as it is.
+        A job that has ended stays as it is. `why` is for whoever waits for it.
 
         Raises:
             UnknownJobError: there is none of this name.
         """
-        ended = {"state": "cancelled", "ended_utc": utc_now(), "fence": JOBS.c.fence + 1}
+        ended = {"state": "cancelled", "ended_utc": utc_now(), "fence": JOBS.c.fence + 1, "error": why}
         query = update(JOBS).where(JOBS.c.id == job, JOBS.c.state.in_(sorted(OPEN))).values(ended)
         with database_errors(self.engine), self.engine.begin() as connection:
             connection.execute(query)
@@ -163,7 +188,7 @@ class Jobs:
         Raises:
             StorageError: the database cannot be written.
         """
-        freed = {"state": "queued", "owner": "", "progress": 0.0, "fence": JOBS.c.fence + 1}
+        freed = {"state": "queued", "owner": "", "progress": 0.0, "stage": "", "fence": JOBS.c.fence + 1}
         query = update(JOBS).where(JOBS.c.owner == owner, JOBS.c.state == "running").values(freed)
         with database_errors(self.engine), self.engine.begin() as connection:
             return connection.execute(query).rowcount

@@ -10,8 +10,8 @@ from pydantic import JsonValue
 class Notify(Protocol):
     """How a computation says how far it is. Raises `Interrupted` where the job was cancelled meanwhile."""
 
-    def __call__(self, fraction: float, /) -> None:
-        """Say that `fraction` (0 to 1) is done."""
+    def __call__(self, fraction: float, stage: str = "", /) -> None:
+        """Say that `fraction` (0 to 1) is done, and what is being done now, in words."""
         ...
 
 

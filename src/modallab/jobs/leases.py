@@ -94,20 +94,24 @@ class Leases:
             rows = connection.execute(query).mappings().all()
             return [taken for row in rows if (taken := self._lease(connection, row, kinds)) is not None]
 
-    def renew(self, held: Mapping[str, tuple[int, float]]) -> set[str]:
-        """Renew leases and note progress; `held` is job -> (fence, progress). Returns those that are ours no more."""
+    def renew(self, held: Mapping[str, tuple[int, float, str]]) -> set[str]:
+        """Renew leases and note how far each is; returns those that are ours no more.
+
+        Args:
+            held: job -> (fence, progress, stage).
+        """
         if not held:
             return set()
         lost: set[str] = set()
         with self._writing() as connection:
-            for job, (fence, progress) in held.items():
-                if not self._change(connection, job, fence, beat=JOBS.c.beat + 1, progress=progress):
+            for job, (fence, progress, stage) in held.items():
+                if not self._change(connection, job, fence, beat=JOBS.c.beat + 1, progress=progress, stage=stage):
                     lost.add(job)
         return lost
 
     def done(self, taken: Taken, result: JsonValue) -> bool:
         """Commit a result; False if the job was cancelled or taken by another meanwhile, and nothing was written."""
-        return self._end(taken, state="done", progress=1.0, result=result)
+        return self._end(taken, state="done", progress=1.0, stage="", result=result)
 
     def failed(self, taken: Taken, error: str) -> bool:
         """Commit a failure that would come again; False as for `done`."""
@@ -125,7 +129,7 @@ class Leases:
         if attempts >= MAX_ATTEMPTS:
             return self.failed(taken, _gave_up(attempts, why))
         with self._writing() as connection:
-            back = {"state": "queued", "owner": "", "progress": 0.0, "attempts": attempts}
+            back = {"state": "queued", "owner": "", "progress": 0.0, "stage": "", "attempts": attempts}
             return self._change(connection, taken.job.id, taken.fence, **back)
 
     def _look(self) -> tuple[bool, dict[str, Mark]]:
@@ -147,7 +151,7 @@ class Leases:
             values = {"state": "failed", "error": error, "ended_utc": utc_now(), "fence": fence, "owner": ""}
         else:
             values = {"state": "running", "owner": self._owner, "fence": fence, "attempts": attempts}
-            values |= {"progress": 0.0}
+            values |= {"progress": 0.0, "stage": ""}
         connection.execute(update(JOBS).where(JOBS.c.id == row["id"]).values(values))
         return Taken(job_of(dict(row) | values), fence) if error is None else None
 

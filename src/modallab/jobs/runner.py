@@ -149,7 +149,7 @@ class Runner:
         while not self._stop.wait(min(self._leases.lease_s / 5, 1.0)):
             going_on = self._going_on()
             try:
-                lost = self._leases.renew({a.taken.job.id: (a.taken.fence, a.progress) for a in going_on})
+                lost = self._leases.renew({a.taken.job.id: (a.taken.fence, a.progress, a.stage) for a in going_on})
                 for attempt in going_on:
                     if attempt.taken.job.id in lost or attempt.late:
                         attempt.interrupt()
@@ -165,4 +165,4 @@ class Runner:
         reported = event[1]
         attempt = self._attempts.get(str(reported["attempt"]))
         if attempt is not None:
-            attempt.progress = float(str(reported["progress"]))
+            attempt.progress, attempt.stage = float(str(reported["progress"])), str(reported.get("stage", ""))

@@ -45,6 +45,7 @@ JOBS = Table(
     # What somebody waits for, 0, goes before what is done by itself, 1.
     Column("priority", Integer, nullable=False, default=0, server_default="0"),
     Column("progress", Float, nullable=False, default=0.0),
+    Column("stage", String(128), nullable=False, default="", server_default=""),
     Column("attempts", Integer, nullable=False, default=0),
     # Grows with every change of owner: what was computed under an older one is not taken.
     Column("fence", Integer, nullable=False, default=0),
@@ -86,6 +87,8 @@ def _bring_up_to_date(connection: Connection) -> None:
         connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN revision VARCHAR(64) DEFAULT '' NOT NULL"))
     if JOBS.c.priority.name not in known:
         connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN priority INTEGER DEFAULT 0 NOT NULL"))
+    if JOBS.c.stage.name not in known:
+        connection.execute(text(f"ALTER TABLE {JOBS.name} ADD COLUMN stage VARCHAR(128) DEFAULT '' NOT NULL"))
 
 
 def job_of(row: Mapping[Any, Any]) -> Job:

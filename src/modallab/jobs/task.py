@@ -14,6 +14,8 @@ from modallab.jobs.kind import Computed, Notify
 TOPIC = "modallab-progress"
 """Under which workers report to the runner how far they are."""
 _NOTIFY_EVERY_S = 0.2
+STAGE = 100
+"""Characters of a stage that are kept."""
 
 Verdict = Literal["done", "failed", "interrupted"]
 
@@ -82,11 +84,12 @@ def _notifier(attempt: str) -> Notify:
     worker = get_worker()
     last = -_NOTIFY_EVERY_S
 
-    def notify(fraction: float, /) -> None:
+    def notify(fraction: float, stage: str = "", /) -> None:
         nonlocal last
         now = time.monotonic()
         if now - last >= _NOTIFY_EVERY_S:
             last = now
-            worker.log_event(TOPIC, {"attempt": attempt, "progress": min(1.0, max(0.0, float(fraction)))})
+            done = min(1.0, max(0.0, float(fraction)))
+            worker.log_event(TOPIC, {"attempt": attempt, "progress": done, "stage": stage[:STAGE]})
 
     return notify

@@ -9,6 +9,7 @@ from modallab.core.array_checks import check_signals
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
+from modallab.core.progress import part, report
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
@@ -78,9 +79,11 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
     """
     found: list[Identified] = []
     failed: list[Unidentified] = []
-    for source, run in _runs(campaign, options, test):
+    runs = _runs(campaign, options, test)
+    for n, (source, run) in enumerate(runs):
         try:
-            found.append(_with_scale(run(), campaign.rig))
+            with part(n / len(runs), (n + 1) / len(runs), f"{source} test"):
+                found.append(_with_scale(run(), campaign.rig))
         except ModallabError as error:
             failed.append(Unidentified(source, error))
     if not found and failed:
@@ -150,7 +153,9 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
     if own_model is not None:
         frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
         return Identified("impact", _with_notes(own_model(frf, "impact"), notes), None)
-    model, fit = identify_impact(signals, campaign.rig, options)
+    with part(0.05, 0.9):
+        model, fit = identify_impact(signals, campaign.rig, options)
+    report(0.9, "assessment")
     assessment = assess_impact(model, fit, groups, campaign.rig)
     annotated = _with_doubts(_with_notes(model, notes), assessment)
     return Identified("impact", annotated, verify_impact(model, fit, groups, campaign.rig), assessment)
@@ -163,7 +168,9 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
         low, high = options.band_hz or (0.0, float("inf"))
         frf = stepped_frf([s for s in signals if low <= s.tone.frequency_hz <= high], campaign.rig)
         return Identified("sine", _with_notes(own_model(frf, "sine"), notes), None)
-    model, fit = identify_sine(signals, campaign.rig, options)
+    with part(0.05, 0.9):
+        model, fit = identify_sine(signals, campaign.rig, options)
+    report(0.9, "assessment")
     assessment = assess_sine(model, fit, signals, campaign.rig)
     annotated = _with_doubts(_with_notes(model, notes), assessment)
     return Identified("sine", annotated, verify_sine(model, fit, signals, campaign.rig), assessment)

@@ -8,11 +8,14 @@ from typing import Any
 from pydantic import JsonValue
 
 from modallab.core.block import Campaign
+from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
+from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
 from modallab.jobs import Computed, Kind, Notify
+from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
@@ -68,26 +71,26 @@ def campaigns_of(store: Store) -> Campaigns:
 
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    return Computed(
-        _plain(model_document(campaign, identify_campaign(campaign, parameters.options(), parameters.test)))
-    )
+    with heard_by(notify):
+        found = identify_campaign(campaign, parameters.options(), parameters.test)
+    curves = curves_of(campaign, found).model_dump_json().encode()
+    return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    result = identify_campaign(campaign, parameters.options(), parameters.test)
-    notify(0.7)
+    with heard_by(notify), part(0.0, 0.7):
+        result = identify_campaign(campaign, parameters.options(), parameters.test)
+    notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
     return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
 
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
-    notify(0.0)
-    diagnosis = diagnose(campaign, parameters.hold_out)
-    notify(0.9)
+    with heard_by(notify), part(0.0, 0.95):
+        diagnosis = diagnose(campaign, parameters.hold_out)
+    notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 
 

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, JsonValue, ValidationError, model_va
 from pydantic_core import PydanticCustomError
 
 from modallab.core.errors import IdentificationError, JobError
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
 from modallab.identification.options import Options
@@ -32,6 +32,7 @@ class IdentifyParameters(Frozen):
         band_hz: (low, high); None for the whole band in which the data have content.
         max_order: highest order of an estimator that has one, within its limits; None for one that suits the data.
         test: only this test.
+        pick_hz: if given, these modes and no others.
         refine: whether its poles begin a maximum-likelihood search; None for what is usual with the method.
     """
 
@@ -40,6 +41,9 @@ class IdentifyParameters(Frozen):
     max_order: Annotated[int, Field(ge=1)] | None = None
     test: Test | None = None
     refine: bool | None = None
+    pick_hz: Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(max_length=100)] = Field(
+        default=(), exclude_if=unstated
+    )
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
@@ -53,7 +57,13 @@ class IdentifyParameters(Frozen):
 
     def options(self) -> Options:
         """For the identification."""
-        return Options(method=self.method, band_hz=self.band_hz, max_order=self.max_order, refine=self.refine)
+        return Options(
+            method=self.method,
+            band_hz=self.band_hz,
+            max_order=self.max_order,
+            refine=self.refine,
+            pick_hz=self.pick_hz,
+        )
 
 
 class ReportParameters(IdentifyParameters):

@@ -4,7 +4,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import Diagnosis
+from modallab.core.diagnosis import BudgetRow, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
 from modallab.gap.report.summary import in_percent, sentence
@@ -133,16 +133,23 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
     return _section("What was measured, and what was simulated", plate(figure, "curves", said, said))
 
 
+def _mostly(row: BudgetRow) -> str:
+    """Test, channel, band and mode with the most of a part."""
+    most = {division: max(by, key=lambda name: abs(by[name])) for division, by in row.by.items() if by}
+    spoken = {"test": "{}", "channel": "{}", "band": "{} Hz", "mode": "mode {}"}
+    return ", ".join(spoken[division].format(name) for division, name in most.items())
+
+
 def _budget(diagnosis: Diagnosis) -> Markup | None:
     budget = diagnosis.budget
     if budget is None or not budget.rows:
         return None
     rows = [
-        [r.said, "" if r.sigmas is None else f"{r.sigmas:+.1f}", f"{r.share:.1%}"]
+        [r.said, "" if r.sigmas is None else f"{r.sigmas:+.1f}", f"{r.share:.1%}", _mostly(r)]
         for r in budget.rows
         if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")
     ]
-    head = ["part", "moved (sigma)", "share"]
+    head = ["part", "moved (sigma)", "share", "mostly in"]
     said = (
         "Shares of the squares of measured less simulated as the rig file has the bench, the response of each record "
         "counting alike. A negative share works against the others; parts below half a percent are left out."

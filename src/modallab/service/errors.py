@@ -47,6 +47,17 @@ class LeaseNeededError(ServiceError):
     )
 
 
+class RoleNeededError(ServiceError):
+    """Whoever asks may not do this: the role, or the rigs, that the token is for."""
+
+    code = "role-needed"
+    http = Http(
+        403,
+        "The token is not for this",
+        "Each route says which role it needs; a token may be for some rigs only. An admin can make another token.",
+    )
+
+
 class RigUnavailableError(ServiceError):
     """The rig's process has not opened its bench, or cannot."""
 

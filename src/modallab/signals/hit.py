@@ -10,6 +10,8 @@ from modallab.signals.checks import check_positive, check_rows
 
 BESIDE, FAR = 2.5, 8.0
 """In sigmas of the noise: what a neighbour of a contact's sample reaches, and from where on it needs none."""
+LOW_RMS = 0.789
+"""Rms of the nine tenths of a standard normal variable that are smallest: sqrt(1 - 2 z p(z) / 0.9), z = 1.645."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +42,7 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
     peak = int(np.argmax(np.abs(force)))
     offset = float(np.median(force))
     level = np.abs(force - offset)
-    # Most of a block is noise alone, so the median of |force| is the noise's, hit or not.
-    noise = float(1.4826 * np.median(level))
+    noise = _noise(force, level)
     loud = _loud(force - offset, max(threshold * noise, 1e-3 * level[peak]), noise)
     if level[peak] < 2 * threshold * noise or loud.size == 0:
         raise DataError(
@@ -56,6 +57,21 @@ def find_hit(force: NDArray[np.float64], threshold: float = 5.0) -> Hit:
         return Hit(first, stop, peak, offset, noise)
     # A median of few counts is coarse; the samples outside the hit give offset and noise.
     return Hit(first, stop, peak, float(outside.mean()), float(outside.std()))
+
+
+def _noise(force: NDArray[np.float64], level: NDArray[np.float64]) -> float:
+    """Standard deviation of the noise in a force of which most is noise alone, hit or not.
+
+    The median of the magnitudes; where that is less than a step of the converter, the rms of the lower nine tenths over
+    what that is of a normal variable's, and at least that of rounding.
+    """
+    median = float(np.median(level))
+    values = np.unique(force)
+    step = float(np.min(np.diff(values))) if values.size > 1 else 0.0
+    if median > step / 2:
+        return 1.4826 * median
+    low = np.sort(level)[: int(0.9 * level.size)]
+    return float(max(np.sqrt(np.mean(low**2)) / LOW_RMS, step / np.sqrt(12)))
 
 
 def _loud(force: NDArray[np.float64], least: float, noise: float) -> NDArray[np.int64]:

@@ -119,4 +119,66 @@ SESSIONS = Table(
     Column("created_utc", String(32), nullable=False),
 )
 
+USERS = Table(
+    "users",
+    METADATA,
+    Column("name", String(80), primary_key=True),
+    Column("role", String(16), nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("revoked_utc", String(32), nullable=False, default=""),
+)
+
+TOKENS = Table(
+    "tokens",
+    METADATA,
+    Column("id", String(16), primary_key=True),
+    Column("user", String(80), ForeignKey("users.name"), nullable=False, index=True),
+    Column("digest", String(64), nullable=False),
+    Column("label", Text, nullable=False, default=""),
+    Column("role", String(16)),
+    Column("rigs", JSON, nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("expires_utc", String(32), nullable=False, default=""),
+    Column("revoked_utc", String(32), nullable=False, default=""),
+)
+"""Tokens of users: a hash of each, which opens nothing."""
+
+QUEUE = Table(
+    "queue",
+    METADATA,
+    Column("id", String(64), primary_key=True),
+    Column("rig", String(64), nullable=False, index=True),
+    Column("campaign", String(64), ForeignKey("campaigns.id"), nullable=False),
+    Column("plan", Text, nullable=False),
+    Column("place", BigInteger, nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("run", String(64), nullable=False, default=""),
+    Column("reason", Text, nullable=False, default=""),
+    Column("note", Text, nullable=False, default=""),
+    Column("operator", Text, nullable=False),
+    Column("created_utc", String(32), nullable=False),
+    Column("estimated_s", Float, nullable=False),
+)
+
+PAUSED_QUEUES = Table(
+    "paused_queues",
+    METADATA,
+    Column("rig", String(64), primary_key=True),
+    Column("reason", Text, nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+)
+
+SET_ASIDE = Table(
+    "set_aside",
+    METADATA,
+    Column("kind", String(16), primary_key=True),
+    Column("id", String(64), primary_key=True),
+    Column("state", String(16), nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+    Column("purge_utc", String(32), nullable=False, default=""),
+)
+"""Campaigns and runs that are archived or deleted."""
+
 append_only(EVENTS, AUDIT, VERDICTS)

@@ -1,18 +1,19 @@
 """The whole bench as the twin believes it: structure, excitation, measurement chain, clock."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
-from modallab.core.units import DERIVATIVE
+from modallab.core.units import DERIVATIVE, Test
 from modallab.twin.nonlinear.element import Element
 from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
+S = TypeVar("S", Array, Complex)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,7 +32,8 @@ class Chain:
     Attributes:
         gain: number -> factor on an accelerometer.
         force_gain: factor on the force.
-        swap: two accelerometers that are exchanged.
+        swap: two accelerometers whose plugs are exchanged.
+        swap_ratio: test -> V per SI unit along the drive of the second's sensor over the first's; 1 if absent.
         shift: number -> m by which an accelerometer sits farther from the clamp.
         corner_hz: first-order high-pass on every accelerometer; 0 for none.
         mounts: loose mounts.
@@ -45,6 +47,7 @@ class Chain:
     gain: dict[int, float] = field(default_factory=dict[int, float])
     force_gain: float = 1.0
     swap: tuple[int, int] | None = None
+    swap_ratio: dict[Test, float] = field(default_factory=dict[Test, float])
     shift: dict[int, float] = field(default_factory=dict[int, float])
     corner_hz: float = 0.0
     mounts: tuple[Mount, ...] = ()
@@ -156,6 +159,20 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
             s**2 + 2 * mount.zeta * omega * s + omega**2
         )
     return total
+
+
+def exchanged(chain: Chain, channels: tuple[int, ...], test: Test, y: S) -> S:
+    """The rows (..., channels, n) in SI units with two plugs exchanged, where the chain exchanges them.
+
+    The volts of a sensor, with its sensitivity and its direction, are read as if they were the other's.
+    """
+    if chain.swap is None:
+        return y
+    ratio = chain.swap_ratio.get(test, 1.0)
+    i, j = (channels.index(c) for c in chain.swap)
+    rows = y.copy()
+    rows[..., i, :], rows[..., j, :] = y[..., j, :] * ratio, y[..., i, :] / ratio
+    return rows
 
 
 def is_flat(chain: Chain) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.twin.bench import Chain, Twin, transfer
+from modallab.twin.bench import Chain, Twin, exchanged, transfer
 from modallab.twin.nonlinear.element import coupling
 from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine
 from modallab.twin.response import Hits, Rise, Sines
@@ -61,7 +61,7 @@ def predict_hit(
     # An integral knows no constant: what begins from rest begins at 0.
     rows = [i for i, channel in enumerate(channels) if channel in twin.chain.integrals]
     record[rows] -= record[rows, :1]
-    return _swapped(twin.chain, channels, record)
+    return exchanged(twin.chain, channels, "impact", record)
 
 
 def predict_sine(
@@ -121,7 +121,7 @@ def predict_sine(
         seen = np.fft.rfft(acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt), axis=1)
         s = 2j * np.pi * np.fft.rfftfreq(n, dt)
         rings += np.fft.irfft(np.nan_to_num(transfer(twin.chain, channels, s)) * seen, n=n, axis=1)
-    return _swapped(twin.chain, channels, forced + rings)
+    return exchanged(twin.chain, channels, "sine", forced + rings)
 
 
 def drifted(modes: Modes, ei_drift: float, tau: float) -> Modes:
@@ -149,12 +149,3 @@ def _outputs(chain: Chain, modes: Modes, channels: tuple[int, ...], x_m: Array) 
 
 def _out_of_band(twin: Twin, modes: Modes, channels: tuple[int, ...], x_m: Array, drive_x_m: float) -> Array:
     return modes.remainder(sensor_positions(twin.chain, modes, channels, x_m), drive_x_m)
-
-
-def _swapped(chain: Chain, channels: tuple[int, ...], y: Array) -> Array:
-    if chain.swap is None:
-        return y
-    order = np.arange(len(channels))
-    i, j = (channels.index(c) for c in chain.swap)
-    order[[i, j]] = order[[j, i]]
-    return y[order]

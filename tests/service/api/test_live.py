@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import jsonschema_rs
 import numpy as np
 import pytest
 from lab import RIG, TOKEN, Lab
@@ -15,6 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from modallab.core.documents.runs import RunNew, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
+from modallab.service.api.asyncapi import event_kinds
 from modallab.service.campaigns.begin import begin
 
 IN_REAL_TIME = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&pace=1&reaction_s=0.1,0.2"
@@ -97,6 +99,24 @@ def test_every_sample_comes_and_blocks_hold_the_same(real_lab: Lab, followed: Fo
         np.testing.assert_array_equal(whole[:, here], block.samples)
 
 
+def test_what_stands_before_the_arrays_is_as_documented(real_lab: Lab, followed: Followed) -> None:
+    schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
+    for name, messages in (("SamplesAbout", followed[1]), ("EnvelopeAbout", followed[2])):
+        judge = jsonschema_rs.validator_for(schemas[name] | {"components": {"schemas": schemas}})
+        assert [error.message for about, _ in messages for error in judge.iter_errors(about)] == []
+
+
+def test_every_event_is_as_documented(real_lab: Lab, followed: Followed) -> None:
+    """Those of a run and of its rig; the stream sends what the list gives."""
+    schemas = real_lab.app.state.asyncapi()["components"]["schemas"]
+    names = {kind.model_fields["kind"].default: f"EventView_{kind.__name__}" for kind in event_kinds()}
+    events = real_lab.service.log.after(0, 10_000)
+    assert {"state", "rig", "block", "hit_requested", "progress"} <= {event.kind for event in events}
+    for event in events:
+        judge = jsonschema_rs.validator_for(schemas[names[event.kind]] | {"components": {"schemas": schemas}})
+        judge.validate(event.model_dump(mode="json"))
+
+
 def test_who_comes_back_reads_on_and_hears_what_is_lost(real_lab: Lab) -> None:
     with running(real_lab, ImpactPlan(points=(10,), hits=400)) as (run, _):
         real_lab.wait_for_state(run, "acquiring")
@@ -108,6 +128,27 @@ def test_who_comes_back_reads_on_and_hears_what_is_lost(real_lab: Lab) -> None:
     assert about["position"] - about["lost"] == reached
     assert about["channels"] == ["a03"]
     assert samples.shape[0] == 1
+
+
+def test_the_channels_are_seen_before_a_run_and_after_it(real_lab: Lab) -> None:
+    with open_socket(real_lab, f"/live?rig={RIG}&channel=a03&channel=force&idle=true") as socket:
+        before = [parse(socket.recv(30.0)) for _ in range(5)]
+        with running(real_lab, ImpactPlan(points=(10,), hits=1)) as (run, _):
+            while (found := parse(socket.recv(60.0)))[0]["run"] != run:
+                before.append(found)
+            while not (found := parse(socket.recv(60.0)))[0]["ended"]:
+                assert found[0]["run"] == run
+        after = parse(socket.recv(30.0))
+    position = before[0][0]["position"]
+    for about, samples in before[:-1]:
+        assert (about["rig"], about["run"], about["ended"], about["lost"]) == (RIG, "", False, 0)
+        assert about["channels"] == ["force", "a03"]
+        assert about["position"] == position
+        position += samples.shape[1]
+    assert before[-1][0]["ended"], "the rig belongs to the run now"
+    assert position >= 5 * 100
+    assert (after[0]["rig"], after[0]["run"]) == (RIG, "")
+    assert len(real_lab.store.catalogue.runs()) == len({e.run for e in real_lab.service.log.after(0, 9999)} - {""})
 
 
 def test_the_envelope_is_that_of_the_samples(followed: Followed) -> None:

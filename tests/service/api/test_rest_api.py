@@ -109,7 +109,7 @@ def test_who_asks_for_a_report_that_is_not_there_learns_how_its_job_stands(lab: 
 
 def test_who_types_the_address_alone_or_opens_a_problem_s_page_can_read_on(lab: Lab) -> None:
     with lab.client(token=None) as client:
-        assert client.get("/").headers["location"] == "/docs"
+        assert client.get("/").headers["location"] == "/page/"
         page = client.get("/problems/lease-needed")
         assert page.status_code == 200
         assert "<code>Modallab-Lease</code>" in page.text

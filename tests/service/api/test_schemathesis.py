@@ -21,6 +21,8 @@ def furnished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
         yield stack.enter_context(furnish(folder, link_rig, url))
 
 
+# Who has no token gets no further than to be asked for one, whichever the database.
+@pytest.mark.parametrize("furnished", ["sqlite"], indirect=True)
 def test_every_answer_without_a_token_is_as_documented(furnished: Lab, tmp_path: Path) -> None:
     assert ask(furnished, tmp_path, token=None, examples=1, quick=True) == ""
 

@@ -8,10 +8,12 @@ from recorded_run import record_run
 
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.results import JobNew
+from modallab.core.documents.runs import Verdict
 from modallab.jobs import Job
 from modallab.jobs.attempt import Attempt
 from modallab.jobs.leases import Leases
 from modallab.pipelines.job_kinds import campaigns_of, kinds
+from modallab.service.campaigns.runs import judge
 from modallab.service.context import Service, open_service
 from modallab.service.jobs.background import AfterRun
 from modallab.service.jobs.campaign_jobs import order
@@ -94,3 +96,62 @@ def test_a_block_that_is_judged_before_its_job_begins_is_not_passed_over(service
     assert "blocks that count have changed" in str(ended.error)
     assert "order it again" in str(ended.error)
     assert order(service, campaign, "identify", JobNew(), "Ada").state == "queued"
+
+
+def _verdict(service: Service, run: str, accepted: bool, *numbers: int) -> None:
+    for n in numbers:
+        judge(service, run, n, Verdict(accepted=accepted), None, "Ada")
+
+
+def test_a_verdict_while_jobs_wait_has_them_done_with_what_counts_now(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    automatic = AfterRun(service.store, service.jobs).identify(run)
+    ordered = order(service, campaign, "report", JobNew(), "Ada")
+    _verdict(service, run, False, 0)
+    for old, kind in ((automatic, "identify"), (ordered, "report")):
+        ended = service.jobs.get(old.id)
+        newest = service.jobs.get(service.repository.jobs(campaign, kind)[0])
+        assert (ended.state, newest.state) == ("cancelled", "queued")
+        assert newest.id in str(ended.error)
+        assert newest.revision == service.store.revision([run])
+    # Taken back before any of it was computed, it is ordered once more.
+    _verdict(service, run, True, 0)
+    (again, *_) = service.repository.jobs(campaign, "identify")
+    assert service.jobs.get(again).state == "queued"
+    assert service.jobs.get(again).revision == automatic.revision
+
+
+def test_what_a_person_waits_for_stays_before_what_is_done_by_itself(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    AfterRun(service.store, service.jobs).identify(run)
+    order(service, campaign, "report", JobNew(), "Ada")
+    _verdict(service, run, False, 0)
+    (taken,) = Leases(service.engine, "a runner").take(["identify", "report"], 1)
+    assert taken.job.kind == "report"
+
+
+def test_a_job_that_is_computed_while_a_block_is_judged_is_not_kept(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    job = AfterRun(service.store, service.jobs).identify(run)
+    leases = Leases(service.engine, "a runner")
+    (taken,) = leases.take(["identify"], 1)
+    _verdict(service, run, False, 0)
+    assert not leases.done(taken, {"model of": job.id})
+    assert service.jobs.get(job.id).state == "cancelled"
+
+
+def test_where_no_block_counts_nothing_waits_until_one_does_again(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    AfterRun(service.store, service.jobs).identify(run)
+    _verdict(service, run, False, *range(6))
+    assert not service.jobs.list(state="queued").jobs
+    _verdict(service, run, True, 2)
+    (waits,) = service.jobs.list(state="queued").jobs
+    assert (waits.kind, waits.inputs) == ("identify", (run,))
+
+
+def test_a_verdict_after_the_model_orders_nothing_by_itself(service: Service, campaign: str) -> None:
+    run = _record(service, campaign)
+    _done(service, AfterRun(service.store, service.jobs).identify(run))
+    _verdict(service, run, False, 0)
+    assert not service.jobs.list(state="queued").jobs

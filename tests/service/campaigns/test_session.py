@@ -1,6 +1,7 @@
 """A session at the bench: plans in turn, events as they come, one campaign at the end."""
 
 import json
+import shutil
 from importlib import resources
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from modallab.core.rig import Rig
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.local_session import record_campaign
-from modallab.storage import Store
+from modallab.service.records.event_log import EventLog
+from modallab.storage import Store, campaign_of
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +33,11 @@ def test_the_demo_does_both_tests_of_the_paper() -> None:
     assert (len(sine.frequencies_hz), sine.rate_hz, list(sine.levels_v)) == (24, 1000.0, ["low"])
 
 
-def test_the_demos_campaign_has_15_good_hits_and_24_sine_blocks(link_rig: Rig, tmp_path: Path) -> None:
-    events: list[EventView] = []
-    campaign = record_campaign("sim://cantilever?seed=1", link_rig, demo_plans(), tmp_path, events.append)
+def test_the_demos_campaign_has_15_good_hits_and_24_sine_blocks(demo: Path, link_rig: Rig, tmp_path: Path) -> None:
+    shutil.copytree(demo / "data", tmp_path / "data")
+    with Store(tmp_path / "data") as store:
+        campaign = campaign_of(store, [run.id for run in store.catalogue.runs()])
+        events = EventLog(store.catalogue.engine).after(0, 1000)
     assert [len(campaign.of("impact")), len(campaign.of("sine"))] == [15, 24]
     assert [b.order for b in campaign.blocks] == list(range(39))
     assert len({b.name for b in campaign.blocks}) == 39
@@ -59,8 +63,9 @@ def test_a_sine_test_takes_the_modes_of_the_impact_test_before_it_to_see_whether
     sine = SinePlan(
         frequencies_hz=(8 / 1.024,), ramp_s=0.2, settle_s=2.5, max_settle_s=12.0, wait_s=1.0, settle_timeout_s=10.0
     )
-    impact = ImpactPlan(points=(10,), hits=3)
-    campaign = record_campaign("sim://cantilever?seed=2&zeta=0.016", link_rig, (impact, sine), tmp_path, lambda _: None)
+    impact, events = ImpactPlan(points=(10,), hits=3), list[EventView]()
+    campaign = record_campaign("sim://cantilever?seed=2&zeta=0.016", link_rig, (impact, sine), tmp_path, events.append)
+    assert len([e for e in events if e.kind == "block" and e.content["accepted"]]) == len(campaign.blocks) == 4
     runs = campaign.provenance["runs"].split()
     truth_hz = json.loads(campaign.provenance["bench.frequency_hz"])[0]
     with Store(tmp_path) as store:

@@ -63,6 +63,22 @@ def test_what_is_left_of_an_earlier_service_of_the_folder_is_ended(tmp_path: Pat
     assert Orphans(tmp_path).end_all() == ()
 
 
+def test_a_rigs_process_of_an_earlier_service_may_leave_by_itself(tmp_path: Path) -> None:
+    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.3)"]) as left:
+        Orphans(tmp_path).note("rig link", left.pid, leaves=True)
+        assert Orphans(tmp_path).end_all() == ()
+        assert left.wait(5) == 0
+
+
+def test_a_frozen_rigs_process_of_an_earlier_service_is_ended(tmp_path: Path) -> None:
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as left:
+        Orphans(tmp_path).note("rig link", left.pid, leaves=True)
+        os.kill(left.pid, signal.SIGSTOP)
+        while psutil.Process(left.pid).status() != psutil.STATUS_STOPPED:
+            time.sleep(0.01)
+        assert Orphans(tmp_path).end_all() == (left.pid,)
+
+
 def test_who_holds_the_port_is_said() -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))

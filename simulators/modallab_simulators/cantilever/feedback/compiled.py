@@ -14,7 +14,7 @@ def compiled(function: _Function) -> _Function:
     """The function as machine code, kept on disk for the next process."""
     if not AVAILABLE:
         return function
-    # Only a bench with a local nonlinearity comes here, so that no other pays for the import.
+    # Some install no numba.
     import numba
 
     return numba.njit(cache=True)(function)  # pyright: ignore[reportReturnType]  # it is called as the function is

@@ -5,6 +5,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.monitor.changed_places import ChangedPlaces
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import Foreseen, foresee, tone_basis
 from modallab.bench.protocol import Burst
@@ -45,7 +46,7 @@ class BurstLook:
     ) -> None:
         self.burst, self.noise = burst, noise
         self.repetition = Repetition(len(volts))
-        self.tone: Real | None = None
+        self.tone: NDArray[np.complex128] | None = None
         self.gone = np.zeros(len(volts), dtype=np.int64)
         self._step = max(1, int(rate_hz // max(SAMPLES_PER_PERIOD * burst.frequency_hz, LEAST_RATE_HZ)))
         self._dt = self._step / rate_hz
@@ -68,6 +69,7 @@ class BurstLook:
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
         self.sigma_v = self.noise_v * np.sqrt(2 / self._earlier)
+        self._places = ChangedPlaces(averaged, self.white_v)
 
     @property
     def envelope_earlier(self) -> float:
@@ -119,10 +121,28 @@ class BurstLook:
         stop = middle - self._gap
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
-        if self.burst.envelope(self._times(begin, stop)).max() < 1e-6:
+        times = self._times(begin, stop)
+        envelope = self._envelope(times)
+        if envelope.max() < 1e-6:
             return None
-        foreseen = foresee(self._cut(begin, stop), self._basis(begin, stop), self._basis(middle, end))
+        earlier = tone_basis(times, self.burst.frequency_hz, envelope)
+        foreseen = foresee(self._cut(begin, stop), earlier, self._basis(middle, end))
         return self._cut(middle, end), foreseen
+
+    def changed_places(self) -> tuple[int, int] | None:
+        """Two channels that have changed places, by the shapes in which the structure moves; once a look."""
+        end = self._at(self._hop * HOP_S)
+        middle = end - self._count(self.later_s)
+        known = middle - self._gap
+        begin = max(known - self._count(HOP_S), self._first, 0)
+        if known > begin:
+            self._places.learn(self._cut(begin, known))
+        return self._places.look(self._cut(middle, end)) if middle >= self._first else None
+
+    def latest(self, seconds: float) -> Real:
+        """(channels, n) the samples up to this look, of so long or of all the burst so far."""
+        end = self._at(self._hop * HOP_S)
+        return self._cut(max(end - self._count(seconds), self._first), end)
 
     def _at(self, seconds: float) -> int:
         return int((seconds - self._early_s) / self._dt + 1e-9)
@@ -145,7 +165,14 @@ class BurstLook:
 
     def _basis(self, begin: int, end: int) -> Real:
         times = self._times(begin, end)
-        return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
+        return tone_basis(times, self.burst.frequency_hz, self._envelope(times))
+
+    def _envelope(self, times: Real) -> Real:
+        """Of the drive at ascending times; between its ramps it is one."""
+        between = self.burst.ramp_s, self.burst.duration_s - self.burst.ramp_s
+        if between[0] <= times[0] and times[-1] <= between[1]:
+            return np.ones_like(times)
+        return self.burst.envelope(times)
 
 
 def _averaged(values: Real, step: int) -> Real:

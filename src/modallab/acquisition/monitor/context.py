@@ -3,12 +3,20 @@
 import time
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from numpy.typing import NDArray
+# SciPy loads its transforms on first use: who only asks for a run does not pay for them.
+import scipy
 
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
-from modallab.acquisition.monitor.settled import Floor, SettledCheck, check_settled, fading, floor_of
+from modallab.acquisition.monitor.settled import (
+    Floor,
+    SettledCheck,
+    Window,
+    WindowLook,
+    check_settled,
+    fading,
+    floor_of,
+)
 from modallab.acquisition.monitor.stream import Stream, Watch
 from modallab.bench.protocol import Bench
 from modallab.bench.recut import Recut
@@ -18,8 +26,6 @@ from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
 from modallab.storage.samples import Samples
-
-MotionWindow = NDArray[np.float64]
 
 FLOOR_WINDOWS = 4
 """Windows the noise floor is taken from."""
@@ -34,7 +40,7 @@ DRIVING_CHUNK_S = 0.02
 """What is beyond a limit is seen so much later, at most, than it happens."""
 
 WINDOW_BLOCKS = 2
-"""Blocks a window for the look at rest is long: twice the block, for lines half as wide."""
+"""Blocks a window for the look at rest is long, at least: twice the block, for lines half as wide."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -82,8 +88,8 @@ class Context:
 
     @property
     def window(self) -> int:
-        """Samples of a window for the look at rest."""
-        return WINDOW_BLOCKS * self.block
+        """Samples of a window for the look at rest; a block's own number may take the transform three times as long."""
+        return int(scipy.fft.next_fast_len(WINDOW_BLOCKS * self.block, real=True))
 
     @property
     def driving_chunk(self) -> int:
@@ -96,14 +102,21 @@ class Context:
         """Width of a window's line."""
         return self.stream.rate_hz / self.window
 
-    def motion(self, first: int, count: int) -> MotionWindow:
-        """(motion channels, count) counts from a remembered stretch."""
-        return self.stream.cut(first, count)[list(self.conversion.motion)].astype(float)
+    def motion(self, first: int, count: int) -> Window:
+        """(motion channels, count) of a remembered stretch, as delivered; a view where they stand side by side."""
+        rows, stretch = self.conversion.motion, self.stream.view(first, count)
+        if rows and rows == tuple(range(rows[0], rows[-1] + 1)):
+            return stretch[rows[0] : rows[-1] + 1]
+        return stretch[list(rows)]
+
+    def look_now(self, floor: Floor, watch: Watch | None = None) -> WindowLook:
+        """At the last window; after a restart it must first be read."""
+        self.stream.advance_to(self.window, watch)
+        return WindowLook.of(self.motion(self.stream.next - self.window, self.window), floor.rms)
 
     def check_settled_now(self, floor: Floor, watch: Watch | None = None) -> SettledCheck:
-        """What the last window says; after a restart it must first be read."""
-        self.stream.advance_to(self.window, watch)
-        return check_settled(self.motion(self.stream.next - self.window, self.window), floor)
+        """What the last window says."""
+        return check_settled(self.look_now(floor, watch), floor)
 
     def restart(self, after: SamplesLostError, restarts: int) -> None:
         """Bring the output to zero and start the bench anew after a gap; what came before it is never spliced.
@@ -153,13 +166,17 @@ class Context:
         if self.life.state != "paused":
             return
         while self.requests.paused:
-            if self.bench.info.real_time:
-                # What the device delivers must be taken, or its buffer would run over.
-                self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
-            else:
-                self.stream.poll()
-                time.sleep(PAUSE_LOOK_S)
+            self.idle(watch)
         self.life.enter("acquiring", "resumed by the operator")
+
+    def idle(self, watch: Watch | None = None) -> None:
+        """Let a short time pass, with the limits watched, while an operator is waited for."""
+        if self.bench.info.real_time:
+            # What the device delivers must be taken, or its buffer would run over.
+            self.stream.advance_to(self.stream.next + self.stream.chunk, watch)
+        else:
+            self.stream.poll()
+            time.sleep(PAUSE_LOOK_S)
 
     def drop(self, name: str, reason: str) -> bool:
         """Let a block no longer count, and report it; whether there was one that did."""
@@ -186,10 +203,10 @@ def measure_floor(context: Context, patience_s: float, watch: Watch | None = Non
     last = stream.next + stream.samples_of(patience_s)
     while True:
         start = stream.next
-        windows: list[MotionWindow] = []
+        windows: list[Window] = []
         for end in range(start + context.window, start + FLOOR_WINDOWS * context.window + 1, context.window):
             stream.advance_to(end, watch)
-            windows.append(context.motion(end - context.window, context.window))
+            windows.append(context.motion(end - context.window, context.window).copy())
         floor = floor_of(windows, counts=stream.counts)
         if stream.next >= last or not fading(windows, floor):
             return floor

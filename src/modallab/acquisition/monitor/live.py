@@ -16,6 +16,8 @@ from modallab.core.frozen import Frozen
 from modallab.core.rig import Rig
 
 FOLDER = "live"
+IDLE = "idle-"
+"""Begins the name under which a rig's signals are shown while no run is on."""
 SECONDS = 10.0, 2.0
 """What a ring holds; the second where there is no memory for the first."""
 
@@ -31,7 +33,7 @@ class LiveInfo(Frozen):
     """What is in a ring.
 
     Attributes:
-        run: the run.
+        run: the run, or `IDLE` and the bench.
         ring: path of the ring.
         capacity: samples per channel that it holds.
         rate_hz: of the device.
@@ -135,7 +137,7 @@ def live_info(data_folder: Path, run: str) -> LiveInfo | None:
 
 
 def clear_left_over(data_folder: Path, ended: Callable[[str], bool]) -> None:
-    """Remove what processes that were killed left in memory; `ended` says whether a run has."""
+    """Remove what processes that were killed left in memory; `ended` says of a name whether it is over."""
     for file in (data_folder / FOLDER).glob("*.json"):
         info = live_info(data_folder, file.stem)
         if info is not None and ended(info.run):

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.burst_look import WEAK_EARLIER_S, WEAK_LATER_S, BurstLook
 from modallab.acquisition.monitor.expected_force import OTHERS_FROM, SEEN, ExpectedForce, not_believed
+from modallab.acquisition.monitor.known_shapes import KnownShapes
 from modallab.acquisition.monitor.rest_noise import RestNoise
 from modallab.acquisition.monitor.tone_prediction import (
     Foreseen,
     astray,
+    at_noise,
     dead,
     faults,
     kept_up,
@@ -33,8 +35,8 @@ GONE_LOOKS = 3
 KEPT_UP = 0.5
 """Where the other responses fall to this part of what was foreseen, the structure itself may beat."""
 
-MISSED = 100 * SEEN
-"""A response that was to be seen so clearly, by the last burst and by the other responses, stands in no node."""
+MISSED = 25 * SEEN
+"""A response that must be seen so clearly is not there."""
 
 
 class Plausibility:
@@ -58,7 +60,8 @@ class Plausibility:
         self._watched = np.isin(np.arange(len(names)), watched)
         self._rate_hz = rate_hz
         self._burst: BurstLook | None = None
-        self._last_tone: Real | None = None
+        self._responses = np.delete(np.arange(len(names)), force)
+        self._shapes = KnownShapes()
 
     def begin(self, burst: Burst, start: int, rest: Samples, noise: RestNoise, unseen: int) -> None:
         """A burst begins.
@@ -83,7 +86,8 @@ class Plausibility:
             SafetyError: it is no force, or not what this drive gave before at this frequency.
         """
         self._force.settled(frequency_hz, force_n, volts)
-        self._last_tone = self._burst.tone if self._burst is not None else None
+        if self._burst is not None and self._burst.tone is not None:
+            self._shapes.keep(self._burst.tone[self._responses])
 
     def __call__(self, chunk: Chunk) -> None:
         """Look at a chunk.
@@ -107,6 +111,10 @@ class Plausibility:
             self._require_all(look)
 
     def _require_all(self, look: BurstLook) -> None:
+        places = look.changed_places()
+        if places is not None and self._watched[list(places)].any():
+            one, other = (self._names[channel] for channel in places)
+            raise not_believed(f"{one} and {other} have changed places")
         pair = look.foreseen(look.later_s)
         if pair is None:
             return
@@ -116,9 +124,11 @@ class Plausibility:
         gone = self._unless_beats(dead(*pair, look.white_v), *pair)
         # The responses may beat; the force follows the drive directly.
         gone[self._force_row] |= astray(*pair, look.noise_v)[self._force_row]
-        weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
-        if weak is not None:
-            gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
+        # What stands above its noise is not lost, and needs no fit.
+        if at_noise(look.latest(WEAK_LATER_S), look.white_v).any():
+            weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
+            if weak is not None:
+                gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
         gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):
@@ -126,14 +136,16 @@ class Plausibility:
         self._force.require(look, pair[1])
 
     def _missing(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
-        """(channels,) whether a response seen well in the last burst shows nothing, though the others answer."""
-        tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v
-        if self._last_tone is None or look.envelope_earlier < OTHERS_FROM:
-            return np.zeros(len(tone), dtype=np.bool_)
-        answer = np.median(np.delete(tone / np.maximum(self._last_tone, SEEN), self._force_row))
-        missing = (tone <= SEEN) & (answer * self._last_tone > MISSED)
-        missing[self._force_row] = False
-        return missing
+        """(channels,) whether a response shows nothing that must be seen, by the others and the bursts before."""
+        tone = look.tone = np.sqrt(2) * foreseen.level / look.sigma_v * foreseen.phase
+        unseen = np.abs(tone) <= SEEN
+        unseen[self._force_row] = False
+        if look.envelope_earlier < OTHERS_FROM or not unseen.any():
+            return np.zeros(unseen.size, dtype=np.bool_)
+        responses = self._responses
+        for place in np.flatnonzero(unseen[responses]):
+            unseen[responses[place]] = self._shapes.must_read(int(place), tone[responses]) > MISSED
+        return unseen
 
     def _unless_beats(self, gone: NDArray[np.bool_], seen: Real, foreseen: Foreseen) -> NDArray[np.bool_]:
         """(channels,) without those whose fall may be the structure's own beat: the other responses fall too."""

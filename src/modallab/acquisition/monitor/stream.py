@@ -105,14 +105,20 @@ class Stream:
 
     def cut(self, first: int, count: int) -> Samples:
         """A copy of (channels, count) samples from `first`, which must still be remembered."""
+        return self.view(first, count).copy()
+
+    def view(self, first: int, count: int) -> Samples:
+        """As `cut`, to be looked at before the next read and not changed; a copy of many channels takes its time."""
         start = self._filled - (self.next - first)
         if start < 0 or first + count > self.next:
             raise IndexError(f"samples {first} to {first + count} are not in memory, which ends at {self.next}")
-        return self._buffer[:, start : start + count].copy()
+        found = self._buffer[:, start : start + count]
+        found.flags.writeable = False
+        return found
 
     def overload(self, first: int, count: int) -> tuple[str, ...]:
         """Names of the channels beyond their range in a stretch: by the samples, or by the device's flag."""
-        flags = self._conversion.overload(self.cut(first, count))
+        flags = self._conversion.overload(self.view(first, count))
         for begin, end, flag in self._overloads:
             if begin < first + count and end > first:
                 flags = flags | flag

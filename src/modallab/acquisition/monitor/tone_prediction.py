@@ -58,12 +58,14 @@ class Foreseen:
 
     Attributes:
         amplitude: (channels,) of the tone at the full level of the drive.
+        phase: (channels,) of the tone, as a complex number of size one.
         misfit: (channels,) rms that the earlier window leaves unexplained.
         level: (channels,) rms of the tone in the earlier window.
         later: (channels, n) foreseen.
     """
 
     amplitude: Real
+    phase: NDArray[np.complex128]
     misfit: Real
     level: Real
     later: Real
@@ -72,7 +74,11 @@ class Foreseen:
 def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
     """(n, 3): a constant, and the two quadratures under the drive's envelope."""
     phase = 2 * np.pi * frequency_hz * times_s
-    return np.stack([np.ones_like(times_s), envelope * np.cos(phase), envelope * np.sin(phase)], axis=1)
+    basis = np.empty((len(times_s), 3))
+    basis[:, 0] = 1.0
+    np.multiply(envelope, np.cos(phase), out=basis[:, 1])
+    np.multiply(envelope, np.sin(phase), out=basis[:, 2])
+    return basis
 
 
 def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
@@ -81,6 +87,7 @@ def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
     fitted = earlier_basis @ solved
     return Foreseen(
         amplitude=np.hypot(solved[1], solved[2]),
+        phase=np.exp(-1j * np.arctan2(solved[2], solved[1])),
         misfit=_rms(earlier.T - fitted, axis=0),
         level=_rms(fitted - solved[0], axis=0),
         later=(later_basis @ solved).T,
@@ -101,15 +108,17 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
         [OVER_NOISE * noise, OVER_MISFIT * foreseen.misfit, OVER_SIGNAL * np.sqrt(2) * foreseen.level]
     )
     found: dict[int, str] = {}
-    suspects = np.flatnonzero(parted > least)
-    for channel in suspects:
+    suspects = parted > least
+    if not suspects.any():
+        return found
+    for channel in np.flatnonzero(suspects):
         top = _cut_at(seen[channel], foreseen.later[channel], float(white[channel]), float(parted[channel]) / BETTER)
         if top is not None:
             found[int(channel)] = f"is cut off at {100 * top:.0f} % of what was foreseen: clipped"
     for one, other in combinations(range(len(seen)), 2):
-        pair = [one, other]
-        if not (parted[pair] > least[pair]).any():
+        if not suspects[one] and not suspects[other]:
             continue
+        pair = [one, other]
         # Two plugs change places: each must read what the other was to read.
         if (_rms(seen[pair] - foreseen.later[pair[::-1]], axis=1) < parted[pair] / BETTER).all():
             found |= {
@@ -121,10 +130,14 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
 
 def lost(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a weak tone that was to stand above the noise over the later window is gone from it."""
-    spread = LOST_SIGMA / np.sqrt(2 * seen.shape[1])
-    expected = np.hypot(about_line_rms(foreseen.later), white)
     steady = foreseen.misfit < UNBEATEN * white
-    return steady & (about_line_rms(seen) < white * (1 + spread)) & (expected > white * (1 + 3 * spread))
+    expected = np.hypot(about_line_rms(foreseen.later), white)
+    return steady & at_noise(seen, white) & (expected > white * (1 + 3 * _noise_spread(seen)))
+
+
+def at_noise(seen: Real, white: Real) -> NDArray[np.bool_]:
+    """(channels,) whether the power over a window is no more than that of the noise."""
+    return about_line_rms(seen) < white * (1 + _noise_spread(seen))
 
 
 def kept_up(seen: Real, foreseen: Foreseen) -> Real:
@@ -134,10 +147,13 @@ def kept_up(seen: Real, foreseen: Foreseen) -> Real:
 
 def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     """(channels,) whether a channel stays within its noise where it was to move far beyond it."""
+    still = about_line_rms(seen) < STILL * white
+    if not still.any():
+        return still
     # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
     least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
     moving = (about_line_rms(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
-    return (about_line_rms(seen) < STILL * white) & moving
+    return still & moving
 
 
 def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
@@ -150,7 +166,7 @@ def about_line_rms(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
     ramp = np.arange(values.shape[1]) - (values.shape[1] - 1) / 2
     centred = values - values.mean(axis=1, keepdims=True)
-    return _rms(centred - np.outer(centred @ ramp / (ramp @ ramp), ramp), axis=1)
+    return _rms(centred - (centred @ ramp / (ramp @ ramp))[:, None] * ramp, axis=1)
 
 
 def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | None:
@@ -166,5 +182,9 @@ def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | Non
     return part if np.abs(own[above]).std() < STILL * white else None
 
 
+def _noise_spread(seen: Real) -> float:
+    return LOST_SIGMA / float(np.sqrt(2 * seen.shape[1]))
+
+
 def _rms(values: Real, axis: int) -> Real:
-    return np.sqrt(np.mean(values**2, axis=axis))
+    return np.sqrt(np.add.reduce(values * values, axis=axis) / values.shape[axis])

@@ -1,12 +1,20 @@
 """Whether a hit counts: every reason it does not, each with its number."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.settled import Floor, residual_ratio
+from modallab.acquisition.monitor.settled import (
+    Floor,
+    WindowLook,
+    largest_ratio,
+    motion_at,
+    own_motion,
+    ringing_lines,
+)
 from modallab.core.plan import HitAcceptance
 
 MERGE_S = 0.002
@@ -121,8 +129,29 @@ class Ringing:
         ]
 
 
-def ringing_before(context: Context, first: int, floor: Floor) -> Ringing:
-    """The window before the block from sample `first`, beside the block."""
-    before = context.motion(first - context.window, context.window)
-    ratio, line = residual_ratio(before, context.motion(first, context.block), floor)
-    return Ringing(ratio, line * context.line_hz)
+@dataclass(frozen=True, eq=False, slots=True)
+class Before:
+    """The motion before a hit, looked at as soon as it is over and not only when the whole block has come.
+
+    Attributes:
+        moves: (peaks,) amplitudes, in noise rms, of what rang.
+        lines: (peaks,) where.
+    """
+
+    moves: Real
+    lines: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, context: Context, first: int, floor: Floor) -> Self:
+        """In the window that ends at sample `first`."""
+        look = WindowLook.of(context.motion(first - context.window, context.window), floor.rms)
+        return cls(*ringing_lines(look, floor))
+
+    def beside(self, context: Context, first: int, floor: Floor) -> Ringing:
+        """As part of what moves in the block from sample `first`."""
+        if self.lines.size == 0:
+            return Ringing(0.0, 0.0)
+        beside = np.concatenate([self.lines - 1, self.lines, self.lines + 1])
+        own = own_motion(motion_at(context.motion(first, context.block), context.window, beside, floor))
+        ratio, line = largest_ratio(self.moves, self.lines, own.reshape(3, -1))
+        return Ringing(ratio, line * context.line_hz)

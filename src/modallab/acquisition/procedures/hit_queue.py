@@ -18,7 +18,7 @@ class HitQueue:
         total: hits that the plan wants.
         todo: hits that are still requested; the first is the present one.
         kept: good hits by the name of their record.
-        rejected: hits that did not count, by the name of their record.
+        rejected: hits that did not count, or count no more, by the name of their record.
     """
 
     total: int
@@ -39,7 +39,8 @@ class HitQueue:
 
     def next_name(self) -> str:
         """Name of the present hit's record, should it be rejected."""
-        return f"{self.present.name}_rejected_{1 + sum(t == self.present for t in self.rejected.values())}"
+        rejected = f"{self.present.name}_rejected_"
+        return f"{rejected}{1 + sum(n.startswith(rejected) for n in self.rejected)}"
 
     def keep(self) -> None:
         """The present hit counts."""
@@ -56,11 +57,14 @@ class HitQueue:
             return False
         target = self.kept.pop(request.block, None)
         if target is not None:
-            self.todo.appendleft(replace(target, again=target.again + 1))
+            again = replace(target, again=target.again + 1)
+            self.todo.appendleft(again)
+            # Until it is struck again, what was dropped can be taken back.
+            self.rejected[request.block] = again
         return True
 
     def accept(self, context: Context, request: AcceptBlock) -> Target | None:
-        """A rejected hit counts all the same and is not asked for again; the hit it was, None if there is none.
+        """A hit that was rejected or dropped counts and is not asked for again; the hit it was, None if there is none.
 
         A hit that has been kept since under the same target stays the one that counts.
         """

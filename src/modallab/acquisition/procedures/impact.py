@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from modallab.acquisition.monitor.context import Context, measure_floor
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock
 from modallab.acquisition.monitor.settled import Floor
-from modallab.acquisition.procedures.hit_acceptance import Hit, hit_of, rejections, ringing_before
+from modallab.acquisition.procedures.hit_acceptance import Before, Hit, hit_of, rejections
 from modallab.acquisition.procedures.hit_queue import HitQueue
 from modallab.acquisition.procedures.rest import EarlyHits, HitMotion, Rest, RestWait
 from modallab.acquisition.procedures.struck_point.answer import answer_of
@@ -14,7 +14,7 @@ from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.acquisition.procedures.target import Target
 from modallab.acquisition.procedures.trigger import Trigger, wait_for_record
 from modallab.core.errors import BenchError, BenchTimeoutError, SamplesLostError
-from modallab.core.events import HitRejected, HitRequested, WaitingForRest
+from modallab.core.events import BlockAcknowledged, DecisionRequested, HitRejected, HitRequested, WaitingForRest
 from modallab.core.plan import ImpactPlan
 from modallab.storage import BlockNote
 
@@ -32,6 +32,7 @@ class ImpactTest:
         rejected: rejected hits at the present point.
         restarts: how often the bench had to be started anew.
         changed: whether the operator has changed what comes next.
+        undecided: name of the block that the operator is asked about; "" if of none.
     """
 
     context: Context
@@ -42,6 +43,7 @@ class ImpactTest:
     rejected: int = 0
     restarts: int = 0
     changed: bool = field(default=False)
+    undecided: str = ""
 
     def run(self) -> None:
         """All points, all hits; a hit that is dropped is asked for again.
@@ -72,8 +74,10 @@ class ImpactTest:
         if trigger is None:
             return
         first = trigger - self._pre_trigger
+        # While the block still comes: at its end the operator waits for the verdict.
+        before = Before.of(self.context, first, self.rest.floor)
         self.context.stream.advance_to(first + self.context.block)
-        self._keep(target, first, rest)
+        self._keep(target, first, rest, before)
         if self.plan.trigger == "hardware":
             self.context.stream.restart()
             self.rest.early.restarted()
@@ -89,6 +93,8 @@ class ImpactTest:
 
     def _obey(self) -> None:
         for request in self.context.requests.take():
+            if isinstance(request, DropBlock | AcceptBlock) and request.block == self.undecided:
+                self.undecided = ""
             if isinstance(request, DropBlock) and self.queue.drop(self.context, request):
                 self.struck.forget(request.block)
                 self.rest.motion.forget(request.block)
@@ -145,10 +151,10 @@ class ImpactTest:
             remedy="strike harder, lower trigger_n, or look at the hammer's cable; the blocks before are kept",
         )
 
-    def _keep(self, target: Target, first: int, rest: Rest) -> None:
+    def _keep(self, target: Target, first: int, rest: Rest, before: Before) -> None:
         context, limits = self.context, self.plan.acceptance
         overload = context.stream.overload(first, context.block)
-        hit, ringing = self._measure(first), ringing_before(context, first, self.rest.floor)
+        hit, ringing = self._measure(first), before.beside(context, first, self.rest.floor)
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
         unclean = [*overloaded, *rejections(hit, limits)]
         # What is no clean hit says little about where it was.
@@ -165,35 +171,60 @@ class ImpactTest:
             overload=overload,
             facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
-        context.record(first, note)
+        kept = context.record(first, note)
         if not unclean and not where.reasons:
             # One that only came too soon after another says as well how much a hit moves the structure.
             self._learn_motion(name, target.point, first)
         if reasons:
             self._reject(target.point, name, note.reason)
+            self._let_operator_decide(kept, target.point)
             return
         self.struck.keep(self.queue.next_name(), name, target.point)
         self.queue.keep()
+        self._let_operator_decide(kept, target.point)
         self._obey()
         self._progress(f"point {target.point}, hit {target.hit} of {self.plan.hits}")
 
+    def _let_operator_decide(self, block: BlockAcknowledged, point: int) -> None:
+        """Where the plan wants it, wait until the operator has accepted or dropped the block."""
+        asked = self.plan.operator_decides
+        if asked == "never" or (asked == "rejected" and block.accepted):
+            return
+        self.undecided = block.name
+        self.context.emit(
+            DecisionRequested(
+                run=block.run, n=block.n, name=block.name, point=point, accepted=block.accepted, reason=block.reason
+            )
+        )
+        while self.undecided:
+            self._obey()
+            if self.undecided:
+                self.context.idle()
+
     def _learn_motion(self, name: str, point: int, first: int) -> None:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        force_n = context.conversion.force_n(context.stream.view(first, context.block))
         motion = context.motion(first, context.block)
         self.rest.motion.keep(name, point, force_n, motion, context.window, self.rest.floor)
 
     def _measure(self, first: int) -> Hit:
         context = self.context
-        force_n = context.conversion.force_n(context.stream.cut(first, context.block))
+        force_n = context.conversion.force_n(context.stream.view(first, context.block))
         return hit_of(force_n, context.stream.rate_hz, self._pre_trigger, self.plan.acceptance.min_band_hz)
 
     def _where(self, target: Target, first: int) -> Struck:
         context = self.context
         if not self.plan.acceptance.check_point:
             return Struck()
-        samples = context.conversion.si(context.stream.cut(first, context.block))
-        answer = answer_of(samples, context.conversion.force, context.stream.rate_hz, self._pre_trigger)
+        samples = context.stream.view(first, context.block)
+        answer = answer_of(
+            samples,
+            context.conversion,
+            context.stream.rate_hz,
+            self._pre_trigger,
+            self.struck.rows,
+            self.struck.up_to_hz,
+        )
         return Struck() if answer is None else self.struck.look(self.queue.next_name(), target.point, answer)
 
     def _reject(self, point: int, name: str, reason: str) -> None:

@@ -1,14 +1,26 @@
 """Waiting for rest before a hit: no longer than the plan's own limit asks for, and never past a hit that came early."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import log
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
-from modallab.acquisition.monitor.settled import Floor, SettledCheck, largest_ratio, own_motion, ringing_lines
+from modallab.acquisition.monitor.settled import (
+    Floor,
+    SettledCheck,
+    Single,
+    Window,
+    check_settled,
+    largest_ratio,
+    own_motion,
+    ringing_lines,
+    sensor_motion,
+)
 from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Chunk
 from modallab.core.events import HitTooEarly
@@ -17,8 +29,15 @@ from modallab.core.plan import ImpactPlan
 LOOKS_A_BLOCK = 4
 """Looks at rest for every block that is waited."""
 
+LOOKS_SHARE = 0.25
+"""Of the time, where it is real, that looks may take: many channels at a high rate are looked at less often, or what
+the device delivers would be taken too late."""
+
 SHARE, FIRST_SHARE, FEW = 0.8, 0.5, 4
 """Of the weakest hit so far: the next one may be weaker than those before, the more so the fewer these were."""
+
+KEPT = 8
+"""Hits at a point, the latest, that say what the next one there will do; and hits whose every sensor is remembered."""
 
 APART_S = 0.5
 """Contacts closer than this are one hit that came early."""
@@ -80,17 +99,21 @@ class HitMotion:
 
     sensed_at: tuple[int, ...]
     per_newton: dict[str, Real] = field(default_factory=dict[str, Real])
-    sensors: dict[str, Real] = field(default_factory=dict[str, Real])
+    sensors: dict[str, Single] = field(default_factory=dict[str, Single])
     point_of: dict[str, int] = field(default_factory=dict[str, int])
     forces: dict[str, Real] = field(default_factory=dict[str, Real])
 
-    def keep(self, name: str, point: int, force_n: Real, block: Real, n: int, floor: Floor) -> None:
+    def keep(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: Floor) -> None:
         """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
-        self.forces[name] = np.abs(np.fft.rfft(force_n - np.median(force_n), n))
-        self.per_newton[name] = own_motion(block, n, floor) / np.maximum(self.forces[name], 1e-300)
-        spectrum = np.abs(np.fft.rfft(block - block.mean(axis=1, keepdims=True), n, axis=1))
-        self.sensors[name] = spectrum / floor.rms[:, None]
+        sensors = sensor_motion(block, n, floor)
+        self.forces[name] = np.abs(scipy.fft.rfft(force_n - np.median(force_n), n))[: sensors.shape[1]]
+        self.per_newton[name] = own_motion(sensors) / np.maximum(self.forces[name], 1e-300)
+        self.sensors[name] = sensors
         self.point_of[name] = point
+        for old in list(self.sensors)[:-KEPT]:
+            del self.sensors[old]
+        for old in [known for known, at in self.point_of.items() if at == point][:-KEPT]:
+            self.forget(old)
 
     def forget(self, name: str) -> None:
         """It counts no longer."""
@@ -113,13 +136,13 @@ class HitMotion:
         if point not in self.sensed_at:
             return None
         row = self.sensed_at.index(point)
-        found = [self._moved(name, row) for name, at in self.point_of.items() if at in self.sensed_at]
+        found = [self._moved(name, row) for name in self.sensors if self.point_of[name] in self.sensed_at]
         return weakest * np.min(found, axis=0) if found else None
 
     def _moved(self, name: str, row: int) -> Real:
         sensors = self.sensors[name]
-        there = sensors[self.sensed_at.index(self.point_of[name])]
-        return self.per_newton[name] * sensors[row] / np.maximum(there, 1e-300)
+        here, there = sensors[[row, self.sensed_at.index(self.point_of[name])]].astype(np.float64)
+        return self.per_newton[name] * here / np.maximum(there, 1e-300)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +183,7 @@ class RestWait:
     floor: Floor
     early: EarlyHits
     motion: HitMotion
+    _cost: int = field(default=0, init=False)
 
     def wait(self, point: int, ended: Callable[[], bool], report: Callable[[Rest, float | None], None]) -> Rest:
         """Read until the plan lets the hit come; past its patience go on with what there is.
@@ -169,35 +193,38 @@ class RestWait:
             ended: asked at every look; True ends the wait.
             report: called about once a block with how it stands, and how many seconds it will take, if that is known.
         """
-        stream, context = self.context.stream, self.context
+        stream = self.context.stream
         self.early.point = point
         last = stream.next + stream.samples_of(self.plan.hit_timeout_s)
-        looks, before = 0, None
+        step = max(1, self.context.block // LOOKS_A_BLOCK)
+        before, reported = None, stream.next - LOOKS_A_BLOCK * step
         while not (rest := self._look(point)).good and stream.next < last and not ended():
-            if looks % LOOKS_A_BLOCK == 0:
-                report(rest, self._remaining_s(before, rest))
-                before = rest
-            looks += 1
-            stream.advance_to(stream.next + max(1, context.block // LOOKS_A_BLOCK), self.early)
+            if stream.next - reported >= LOOKS_A_BLOCK * step:
+                report(rest, self._remaining_s(before, rest, stream.next - reported))
+                before, reported = rest, stream.next
+            stream.advance_to(stream.next + max(step, self._cost), self.early)
         return rest
 
     def _look(self, point: int) -> Rest:
         context, stream = self.context, self.context.stream
-        check = context.check_settled_now(self.floor, self.early)
-        moves, lines = ringing_lines(context.motion(stream.next - context.window, context.window), self.floor)
+        began = time.thread_time()
+        look = context.look_now(self.floor, self.early)
+        check = check_settled(look, self.floor)
         expected = self.motion.expected(point)
         ratio, line = None, check.line
         if expected is not None:
-            ratio, line = largest_ratio(moves, lines, expected) if lines.size else (0.0, 0)
+            ratio, line = largest_ratio(*ringing_lines(look, self.floor), expected)
+        if context.bench.info.real_time:
+            self._cost = stream.samples_of((time.thread_time() - began) / LOOKS_SHARE)
         # A hit at a window's end hardly shows in it: the window must lie after the hit.
         struck = self.early.last is not None and stream.next - self.early.last < context.window
         allowed = self.plan.acceptance.max_residual_ratio
         good = not struck and (check.settled or (ratio is not None and ratio <= allowed))
         return Rest(check, ratio, line * context.line_hz, good)
 
-    def _remaining_s(self, before: Rest | None, now: Rest) -> float | None:
-        """From how fast the ratio falls, a block apart."""
+    def _remaining_s(self, before: Rest | None, now: Rest, apart: int) -> float | None:
+        """From how fast the ratio falls in so many samples."""
         if before is None or not before.ratio or not now.ratio or now.ratio >= before.ratio or now.hz != before.hz:
             return None
-        blocks = log(now.ratio / self.plan.acceptance.max_residual_ratio) / log(before.ratio / now.ratio)
-        return max(0.0, blocks * self.context.block / self.context.stream.rate_hz)
+        times = log(now.ratio / self.plan.acceptance.max_residual_ratio) / log(before.ratio / now.ratio)
+        return max(0.0, times * apart / self.context.stream.rate_hz)

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from modallab.acquisition.monitor.live import LiveRing, clear_left_over
+from modallab.acquisition.monitor.live import IDLE, LiveRing, clear_left_over
 from modallab.acquisition.monitor.requests import Excitation
 from modallab.acquisition.process.awake import kept_awake
+from modallab.acquisition.process.idle_scope import IdleScope, idle_name
 from modallab.acquisition.process.link import Link
 from modallab.acquisition.process.messages import Ended, Ready, RunPlan
 from modallab.acquisition.process.output_supervisor import LifeLine
@@ -25,19 +26,21 @@ from modallab.storage import Store
 from modallab.storage.records import ENDED
 
 BROKEN_FILE_EXIT = 3
+LOOK_S = 0.25
+"""Between two looks whether somebody wants to see the channels while no run is on."""
 
 
 def serve(
-    connection: Connection, url: str, rig: Rig, folder: Path, life_line: Connection | None = None, supervision: str = ""
+    connection: Connection, life_line: Connection | None, url: str, rig: Rig, folder: Path, supervision: str
 ) -> None:
     """Open the bench, bring its output to zero, and run plans until asked to leave or until the owner is gone.
 
     Args:
         connection: to the owner.
+        life_line: to the supervisor, if there is one.
         url: address of the bench.
         rig: what stands on it.
         folder: where the recordings go.
-        life_line: to the supervisor, if there is one.
         supervision: what ends the output should this process die, in words; reported before anything is driven.
     """
     # Ctrl-C reaches every process of a terminal; the owner decides what it means, and stops the run in good order.
@@ -73,15 +76,29 @@ def _serve(link: Link, url: str, rig: Rig, folder: Path, guard: Guard) -> None:
             guard = replace(guard, supervision="; ".join(filter(None, (guard.supervision, ordinary))))
         with Store(folder) as store:
             store.recover()
-            clear_left_over(folder, lambda run: store.catalogue.run(run).state in ENDED)
+            clear_left_over(folder, lambda name: _is_over(store, name, url))
             link.send(Ready(bench.info))
-            while (command := link.next_plan()) is not None:
+            scope = IdleScope(bench, rig, folder)
+            while (command := _next_plan(link, scope)) is not None:
                 _run(link, bench, rig, store, command, guard)
                 guard.life.idle()
     finally:
         make_safe(bench)
         with suppress(BenchError):
             bench.close()
+
+
+def _is_over(store: Store, name: str, url: str) -> bool:
+    if name.startswith(IDLE):
+        return name == idle_name(url)
+    return store.catalogue.run(name).state in ENDED
+
+
+def _next_plan(link: Link, scope: IdleScope) -> RunPlan | None:
+    while not link.has_plan(LOOK_S):
+        if scope.wanted:
+            scope.show(lambda: link.has_plan(0.0))
+    return link.next_plan()
 
 
 def _run(link: Link, bench: Bench, rig: Rig, store: Store, order: RunPlan, guard: Guard) -> None:

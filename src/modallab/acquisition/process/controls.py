@@ -16,6 +16,7 @@ from modallab.core.events import (
     BlockAccepted,
     BlockAcknowledged,
     BlockDropped,
+    DecisionRequested,
     Event,
     HitRejected,
     HitRequested,
@@ -41,6 +42,7 @@ class RunView:
         rejected: hits rejected so far.
         blocks: names of the blocks that count, in order.
         last_block: name of the last block that was kept, whether it counts or not.
+        undecided: name of the block that the run waits for the operator about; "" if it does not.
     """
 
     run: str = ""
@@ -52,9 +54,12 @@ class RunView:
     rejected: int = 0
     blocks: tuple[str, ...] = field(default=())
     last_block: str = ""
+    undecided: str = ""
 
     def after(self, event: Event) -> Self:
         """The view once this event has happened."""
+        if isinstance(event, DecisionRequested):
+            return replace(self, undecided=event.name)
         if isinstance(event, StateChanged):
             return replace(self, run=event.run, state=event.state)
         if isinstance(event, HitRequested):
@@ -63,7 +68,7 @@ class RunView:
             return replace(self, rejected=self.rejected + 1)
         if isinstance(event, BlockAcknowledged):
             counted = (*self.blocks, event.name) if event.accepted else self.blocks
-            return replace(self, blocks=counted, last_block=event.name, requested=None)
+            return replace(self, blocks=counted, last_block=event.name, requested=None, undecided="")
         if isinstance(event, BlockDropped):
             return replace(self, blocks=tuple(name for name in self.blocks if name != event.name))
         if isinstance(event, BlockAccepted):
@@ -152,7 +157,7 @@ class RunControls(ABC):
         Raises:
             PlanError: no block of this name counts in the run.
         """
-        if block not in self._view.blocks:
+        if block not in (*self._view.blocks, self._view.undecided):
             counted = ", ".join(self._view.blocks)
             raise PlanError(f"no block {block!r} counts in the run", remedy=f"name one of: {counted or 'none yet'}")
         if self._running:
@@ -163,7 +168,7 @@ class RunControls(ABC):
         self._view = self._view.after(BlockDropped(run=self._view.run, name=block, reason=reason))
 
     def accept(self, block: str, reason: str, operator: str = "") -> None:
-        """Let a hit of the running impact test count that was rejected; it is then no longer asked for.
+        """Let a hit of the running impact test count that was rejected or dropped; it is then no longer asked for.
 
         Without effect where a later hit already counts in its place.
 

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
+from threading import Event as Flag
 from threading import Thread
 
 from modallab.acquisition.monitor.requests import AcceptBlock, DropBlock, Requests
@@ -29,6 +30,7 @@ class Link:
         self._order: Order | None = None
         self.requests = Requests()
         self._plans: SimpleQueue[RunPlan | None] = SimpleQueue()
+        self._asked = Flag()
         self._reports: SimpleQueue[Report | None] = SimpleQueue()
         self._sender = Thread(target=self._send_all, name="reports", daemon=True)
         self._sender.start()
@@ -38,9 +40,16 @@ class Link:
         """What the owner wants of the active run."""
         return self._order
 
+    def has_plan(self, patience_s: float) -> bool:
+        """Whether there is something for `next_plan`, after a short wait for it."""
+        return self._asked.wait(patience_s)
+
     def next_plan(self) -> RunPlan | None:
         """Wait for the next run; None when it is time to leave."""
-        return self._plans.get()
+        plan = self._plans.get()
+        if self._plans.empty():
+            self._asked.clear()
+        return plan
 
     def send(self, report: Report) -> None:
         """Queue a report."""
@@ -85,7 +94,7 @@ class Link:
             # A stop that came too late for the run before is no stop of this one.
             self._order = None
             self.requests.forget()
-            self._plans.put(command)
+            self._put(command)
         elif isinstance(command, Repeat | DropBlock | AcceptBlock):
             self.requests.ask(command)
         else:
@@ -96,8 +105,12 @@ class Link:
 
     def _leave(self) -> None:
         self._order = "ended"
-        self._plans.put(None)
+        self._put(None)
 
     def _lost(self) -> None:
         self._order = "lost"
-        self._plans.put(None)
+        self._put(None)
+
+    def _put(self, plan: RunPlan | None) -> None:
+        self._plans.put(plan)
+        self._asked.set()

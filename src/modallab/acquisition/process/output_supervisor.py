@@ -2,20 +2,25 @@
 
 import multiprocessing
 import os
+import pickle
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Lock
 
-from modallab.acquisition.process.output_watch import BEAT_S, Sign, supervise
+from modallab.acquisition.process.output_watch import BEAT_S, Sign
 from modallab.bench.loader import has_output, open_output
 from modallab.core.errors import BenchError, ModallabError
+from modallab.core.owned import start_owned
 from modallab.core.rig import Rig
 
+SUPERVISE = "modallab.acquisition.process.output_watch:supervise"
 READY_S = 30.0
 LEAVE_S = 5.0
 RELEASE_S = 20.0
 """To give back what a dead process held, on a busy machine; killed earlier, it would stay reserved."""
+OWNERLESS_S = 30.0
+"""From its owner's death on; longer than the rig's process, which it watches, and the release of what that held."""
 
 
 class LifeLine:
@@ -66,13 +71,14 @@ class Supervisor:
         watched, self.life_line = context.Pipe(duplex=False)
         self._connection, theirs = context.Pipe()
         self._sending = Lock()
-        self.process = context.Process(
-            target=supervise,
-            args=(watched, theirs, url, rig, data_folder),
-            name=f"supervisor of {rig.name}",
+        self.process, self._life = start_owned(
+            f"supervisor of {rig.name}",
+            SUPERVISE,
+            (watched, theirs),
+            pickle.dumps((url, rig, data_folder)),
+            grace_s=OWNERLESS_S,
             daemon=True,
         )
-        self.process.start()
         # Only the other processes may hold these ends, or their deaths would not be heard.
         watched.close()
         theirs.close()

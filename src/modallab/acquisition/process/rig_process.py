@@ -2,6 +2,7 @@
 
 import atexit
 import multiprocessing
+import pickle
 import weakref
 from collections.abc import Generator
 from contextlib import suppress
@@ -11,7 +12,6 @@ from threading import Lock, Thread
 from typing import Self
 
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
-from modallab.acquisition.process.child import serve
 from modallab.acquisition.process.controls import RunControls
 from modallab.acquisition.process.link import HEARTBEAT_S
 from modallab.acquisition.process.messages import Beat, Close, EmergencyStop, Ended, Message, Ready, Report, RunPlan
@@ -21,12 +21,16 @@ from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.runs import Abort, Stop
 from modallab.core.errors import BenchError, ModallabError
 from modallab.core.events import Event
+from modallab.core.owned import start_owned
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.storage import Store
 
+SERVE = "modallab.acquisition.process.child:serve"
 POLL_S = 0.2
 LEAVE_S = 10.0
+OWNERLESS_S = 10.0
+"""From its owner's death on: to bring the output to 0 V, commit and leave by itself."""
 
 _OPEN: "weakref.WeakSet[RigProcess]" = weakref.WeakSet()
 
@@ -43,17 +47,14 @@ class RigProcess(RunControls):
         super().__init__(data_folder)
         self._url, self._rig = url, rig
         self._info: BenchInfo | None = None
-        context = multiprocessing.get_context("spawn")
         self.latch = TripLatch(data_folder, url)
         self.supervisor, self.supervision = start_supervisor(url, rig, data_folder)
         life_line = None if self.supervisor is None else self.supervisor.life_line
-        self._connection, theirs = context.Pipe()
-        self.process = context.Process(
-            target=serve,
-            args=(theirs, url, rig, data_folder, life_line, self.supervision),
-            name=f"rig {rig.name}",
+        self._connection, theirs = multiprocessing.get_context("spawn").Pipe()
+        known = pickle.dumps((url, rig, data_folder, self.supervision))
+        self.process, self._life = start_owned(
+            f"rig {rig.name}", SERVE, (theirs, life_line), known, grace_s=OWNERLESS_S
         )
-        self.process.start()
         # Only the child may hold the other ends, or its death would not be heard.
         theirs.close()
         if self.supervisor is not None:

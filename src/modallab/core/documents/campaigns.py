@@ -11,7 +11,13 @@ Note = Annotated[str, Field(max_length=4000)]
 
 
 class CampaignNew(Frozen):
-    """A new campaign on a rig of this service."""
+    """A new campaign on a rig of this service.
+
+    Attributes:
+        name: for people; need not be unique.
+        rig: id of the rig.
+        note: for people.
+    """
 
     name: Name
     rig: Annotated[str, Field(min_length=1, max_length=64)]
@@ -19,14 +25,33 @@ class CampaignNew(Frozen):
 
 
 class CampaignChange(Frozen):
-    """What may be changed afterwards; what is left out stays."""
+    """What may be changed afterwards; what is left out stays.
+
+    Attributes:
+        name: the new one; None: as it was.
+        note: the new one; None: as it was.
+    """
 
     name: Name | None = None
     note: Note | None = None
 
 
 class CampaignView(Frozen):
-    """A campaign; `revision` is its ETag and grows with every change."""
+    """A campaign.
+
+    Attributes:
+        id: made by the service.
+        name: for people.
+        note: for people.
+        rig: id of the rig it is on.
+        operator: who made it.
+        created_utc: when.
+        revision: its ETag; grows with every change.
+        runs: names of its runs, the oldest first, without those that are archived or deleted.
+        archived_utc: when it was archived; "" if it is not.
+        deleted_utc: when it was deleted; "" if it is not.
+        purge_utc: until when it can be restored; from then on its samples are deleted.
+    """
 
     id: str
     name: str
@@ -36,3 +61,6 @@ class CampaignView(Frozen):
     created_utc: str
     revision: int
     runs: tuple[str, ...] = ()
+    archived_utc: str = ""
+    deleted_utc: str = ""
+    purge_utc: str = ""

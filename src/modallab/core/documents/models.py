@@ -1,12 +1,23 @@
 """Models, their judgement, comparisons and diagnoses as resources of campaigns and runs."""
 
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.frozen import Frozen, RealArray
+from modallab.core.frozen import ComplexArray, Frozen, RealArray
 from modallab.core.model import ModalModel
+
+CURVES = "curves.json"
+"""File of an identification with what its models are looked at by."""
 
 
 class VerdictView(Frozen):
-    """An assumption of the identification: whether it holds, the number that says so, and its limit."""
+    """An assumption of the identification: whether it holds, the number that says so, and its limit.
+
+    Attributes:
+        assumption: which.
+        holds: whether it does.
+        value: the number that says so; null if there is none.
+        limit: of that number; null if there is none.
+        words: the same as a sentence.
+    """
 
     assumption: str
     holds: bool
@@ -16,7 +27,12 @@ class VerdictView(Frozen):
 
 
 class Unjudged(Frozen):
-    """An assumption that could not be judged."""
+    """An assumption that could not be judged.
+
+    Attributes:
+        assumption: which.
+        why: it could not be judged.
+    """
 
     assumption: str
     why: str
@@ -59,7 +75,12 @@ class TestModel(Frozen):
 
 
 class Missing(Frozen):
-    """A test without a model."""
+    """A test without a model.
+
+    Attributes:
+        test: which.
+        error: why it has none.
+    """
 
     test: str
     error: str
@@ -86,7 +107,15 @@ class ModelsView(Frozen):
 
 
 class DiagnosisView(Frozen):
-    """The newest diagnosis of a campaign; `current` as in the models."""
+    """The newest diagnosis of a campaign; `current` as in the models.
+
+    Attributes:
+        job: that computed it.
+        runs: it is of.
+        current: whether the blocks that count now are still those it was computed from.
+        code_version: of the modallab that computed it.
+        diagnosis: itself.
+    """
 
     job: str
     runs: tuple[str, ...]
@@ -123,3 +152,63 @@ class ComparisonView(Frozen):
     points: tuple[int, ...]
     comac: RealArray | None
     alone: tuple[tuple[int, ...], tuple[int, ...]]
+
+
+class DiagramView(Frozen):
+    """A stabilisation diagram.
+
+    Attributes:
+        order: (poles,) at which a pole was found.
+        frequency_hz: (poles,).
+        damping_ratio: (poles,).
+        standing: (poles,) 0 new, 1 holds in frequency, 2 stable.
+        held_hz: (held,) frequencies of the poles that hold over enough orders.
+        line_hz: (lines,) of the mode indicator.
+        cmif: (functions, lines) complex mode indicator function of the mobility, largest first, in (m/(N s))^2.
+    """
+
+    order: RealArray
+    frequency_hz: RealArray
+    damping_ratio: RealArray
+    standing: RealArray
+    held_hz: RealArray
+    line_hz: RealArray
+    cmif: RealArray
+
+
+class TestCurves(Frozen):
+    """What one test's model is looked at by; arrays of mobility are (outputs, inputs, lines) in m/(N s).
+
+    Attributes:
+        test: it is of.
+        outputs: channel names.
+        output_points: where they are; None where unknown.
+        input_points: points that were driven.
+        frequency_hz: (lines,).
+        measured: from the blocks; None where there is no comparison.
+        regenerated: the model's response to the measured force, cut and treated as the blocks were.
+        diagram: stabilisation diagram; None where there is none.
+        without_diagram: why there is none, else "".
+    """
+
+    __test__ = False
+
+    test: str | None
+    outputs: tuple[str, ...]
+    output_points: tuple[int | None, ...]
+    input_points: tuple[int | None, ...]
+    frequency_hz: RealArray
+    measured: ComplexArray | None
+    regenerated: ComplexArray | None
+    diagram: DiagramView | None
+    without_diagram: str = ""
+
+
+class CurvesView(Frozen):
+    """What the newest models of a campaign are looked at by.
+
+    Attributes:
+        tests: one for each model, in their order.
+    """
+
+    tests: tuple[TestCurves, ...]

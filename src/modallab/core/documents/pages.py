@@ -8,7 +8,12 @@ Item = TypeVar("Item")
 
 
 class Page(Frozen, Generic[Item]):
-    """Part of a list; `next` is the cursor of the part after it, None at the end."""
+    """Part of a list; `next` is the cursor of the part after it, None at the end.
+
+    Attributes:
+        items: this part of the list.
+        next: cursor of the part after it; None at the end.
+    """
 
     items: tuple[Item, ...]
     next: str | None = None
@@ -41,7 +46,17 @@ class Problem(Frozen):
 
 
 class EventView(Frozen):
-    """One line of the service's log of events; `seq` grows and never repeats."""
+    """One line of the service's log of events; `seq` grows and never repeats.
+
+    Attributes:
+        seq: its number: grows by one, never used twice.
+        utc: when, for people.
+        rig: id of the rig it is about, else "".
+        campaign: id of the campaign it is about, else "".
+        run: name of the run it is about, else "".
+        kind: what happened.
+        content: the event itself, with its `kind` again.
+    """
 
     seq: int
     utc: str
@@ -53,7 +68,16 @@ class EventView(Frozen):
 
 
 class AuditEntry(Frozen):
-    """Who did what."""
+    """Who did what.
+
+    Attributes:
+        seq: its number: grows with every entry.
+        utc: when, for people.
+        operator: who did it.
+        action: what was done.
+        target: to what.
+        detail: with what.
+    """
 
     seq: int
     utc: str
@@ -80,7 +104,16 @@ class Trouble(Frozen):
 
 
 class Health(Frozen):
-    """Whether the service can work; `troubles` says what keeps it, `emergency_stop` where to `POST` in an emergency."""
+    """Whether the service can work; `troubles` says what keeps it, `emergency_stop` where to `POST` in an emergency.
+
+    Attributes:
+        status: `good`, or `degraded` where `troubles` names what cannot be used.
+        version: of the program.
+        rigs: state of each rig's process, by its id.
+        free_bytes: of the disk with the data folder.
+        troubles: what cannot be used.
+        emergency_stop: address to `POST` to in an emergency.
+    """
 
     status: str
     version: str

@@ -27,6 +27,7 @@ class JobView(Frozen):
         code_version: of the program that took the order.
         result: what it gave; None unless done, and None in lists.
         error: why it failed.
+        stage: what is being done, in words; "" where nothing is.
     """
 
     id: str
@@ -41,10 +42,16 @@ class JobView(Frozen):
     code_version: str
     result: JsonValue = None
     error: str | None = None
+    stage: str = ""
 
 
 class JobNew(Frozen):
-    """Order work on a campaign's runs; without `runs`, on all of them that are valid."""
+    """Order work on a campaign's runs; without `runs`, on all of them that are valid.
+
+    Attributes:
+        runs: names of runs of the campaign; None: all that are valid.
+        parameters: settings of the work, by name.
+    """
 
     runs: Annotated[tuple[Annotated[str, Field(max_length=64)], ...], Field(min_length=1, max_length=200)] | None = None
     parameters: dict[str, JsonValue] = Field(default_factory=dict)

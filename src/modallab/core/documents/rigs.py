@@ -13,7 +13,13 @@ Operator = Annotated[str, Field(min_length=1, max_length=80, pattern=r"^[^\x00-\
 
 
 class Trip(Frozen):
-    """Why nothing may be driven until someone resets the rig."""
+    """Why nothing may be driven until someone resets the rig.
+
+    Attributes:
+        cause: emergency stop, death, time-out.
+        reason: in words.
+        utc: when, for people.
+    """
 
     cause: str
     reason: str
@@ -21,7 +27,13 @@ class Trip(Frozen):
 
 
 class LeaseHolder(Frozen):
-    """Who may command the rig, and for how long without renewal."""
+    """Who may command the rig, and for how long without renewal.
+
+    Attributes:
+        operator: who holds it.
+        fence: grows with every holder.
+        remaining_s: until it ends, if it is not renewed.
+    """
 
     operator: str
     fence: int
@@ -60,15 +72,32 @@ class LeaseNew(Frozen):
     """Ask for the right to command a rig; renew it before `ttl_s` is over.
 
     With `take_over` it is taken from whoever holds it, as long as no run is on: for when the holder's program is gone.
+    Who holds it takes it over also while a run is on, from another place; with `recover` the same lease is given once
+    more, for a page that was loaded again.
+
+    Attributes:
+        operator: who asks, where the service's own token does not say it; with a user's token it is that user.
+        ttl_s: for so long, unless it is renewed.
+        take_over: take it from whoever holds it.
+        recover: give back the lease that is held under the same name.
     """
 
-    operator: Operator
+    operator: Operator | None = None
     ttl_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
     take_over: bool = False
+    recover: bool = False
 
 
 class Lease(Frozen):
-    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder."""
+    """The right to command a rig. Send `id` as the header `Modallab-Lease`; `fence` grows with every holder.
+
+    Attributes:
+        id: send it as the header `Modallab-Lease`.
+        rig: id of the rig.
+        operator: who holds it.
+        fence: grows with every holder.
+        ttl_s: until it ends, if it is not renewed.
+    """
 
     id: str
     rig: str
@@ -78,13 +107,38 @@ class Lease(Frozen):
 
 
 class StopReason(Frozen):
-    """Why someone stops or resets a rig."""
+    """Why someone stops or resets a rig.
+
+    Attributes:
+        reason: kept in the record of who did what.
+    """
 
     reason: Annotated[str, Field(max_length=400)] = ""
 
 
+class StopAsked(Frozen):
+    """An emergency stop, sent as JSON over the WebSocket of live samples or their envelope.
+
+    Attributes:
+        kind: of the message.
+        rig: the rig's id.
+        operator: who asks, where the token does not say it.
+        reason: why.
+    """
+
+    kind: Literal["emergency_stop"] = "emergency_stop"
+    rig: str
+    operator: Operator = "unknown"
+    reason: Annotated[str, Field(max_length=400)] = ""
+
+
 class DeviceView(Frozen):
-    """A device that was found, and the address to open it by."""
+    """A device that was found, and the address to open it by.
+
+    Attributes:
+        address: to open it by, as in a rig file.
+        what: it is.
+    """
 
     address: str
     what: str

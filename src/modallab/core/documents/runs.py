@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat
 
 from modallab.core.events import RunState
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, RealArray
 from modallab.core.plan import Plan
 from modallab.core.units import Test
 
@@ -16,6 +16,11 @@ class RunNew(Frozen):
     """Begin a run; `continues` names an ended run of the same campaign whose good blocks it takes over.
 
     Without a plan, a run that continues another does what is left of that one's plan.
+
+    Attributes:
+        plan: what to do; None: what is left of the plan of the run it continues.
+        continues: an ended run of the same campaign, whose good blocks this one takes over; None: it begins
+            anew.
     """
 
     plan: Plan | None = None
@@ -35,7 +40,12 @@ class Resume(Frozen):
 
 
 class Repeat(Frozen):
-    """Measure one frequency again; the new block replaces the old one in what follows."""
+    """Measure one frequency again; the new block replaces the old one in what follows.
+
+    Attributes:
+        frequency_hz: one of the plan that has been recorded.
+        level: name of the drive's level; None: every level it was recorded at.
+    """
 
     kind: Literal["repeat"] = "repeat"
     frequency_hz: PositiveFloat
@@ -43,7 +53,12 @@ class Repeat(Frozen):
 
 
 class Drop(Frozen):
-    """Leave one hit out; it is asked for again while the run goes on."""
+    """Leave one hit out; it is asked for again while the run goes on. It answers "no" where the run waits to know.
+
+    Attributes:
+        n: number of the block in the run, from 0.
+        reason: kept with the block.
+    """
 
     kind: Literal["drop"] = "drop"
     n: Annotated[int, Field(ge=0)]
@@ -51,7 +66,14 @@ class Drop(Frozen):
 
 
 class Accept(Frozen):
-    """Let a hit count that was rejected; it is not asked for again. While its hit is still requested only."""
+    """Let a hit count that was rejected or dropped; it is not asked for again. While its hit is still requested only.
+
+    Where the run waits to know whether a hit counts, it answers "yes".
+
+    Attributes:
+        n: number of the block in the run, from 0.
+        reason: kept with the block.
+    """
 
     kind: Literal["accept"] = "accept"
     n: Annotated[int, Field(ge=0)]
@@ -74,7 +96,13 @@ Command = Annotated[Pause | Resume | Repeat | Drop | Accept | Stop | Abort, Fiel
 
 
 class RunProgress(Frozen):
-    """How far a run is."""
+    """How far a run is.
+
+    Attributes:
+        done: hits, frequencies or blocks so far.
+        total: of how many.
+        what: was done last, or is waited for.
+    """
 
     done: int
     total: int
@@ -102,6 +130,9 @@ class RunView(Frozen):
         blocks: kept so far, rejected ones with them.
         accepted: that count.
         rate_hz: None until the bench was configured.
+        archived_utc: when it, or its campaign, was archived; "" if it is not.
+        deleted_utc: when it, or its campaign, was deleted; "" if it is not.
+        purge_utc: until when it can be restored; from then on its samples are deleted.
     """
 
     id: str
@@ -121,12 +152,28 @@ class RunView(Frozen):
     blocks: int
     accepted: int
     rate_hz: float | None
+    archived_utc: str = ""
+    deleted_utc: str = ""
+    purge_utc: str = ""
 
 
 class BlockView(Frozen):
     """A block on the disk. `crc32` is that of its samples as (channels, count), C order, little-endian.
 
     Attributes:
+        run: its name.
+        n: number in the run, from 0.
+        name: unique in the run.
+        first_sample: place of the first sample in the device's own count.
+        count: samples per channel.
+        crc32: of the samples, as bytes.
+        utc: when it was recorded, for people.
+        drive_point: point of the hit or of the shaker; None if unknown.
+        level: of the drive; None in an impact test.
+        frequency_hz: of the drive; None but in a sine test.
+        overload: names of the channels beyond their range.
+        facts: what was measured when it was recorded, by name: of a hit `peak_n`, `contact_s`, `second_ratio`,
+            `drop_db`, of a sine `force_n`.
         accepted: whether it counts now: the operator's last verdict, else the acquisition's.
         reason: why it does not, or who said so.
     """
@@ -148,7 +195,44 @@ class BlockView(Frozen):
 
 
 class Verdict(Frozen):
-    """Whether a block counts, by an operator."""
+    """Whether a block counts, by an operator.
+
+    Attributes:
+        accepted: whether it counts from now on.
+        reason: kept with the block.
+    """
 
     accepted: Annotated[bool, Field(strict=True)]
     reason: Annotated[str, Field(max_length=400)] = ""
+
+
+class PlanCheck(Frozen):
+    """Whether a rig could run a plan.
+
+    Attributes:
+        problems: what is wrong with it, in plain sentences; none: it is possible.
+        blocks: it would record; 0 where it is not possible.
+    """
+
+    problems: tuple[str, ...]
+    blocks: int
+
+
+class BlockForce(Frozen):
+    """The force of a block.
+
+    Attributes:
+        run: it is of.
+        n: number of the block.
+        rate_hz: of the samples.
+        force_n: (samples,) in N, less its median.
+        spectrum_hz: (lines,) in Hz.
+        spectrum_n_s: (lines,) amplitude of the Fourier transform, in N s.
+    """
+
+    run: str
+    n: int
+    rate_hz: float
+    force_n: RealArray
+    spectrum_hz: RealArray
+    spectrum_n_s: RealArray

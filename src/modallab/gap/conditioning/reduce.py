@@ -53,10 +53,14 @@ class Rows:
 
     def whiten(self, residual: Complex) -> Complex:
         """Residuals (..., channels, rows) in noise units, the force's noise taken out."""
-        r = residual / self.sigma
+        # A complex number is divided ten times as slowly as it is multiplied.
+        r = residual * (1 / self.sigma)
+        if not np.any(self.common):
+            return r
         along = np.einsum("cr,...cr->...r", self.direction.conj(), r)
         shrink = 1 - 1 / np.sqrt(1 + self.common)
-        return r - self.direction * (shrink * along)[..., None, :]
+        r -= self.direction * (shrink * along)[..., None, :]
+        return r
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -21,6 +21,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 ROWS = 24
 """Block rows of the Hankel matrix."""
+LEAST_S = 0.25
+"""Ring-down from which poles can be had."""
 ORDERS = (16, 20, 24)
 """Model orders that must agree on a pole."""
 
@@ -34,7 +36,7 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
         keep: indices of the accelerometers to use.
         top_hz: end of the band.
     """
-    decays = [_decay(b, rig, keep, top_hz) for b in blocks]
+    decays = [d for b in blocks if (d := _decay(b, rig, keep, top_hz)) is not None]
     if not decays:
         return np.zeros(0, dtype=np.complex128)
     dt = decays[0][1]
@@ -49,12 +51,15 @@ def ring_down_poles(blocks: Sequence[Block], rig: Rig, keep: Sequence[int], top_
     return np.array(sorted(agreed, key=abs), dtype=np.complex128)
 
 
-def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Array, float]:
+def _decay(block: Block, rig: Rig, keep: Sequence[int], top_hz: float) -> tuple[Array, float] | None:
+    """(channels, n) after the hit, and s between samples; None where next to nothing comes after it."""
     signals = to_signals(block, rig)
     motion, start = signals.responses, wide_hit(signals).stop
     step = max(1, int(block.rate_hz / (2.2 * top_hz)))
-    spectrum = np.fft.rfft(motion[list(keep), start:], axis=1)
     length = motion.shape[1] - start
+    if length < LEAST_S * block.rate_hz:
+        return None
+    spectrum = np.fft.rfft(motion[list(keep), start:], axis=1)
     hz = np.fft.rfftfreq(length, 1 / block.rate_hz)
     smooth = np.fft.irfft(spectrum * (1 / (1 + (hz / (1.05 * top_hz)) ** 16)), n=length, axis=1)
     # The cut at both ends rings under the filter: leave those samples out.

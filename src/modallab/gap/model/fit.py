@@ -5,6 +5,7 @@ error of the model, `floor`, is added to the noise in quadrature, as a discrepan
 R. Stat. Soc. B 63, 2001, 425), and lowered as the fit goes on.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -95,9 +96,13 @@ class Problem:
     def residual(self, u: Array) -> Array:
         """Everything measured less everything predicted, in noise units, real and imaginary parts in one row."""
         twin = self.twin(u)
+        return self.left(twin, forward(twin, self.data))
+
+    def left(self, twin: Twin, answers: Sequence[Complex]) -> Array:
+        """The same of a twin whose answers are known."""
         parts = [
             softened(rows, self.floor).whiten(rows.y - y).ravel()
-            for rows, y in zip(all_rows(self.data), forward(twin, self.data), strict=True)
+            for rows, y in zip(all_rows(self.data), answers, strict=True)
         ]
         values = np.concatenate(parts)
         clock = _clock(self.data, twin)

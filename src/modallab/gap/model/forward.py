@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
-from modallab.twin.bench import Chain, Twin, transfer
+from modallab.twin.bench import Chain, Twin, exchanged, transfer
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Hits, Sines
 from modallab.twin.structure import Modes, solve
@@ -43,7 +43,8 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
         total += (r * transfer(twin.chain, data.channels, pole)) @ tail
     if twin.element is not None:
         forced_sum += added_to_hits(twin, modes, d, source, data)
-    return swapped(twin.chain, data, total + transfer(twin.chain, data.channels, source.s) * forced_sum)
+    total += transfer(twin.chain, data.channels, source.s) * forced_sum
+    return exchanged(twin.chain, data.channels, "impact", total)
 
 
 def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
@@ -115,7 +116,7 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
     if twin.element is not None:
         rings += transfer(twin.chain, data.channels, source.s) * added_to_sines(twin, modes, d, source, data)
     total = rings + (up * at_up)[:, :, None] * share_up + (down * at_down)[:, :, None] * share_down
-    return swapped(twin.chain, data, total.reshape(len(data.channels), -1))
+    return exchanged(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
 
 
 def at_poles(chain: Chain, data: Reduced, pole: Complex) -> Complex:
@@ -130,13 +131,3 @@ def _sensor_positions(chain: Chain, modes: Modes, data: Reduced) -> Array:
 
 def _outputs(chain: Chain, modes: Modes, data: Reduced) -> Complex:
     return modes.at(_sensor_positions(chain, modes, data))
-
-
-def swapped(chain: Chain, data: Reduced, y: Complex) -> Complex:
-    """The rows with two channels exchanged, where the chain exchanges them."""
-    if chain.swap is None:
-        return y
-    order = np.arange(len(data.channels))
-    i, j = (data.channels.index(c) for c in chain.swap)
-    order[[i, j]] = order[[j, i]]
-    return y[..., order, :]

@@ -1,10 +1,14 @@
 """Levenberg-Marquardt of the twin's free numbers on the reduced data, priors included.
 
+The slopes serve several steps, while these help (the chord method: Kelley, Iterative Methods for Linear and Nonlinear
+Equations, SIAM 1995, ch. 5).
+
 Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963), 431; the damping scaled by the
 curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +26,12 @@ FELT = 0.02
 """Relative error that is forgiven, from which the deviations of an ordinary bench are not felt."""
 WORKERS = 2
 """Records in time are stepped outside the interpreter's lock."""
+SAME_SLOPES = 6
+"""Steps that one evaluation of the slopes serves, at most: a step costs a tenth of the slopes."""
+SLOW = 0.03
+"""Share of the fall since the slopes were evaluated below which a step says that they are worn out."""
+STIFFEST = 1e7
+"""Damping at which no step helps."""
 FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
 
@@ -32,35 +42,56 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
     Args:
         problem: what to fit.
         u: (u,) where to begin, in prior deviations and in coordinates of the effects.
-        iterations: most steps.
-        tolerance: relative fall of the cost at which to stop.
+        iterations: how often the slopes are evaluated at most.
+        tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
     """
-    r = problem.residual(u)
-    n = problem.free.size
-    cost = float(r @ r + problem.priors(u)[0])
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
-    damping = 1e-4 if problem.floor else 1e-8
-    if problem.free.deviations:
-        damping = FIRST
-    normal = np.eye(len(u))
+    damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
+    here, normal = _at(problem, u, damping), np.eye(len(u))
     for _ in range(iterations):
-        J = jacobian(problem, u, r)
-        normal, gradient = J.T @ J, J.T @ r
-        _, slope, weight = problem.priors(u)
-        normal[np.arange(n), np.arange(n)] += weight
-        gradient[:n] += slope
-        u_next, r_next, cost_next, damping = _step(problem, u, (cost, normal, gradient), damping)
-        fall = cost - cost_next
-        if fall > 0:
-            u, r, cost = u_next, r_next, cost_next
-        if fall < tolerance * cost + 1e-2:
+        before = here.cost
+        here, normal = _descended(problem, here)
+        if before - here.cost < tolerance * before + 1e-2:
             break
-    return Fit(problem, u, cost, r, normal)
+    return Fit(problem, here.u, here.cost, here.r, normal)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Here:
+    """Numbers, residual, cost, and the damping of the next step."""
+
+    u: Array
+    r: Array
+    cost: float
+    damping: float
+
+
+def _at(problem: Problem, u: Array, damping: float) -> _Here:
+    r = problem.residual(u)
+    return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
+
+
+def _descended(problem: Problem, begin: _Here) -> tuple[_Here, Array]:
+    """Where the slopes at a place lead to, and the curvature there."""
+    J, n, here = jacobian(problem, begin.u, begin.r), problem.free.size, begin
+    normal = J.T @ J
+    normal[np.arange(n), np.arange(n)] += problem.priors(begin.u)[2]
+    for again in range(SAME_SLOPES):
+        gradient = J.T @ here.r
+        gradient[:n] += problem.priors(here.u)[1]
+        there = _step(problem, here, normal, gradient, once=again > 0)
+        if there is None:
+            break
+        fall, here = here.cost - there.cost, there
+        if fall < SLOW * (begin.cost - here.cost):
+            break
+    return here, normal
 
 
 def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     """(residuals, u): through poles and residues where the beam, its places or gains move, else by differences."""
-    J = np.zeros((len(r), len(u)))
+    # A row each, as they come: the products that follow run along them.
+    J = np.zeros((len(u), len(r)))
     here = problem.twin(u)
     moved = u + STEP * np.eye(len(u))
     first = problem.free.first_deviation
@@ -73,46 +104,48 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     smooth.sort(key=lambda k: k < problem.free.size)
     if smooth:
         near = sum(k < problem.free.size for k in smooth)
-        J[:, smooth] = _columns(problem, here, [twins[k] for k in smooth], near, len(r)) / STEP
+        J[smooth] = _slopes(problem, here, [twins[k] for k in smooth], near, len(r))
     rest = sorted(set(used) - set(smooth))
+    for k, there in zip(rest, _residuals(problem, here, moved[rest]), strict=True):
+        J[k] = (there - r) / STEP
+    return J.T
+
+
+def _residuals(problem: Problem, here: Twin, moved: Array) -> list[Array]:
     if here.element is None:
-        rows = (problem.residual(moved[k]) for k in rest)
-    else:
-        with ThreadPoolExecutor(WORKERS) as workers:
-            rows = list(workers.map(problem.residual, moved[rest]))
-    for k, there in zip(rest, rows, strict=True):
-        J[:, k] = (there - r) / STEP
-    return J
+        return [problem.residual(u) for u in moved]
+    with ThreadPoolExecutor(WORKERS) as workers:
+        return list(workers.map(problem.residual, moved))
 
 
-def _columns(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:
+def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:
+    """(twins, residuals)"""
     changes = Tangent(here, problem.data).changes(twins, near)
     weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
-    values = np.concatenate(
-        [w.whiten(-y).reshape(len(twins), -1) for w, y in zip(weights, changes, strict=True)], axis=1
-    )
     # What the clock says of the sines does not depend on the beam.
-    columns = np.zeros((size, len(twins)))
-    n = values.shape[1]
-    columns[:n], columns[n : 2 * n] = values.real.T, values.imag.T
-    return np.where(np.isfinite(columns), columns, 0.0)
+    rows, at = np.zeros((len(twins), size)), 0
+    half = sum(w.y.size for w in weights)
+    for w, y in zip(weights, changes, strict=True):
+        values, own = w.whiten(y).reshape(len(twins), -1), slice(at, at + w.y.size)
+        rows[:, own], rows[:, half + at : half + own.stop] = values.real, values.imag
+        at = own.stop
+    rows *= -1.0 / STEP
+    rows[~np.isfinite(rows)] = 0.0
+    return rows
 
 
-def _step(
-    problem: Problem, u: Array, here: tuple[float, Array, Array], damping: float
-) -> tuple[Array, Array, float, float]:
-    cost, normal, gradient = here
-    scale = _scale(problem, normal)
-    u_next, r_next, cost_next = u, np.zeros(0), cost
-    while damping < 1e7:
+def _step(problem: Problem, here: _Here, normal: Array, gradient: Array, once: bool) -> _Here | None:
+    """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
+    scale, damping = _scale(problem, normal), here.damping
+    while damping < STIFFEST:
         step = -np.linalg.solve(normal + damping * scale, gradient)
-        u_next = u + np.clip(step, -4, 4)
-        r_next = problem.residual(u_next)
-        cost_next = float(r_next @ r_next + problem.priors(u_next)[0])
-        if cost_next < cost:
-            return u_next, r_next, cost_next, max(damping / 10, 1e-9)
+        there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
+        if there.cost < here.cost:
+            return there
+        if once:
+            break
         damping *= 10
-    return u, r_next, cost, damping
+    return None
 
 
 def _scale(problem: Problem, normal: Array) -> Array:

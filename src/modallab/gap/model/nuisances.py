@@ -6,6 +6,8 @@ cantilever by Blevins, Formulas for Dynamics, Acoustics and Vibration, 2016.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import exp, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.effects import Place
 from modallab.core.errors import RigError
 from modallab.core.rig import Beam, Rig
-from modallab.gap.model.tolerances import Deviation, applied, deviations, held
+from modallab.gap.model.tolerances import Deviation, applied, deviations, held, held_one, sensors_x_m
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
 
@@ -88,38 +90,47 @@ class Nuisances:
             u: (size,) the free numbers.
             replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
         """
-        beam, tolerance, damping = self.rig.beam, self.rig.tolerance, self.rig.damping_ratio
-        assert beam is not None
-        nominal = Structure.of(beam, damping.guess)
+        tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
+        nominal, chain, x_of = _nominal(self)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
-        u = np.concatenate([held(u[:3]), u[3:]])
+        stiffer, thicker, heavier = (held_one(v) for v in u[:3].tolist())
         # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
         root = self.root and ("clamp_compliance", None) not in replaced
-        softer = float(np.exp(held(u[-2]) * ROOT)) if root else 1.0
+        softer = exp(held_one(float(u[-2])) * ROOT) if root else 1.0
         zeta = nominal.zeta.copy()
-        zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * np.log(damping.factor))
+        zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * log(damping.factor))
         structure = replace(
             nominal,
-            youngs_modulus_pa=beam.youngs_modulus_pa * np.exp(u[0] * tolerance.youngs_modulus),
-            thickness_m=beam.thickness_m * np.exp(u[1] * tolerance.thickness),
-            density_kg_m3=beam.density_kg_m3 * np.exp(u[2] * tolerance.density),
+            youngs_modulus_pa=nominal.youngs_modulus_pa * exp(stiffer * tolerance.youngs_modulus),
+            thickness_m=nominal.thickness_m * exp(thicker * tolerance.thickness),
+            density_kg_m3=nominal.density_kg_m3 * exp(heavier * tolerance.density),
             zeta=np.minimum(zeta, 0.95),
             root_rotation=nominal.root_rotation * softer,
         )
+        if self.gains:
+            chain = replace(chain, gain=self._gains(u))
         # Between none of the modes left out and all of them, with some room for what else is stiff and light.
-        twin = Twin(structure, Chain.of(self.rig), residual_compliance=float(0.5 + held(u[-1] - 0.5, 0.6, 1.0)))
-        if self.deviations:
-            coordinates = u[self.first_deviation : self.first_deviation + len(self.deviations)].tolist()
-            numbers = zip(self.deviations, coordinates, strict=True)
-            gone = set(replaced)
-            kept = [(d, v) for d, v in numbers if not {(d.tolerance, None), (d.tolerance, d.at)} & gone]
-            twin = applied(twin, self.rig, kept)
-        if not self.gains:
+        twin = Twin(structure, chain, residual_compliance=0.5 + held_one(float(u[-1]) - 0.5, 0.6, 1.0))
+        if not self.deviations:
             return twin
+        coordinates = u[self.first_deviation : self.first_deviation + len(self.deviations)].tolist()
+        numbers = zip(self.deviations, coordinates, strict=True)
+        if replaced:
+            gone = set(replaced)
+            numbers = [(d, v) for d, v in numbers if not {(d.tolerance, None), (d.tolerance, d.at)} & gone]
+        return applied(twin, self.rig, numbers, x_of)
+
+    def _gains(self, u: Array) -> dict[int, float]:
         first = 3 + self.modes
         factors = np.exp(held(u[first : first + len(self.gains)]) * self.tolerance)
-        gain = dict(zip(self.gains, factors.tolist(), strict=True))
-        return replace(twin, chain=replace(twin.chain, gain=gain))
+        return dict(zip(self.gains, factors.tolist(), strict=True))
+
+
+@lru_cache(maxsize=16)
+def _nominal(free: Nuisances) -> tuple[Structure, Chain, dict[float, float]]:
+    """The beam and the chain that the rig file believes in, and the places of its sensors: read once a search."""
+    rig = free.rig
+    return Structure.of(beam_of(rig), rig.damping_ratio.guess), Chain.of(rig), sensors_x_m(rig)
 
 
 def beam_of(rig: Rig) -> Beam:

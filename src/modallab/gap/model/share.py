@@ -119,22 +119,25 @@ def _most(data: Reduced, one: Sequence[Complex], other: Sequence[Complex], noisy
     return float(np.sqrt(max(*squares, 0.0))) if squares else 0.0
 
 
-def relative(data: Reduced) -> tuple[float, Reduced]:
+def relative(data: Reduced) -> tuple[Array, Reduced]:
     """The data weighed so that each record's squares are 1, and the squares that noise alone leaves then.
+
+    The squares of noise are one for each entry of a residual, real parts first.
 
     Records that drown in noise, and channels that are not to be used, weigh nothing.
     """
     listed = all_rows(data)
     sigma = [np.full(rows.sigma.shape, np.inf) for rows in listed]
-    total = 0.0
+    squares = [np.zeros(rows.sigma.shape) for rows in listed]
     for r in records(data):
         used = np.isfinite(r.noise)
         noise = float(np.sum(np.where(used, r.noise, 0.0)))
         own = float(np.sum(np.where(used, np.abs(r.y) ** 2, 0.0)))
         if own > DROWNED * noise:
             sigma[r.at][:, r.lines] = np.where(used, np.sqrt(own), np.inf)
-            total += noise / own
+            squares[r.at][:, r.lines] = np.where(used, r.noise, 0.0) / own
     weighed = [replace(rows, sigma=s, common=np.zeros_like(rows.common)) for rows, s in zip(listed, sigma, strict=True)]
     impacts = tuple(replace(d, rows=rows) for d, rows in zip(data.impacts, weighed, strict=False))
     sines = replace(data.sines, rows=weighed[-1]) if data.sines is not None else None
-    return total, replace(data, impacts=impacts, sines=sines)
+    halves = np.concatenate([s.ravel() for s in squares]) / 2
+    return np.concatenate([halves, halves]), replace(data, impacts=impacts, sines=sines)

@@ -6,7 +6,7 @@ Univariate Distributions 1, 1994, ch. 13), which keeps fits straight. A root has
 quantile transform keeps the sign.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -52,11 +52,15 @@ class Deviation:
 
     def value(self, u: float) -> float:
         """The number at coordinate u."""
-        # Thousands of times a fit, and next to never beyond.
-        deviations = u if abs(u) < FREE else float(held(u))
+        deviations = held_one(u)
         if self.tolerance == "clamp_compliance":
             return self.sigma * float(-ndtri(ndtr(-max(deviations, LEAST)) / 2))
         return self.sigma * (self.sign * (MEAN + SPREAD * deviations) if self.sign else deviations)
+
+
+def held_one(u: float, free: float = FREE, most: float = MOST) -> float:
+    """`held` of one number, which is next to always free."""
+    return u if abs(u) < free else float(held(u, free, most))
 
 
 def held(u: Any, free: float = FREE, most: float = MOST) -> Array:
@@ -106,20 +110,28 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     return tuple(d for d in found if d.sigma)
 
 
-def applied(twin: Twin, rig: Rig, numbers: Collection[tuple[Deviation, float]]) -> Twin:
-    """The twin with these deviations, each with its coordinate."""
+def sensors_x_m(rig: Rig) -> dict[float, float]:
+    """Place of each accelerometer, by its row."""
+    return {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
+
+
+def applied(
+    twin: Twin, rig: Rig, numbers: Iterable[tuple[Deviation, float]], x_of: Mapping[float, float] | None = None
+) -> Twin:
+    """The twin with these deviations, each with its coordinate; `x_of` is `sensors_x_m` where that is known."""
     values: dict[str, dict[float, float]] = {}
     for deviation, u in numbers:
         values.setdefault(deviation.tolerance, {})[deviation.at] = deviation.value(u)
+    nothing: dict[float, float] = {}
 
     def of(name: str) -> dict[float, float]:
-        return values.get(name, {})
+        return values.get(name, nothing)
 
     def one(name: str) -> float:
         return of(name).get(0.0, 0.0)
 
     s = twin.structure
-    x_of = {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
+    x_of = sensors_x_m(rig) if x_of is None else x_of
     structure = replace(
         s,
         ei_field=_added(s.ei_field, of("stiffness_field")),

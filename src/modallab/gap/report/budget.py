@@ -6,23 +6,23 @@ Taly and Yan, ICML 2017, 3319); the share of a part in a sum of squares is its p
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.diagnosis import Budget, BudgetRow
+from modallab.core.diagnosis import Budget, BudgetRow, Division
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.own_numbers import with_own_hits
 from modallab.gap.model.share import relative
+from modallab.gap.report.measure import divisions
 from modallab.gap.report.moved import moved
 from modallab.twin.effects import model_of
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 NODES = 8
 """Points of Gauss's rule on the way."""
@@ -34,12 +34,13 @@ MOST = 3
 """Sentences on what to calibrate."""
 
 
-def budget(fit: Fit, data: Reduced, usual: bool = False) -> Budget:
+def budget(fit: Fit, data: Reduced, resonances_hz: Sequence[float], usual: bool = False) -> Budget:
     """The budget of the gap between the rig file's own twin and the records.
 
     Args:
         fit: the twin with the effects judged present, fitted to part of the records.
         data: all records.
+        resonances_hz: of the modes by which shares are split.
         usual: whether the rig's tolerances are not its file's, but a lab's usual ones.
     """
     own = with_own_hits(fit, data)
@@ -47,22 +48,60 @@ def budget(fit: Fit, data: Reduced, usual: bool = False) -> Budget:
     n = fit.problem.free.size
     bare = replace(fit.problem, data=weighed, candidates=(), floor=0.0)
     seen = _residual(bare, np.zeros(n))
-    whole = float(seen @ seen)
-    if whole <= 0:
+    if float(seen @ seen) <= 0:
         return Budget(rows=[], calibrate=[])
+    split = _Split.of(weighed, resonances_hz, seen)
     beam = _residual(bare, own[:n])
-    rows = _numbers(fit, bare, own[:n], seen, seen - beam)
+    rows = _numbers(fit, bare, own[:n], seen - beam, split)
     before = beam
     for i in range(len(fit.problem.candidates)):
         after = _residual(_first_effects(fit, bare, i + 1), own[: _slots_before(fit, i + 1)])
-        rows.append(_effect_row(fit, i, float((before - after) @ seen) / whole))
+        rows.append(_effect_row(fit, i, split.shares(before - after), split))
         before = after
-    floor = min(noise / whole, float(before @ seen) / whole) if float(before @ seen) > 0 else 0.0
-    rows.append(_plain("model", "what no number explains", float(before @ seen) / whole - floor))
-    rows.append(_plain("noise", "noise of the channels", floor))
+    whole, stays = split.squares(noise), split.shares(before)
+    floor = whole * min(1.0, max(float(stays[0]), 0.0) / max(float(whole[0]), 1e-300))
+    rows.append(split.row("model", "model", "what no number explains", stays - floor))
+    rows.append(split.row("noise", "noise", "noise of the channels", floor))
     ordered = sorted(rows, key=lambda r: -abs(r.share))
     listed = data.rig.tolerance.model_dump(exclude={"meaning", "response"}) if usual else {}
     return Budget(rows=ordered, calibrate=_calibrate(fit, ordered), usual=listed)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Split:
+    """How shares are split.
+
+    Attributes:
+        columns: what each share but the first, which is all, is of.
+        belongs: (entries, 1 + columns) 1 where an entry of a residual counts.
+        seen: (entries,) the residual of the rig file's own twin.
+    """
+
+    columns: list[tuple[Division, str]]
+    belongs: Array
+    seen: Array
+
+    @classmethod
+    def of(cls, data: Reduced, resonances_hz: Sequence[float], seen: Array) -> Self:
+        columns, belongs = divisions(data, resonances_hz)
+        return cls(columns, np.concatenate([np.ones((len(seen), 1)), belongs], axis=1), seen)
+
+    def shares(self, part: Array) -> Array:
+        """(..., 1 + columns) of a part (..., entries) of the residual: its product with the whole."""
+        return (part * self.seen) @ self.belongs / float(self.seen @ self.seen)
+
+    def squares(self, values: Array) -> Array:
+        """(1 + columns,) of squares (entries,)."""
+        return values @ self.belongs / float(self.seen @ self.seen)
+
+    def row(
+        self, kind: Any, name: str, said: str, shares: Array, place: str = "", sigmas: float | None = None
+    ) -> BudgetRow:
+        """A row of the budget."""
+        by: dict[Division, dict[str, float]] = {}
+        for (division, one), share in zip(self.columns, shares[1:].tolist(), strict=True):
+            by.setdefault(division, {})[one] = share
+        return BudgetRow(kind=kind, name=name, place=place, said=said, sigmas=sigmas, share=float(shares[0]), by=by)
 
 
 def _residual(problem: Problem, u: Array) -> Array:
@@ -79,33 +118,23 @@ def _slots_before(fit: Fit, count: int) -> int:
     return fit.problem.free.size + sum(len(c.slots) for c in fit.problem.candidates[:count])
 
 
-def _numbers(fit: Fit, problem: Problem, u: Array, seen: Array, explained: Array) -> list[BudgetRow]:
+def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Split) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    products = np.zeros(len(u))
+    shares = np.zeros((len(u), split.belongs.shape[1]))
     for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
-        at = node * u
-        r = problem.residual(at)
-        J = jacobian(problem, at, r)[: len(seen)]
-        products -= weight * u * (J.T @ seen)
+        J = jacobian(problem, node * u, problem.residual(node * u))[: len(split.seen)]
+        shares -= (weight * u)[:, None] * split.shares(J.T)
     # What the rule misses between its points is spread in proportion.
-    whole, joint, found = float(seen @ seen), float(explained @ seen), float(np.sum(products))
+    joint, found = split.shares(explained)[0], np.sum(shares[:, 0])
     scale = joint / found if abs(found) > 0.2 * abs(joint) else 1.0
-    shares = products * scale / whole
-    return [
-        BudgetRow(kind="tolerance", name=m.name, place=m.place, said=m.said, sigmas=float(u[k]), share=float(shares[k]))
-        for k, m in enumerate(moved(problem, u))
-    ]
+    rows = zip(moved(problem, u), shares * scale, u.tolist(), strict=True)
+    return [split.row("tolerance", m.name, m.said, own, m.place, sigmas) for m, own, sigmas in rows]
 
 
-def _effect_row(fit: Fit, i: int, share: float) -> BudgetRow:
+def _effect_row(fit: Fit, i: int, shares: Array, split: _Split) -> BudgetRow:
     effect = fit.effects[i]
-    spoken = model_of(effect.effect).spoken
-    return BudgetRow(kind="effect", name=effect.effect, place="", said=spoken, sigmas=None, share=share)
-
-
-def _plain(kind: Any, said: str, share: float) -> BudgetRow:
-    return BudgetRow(kind=kind, name=kind, place="", said=said, sigmas=None, share=share)
+    return split.row("effect", effect.effect, model_of(effect.effect).spoken, shares)
 
 
 def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
@@ -132,6 +161,9 @@ def narrowing(fit: Fit) -> Array:
     2003, ch. 2.5).
     """
     n = fit.problem.free.size
+    if len(fit.u) == n:
+        # An exchange of plugs has no size.
+        return np.zeros(n)
     covariance = np.linalg.pinv(fit.normal, hermitian=True)
     own = np.maximum(np.diag(covariance), 1e-300)
     known = covariance[n:, :n] ** 2 / (own[n:, None] * own[:n])

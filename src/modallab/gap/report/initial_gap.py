@@ -38,7 +38,12 @@ def free_of(campaign: Campaign) -> Nuisances:
     return nuisances(rig, TOP_HZ, hits)
 
 
-def bench_of(prepared: Prepared, fitted: Sequence[Block], free: Nuisances, allowed: Callable[[str], bool]) -> Bench:
+def bench_of(
+    prepared: Prepared,
+    fitted: Sequence[Block],
+    free: Nuisances,
+    allowed: Callable[[str], bool],
+) -> Bench:
     """What a search works on: the records that may be fitted, and what is free."""
     data = reduce(prepared.campaign, fitted, weights_of(prepared))
     flat = _flat(prepared)

@@ -238,8 +238,8 @@ def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
     """A baseline on part of the data, far enough from the old one to forget what the rest had done to it."""
     u = base.u[: bench.free.size]
     for floor in (COARSE, COARSE / 6, COARSE / 36):
-        u = minimise(Problem(data, bench.free, (), floor), u, 4, 1e-2).u
-    return minimise(Problem(data, bench.free, ()), u, 6, 1e-2)
+        u = minimise(Problem(data, bench.free, (), floor), u, 2, 1e-2).u
+    return minimise(Problem(data, bench.free, ()), u, 4, 1e-2)
 
 
 def _levels_differ(base: Fit) -> bool:

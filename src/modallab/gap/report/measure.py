@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.diagnosis import Division
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import all_hz, all_rows
 from modallab.gap.model.forward import forward
@@ -114,6 +115,33 @@ def share_within(
     return float(np.clip(inside / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
+def divisions(data: Reduced, resonances_hz: Sequence[float]) -> tuple[list[tuple[Division, str]], Array]:
+    """What the entries of a residual belong to, real parts first, then imaginary ones.
+
+    Args:
+        data: what the residual is of.
+        resonances_hz: of the modes.
+
+    Returns:
+        test, channel, band or mode, and its name, of each column; (entries, columns) 1 where an entry belongs to it.
+    """
+    names = np.array([data.rig.channels[c].name for c in data.channels])
+    mode_of = nearest_mode(resonances_hz)
+    labels: dict[Division, list[NDArray[np.str_]]] = {"test": [], "channel": [], "band": [], "mode": []}
+    for test, hz, _ in _kinds(data):
+        rows, channels = len(hz), len(names)
+        labels["test"].append(np.full(channels * rows, test))
+        labels["channel"].append(np.repeat(names, rows))
+        labels["band"].append(np.tile([band_of(float(f)) for f in hz], channels))
+        labels["mode"].append(np.tile([mode_of(float(f)) for f in hz], channels))
+    whole: dict[Division, NDArray[np.str_]] = {kind: np.concatenate(parts) for kind, parts in labels.items() if parts}
+    columns: list[tuple[Division, str]] = [
+        (kind, name) for kind, values in whole.items() for name in dict.fromkeys(map(str, values))
+    ]
+    belongs = np.array([whole[kind] == name for kind, name in columns], dtype=np.float64).T
+    return columns, np.concatenate([belongs, belongs])
+
+
 def _kinds(data: Reduced) -> list[tuple[str, Array, NDArray[np.bool_]]]:
     """Test, (rows,) Hz and (channels, rows) use of each part of the data."""
     tests = ["impact"] * len(data.impacts) + ["sine"] * (data.sines is not None)
@@ -131,6 +159,16 @@ def by_frequency(twin: Twin, data: Reduced, label: Callable[[float], str]) -> di
         sums[name] = sums.get(name, 0.0) + float(power[k])
     whole = max(sum(sums.values()), 1e-300)
     return {k: v / whole for k, v in sums.items()}
+
+
+def nearest_mode(resonances_hz: Sequence[float]) -> Callable[[float], str]:
+    """From a frequency to the number of the mode that is nearest; "none" where none is known."""
+    known = np.array(resonances_hz)
+
+    def mode_of(f: float) -> str:
+        return str(1 + int(np.argmin(np.abs(np.log(known / max(f, 0.1)))))) if len(known) else "none"
+
+    return mode_of
 
 
 def band_of(hz: float) -> str:

@@ -33,13 +33,6 @@ PLAIN = 1000.0
 PLAIN_LEAVES = 0.1
 """Share of a small gap that it may leave."""
 
-MODEL_SHARE = 0.7
-"""Relative error of a parameter per relative residual its effect leaves."""
-UNFELT = 50.0
-"""Deviation of a number that is not felt, in its own units: plain ones to their bounds, logarithms to e^50."""
-CURVED = 1e-14
-"""Share of the largest curvature below which a number is not felt at all, as a place held at the tip."""
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Choice:
@@ -156,44 +149,3 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     weights = np.exp(scores - np.max(scores))
     shares = weights / np.sum(weights)
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
-
-
-def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
-    """95 % intervals (SI units) of the parameters of each effect: noise by the curvature, and the model's own error.
-
-    The noise's part is the Gaussian approximation at the fit, 1.96 deviations in the searched coordinate, carried to
-    the parameter by its transform, larger by the gap that remains (Bard, Nonlinear Parameter Estimation, 1974). Both
-    parts add in quadrature (GUM, JCGM 100:2008).
-
-    What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
-    are believed no better.
-    """
-    fit = choice.fit
-    deviation = _deviations(fit) * max(1.0, fit.gap)
-    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
-    found: list[dict[str, tuple[float, float]]] = []
-    at = fit.problem.free.size
-    for candidate in fit.problem.candidates:
-        own: dict[str, tuple[float, float]] = {}
-        for slot in candidate.slots:
-            u = float(fit.u[at])
-            value = slot.value(u)
-            low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
-            model = 1.96 * share * abs(value - slot.none) if slot.name != "x" else 0.0
-            own[slot.name] = (
-                max(value - float(np.hypot(value - min(low, high), model)), slot.low),
-                min(value + float(np.hypot(max(low, high) - value, model)), slot.high),
-            )
-            at += 1
-        found.append(own)
-    return found
-
-
-def _deviations(fit: Fit) -> Array:
-    """(u,) standard deviation of each free number, by the inverse of J^T J with priors; UNFELT where no data move."""
-    curvature = np.diag(fit.normal)
-    felt = curvature > CURVED * np.max(curvature)
-    deviation = np.full(len(curvature), UNFELT)
-    covariance = np.linalg.pinv(fit.normal[np.ix_(felt, felt)], hermitian=True)
-    deviation[felt] = np.sqrt(np.maximum(np.diag(covariance), 0))
-    return deviation

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from modallab.core.progress import part, report
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all, rested
@@ -29,6 +30,8 @@ LAST_DIGIT = 2.5e-4
 """Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
 YIELDS = 0.05
 """Share of the first excess below which the two tests together yield something: the hits alone would not part more."""
+AFTER = 0.4
+"""Share of the work that is left after a round, as far as anybody knows before it."""
 MOST = 3
 """Effects in one diagnosis."""
 EVIDENT = 4e-4
@@ -37,15 +40,18 @@ EVIDENT = 4e-4
 
 def explain(bench: Bench) -> list[Level]:
     """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits."""
-    levels = first_rounds(bench, baseline(bench))
+    with part(0.0, 0.7):
+        levels = first_rounds(bench, baseline(bench))
     if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
         return levels
     if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):
         return levels
-    started = from_hits(bench)
+    with part(0.7, 0.85, "hits alone"):
+        started = from_hits(bench)
     if started is None:
         return levels
-    later = rounds(bench, started, MOST - len(started.problem.candidates))
+    with part(0.85, 1.0):
+        later = rounds(bench, started, MOST - len(started.problem.candidates))
     again = [Level(levels[0].base, (started,), ()), *later] if started.problem.candidates else later
     return again if _best(again).cost < 0.5 * _best(levels).cost else levels
 
@@ -79,7 +85,9 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     levels: list[Level] = []
     first = base.gap
     while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
-        level = replace(round_of(bench, rested(bench, base)), base=base)
+        # Each round is seldom followed by another.
+        with part(1 - AFTER ** len(levels), 1 - AFTER ** (len(levels) + 1), f"round {len(levels) + 1}"):
+            level = replace(round_of(bench, rested(bench, base)), base=base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
@@ -94,6 +102,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
 
 def from_hits(bench: Bench) -> Fit | None:
     """What explains the hits alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
+    report(0.0, "the hits alone")
     only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
     levels = rounds(only, baseline(only), 1)
     if not _solved(only, levels):

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import report
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
@@ -31,6 +33,8 @@ WATCHED = 1.02
 """Rms residual above which an effect that takes nearly all of it away still counts."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
+NEAR = 3.0
+"""Times the floor up to which a fit is worth its last digits."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -60,6 +64,7 @@ class Bench:
 
 def baseline(bench: Bench) -> Fit:
     """The twin without effects, as well as it can be made to fit."""
+    report(0.0, "the bench without any effect")
     fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
     return finish(bench, fit, COARSE / 6)
 
@@ -79,18 +84,29 @@ def _first(bench: Bench) -> list[Array]:
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit brought to its end on all data."""
+    return completed(bench, annealed(bench, fit, floor))
+
+
+def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
+    """A short fit with ever less forgiven, and nothing in the end, on thinned data."""
     candidates = fit.problem.candidates
     floor = min(floor, misfit(fit.problem, fit.u))
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
     for level in (floor, floor / 6, *later):
-        problem = Problem(bench.data, bench.free, candidates, level, held=_beam(fit.u))
-        fit = minimise(problem, fit.u, 3, 3e-2)
-    u = bench.free.straightened(fit.u)
-    # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but not
-    # nothing to their priors.
-    enough = 2e-6 if bench.free.deviations else 2e-4
-    return with_drift_curve(minimise(Problem(bench.data, bench.free, candidates), u, 15, enough))
+        fit = minimise(Problem(bench.thin, bench.free, candidates, level, held=_beam(fit.u)), fit.u, 3, 3e-2)
+    return minimise(Problem(bench.thin, bench.free, candidates), bench.free.straightened(fit.u), 8, 1e-3)
+
+
+def completed(bench: Bench, fit: Fit) -> Fit:
+    """A fit to thinned data brought to its end on all data."""
+    problem = Problem(bench.data, bench.free, fit.problem.candidates)
+    fit = minimise(problem, fit.u, 8, 2e-4)
+    if bench.free.deviations and fit.gap < NEAR * bench.flat:
+        # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but
+        # not nothing to their priors.
+        fit = minimise(problem, fit.u, 8, 2e-6)
+    return with_drift_curve(fit)
 
 
 def ordinary(fit: Fit) -> bool:
@@ -124,8 +140,12 @@ def rested(bench: Bench, fit: Fit) -> Fit:
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
     """A fit brought to its end from these coordinates of the effects and the beam that the poles show."""
-    u = start(candidates, own, bench.free, bench.poles).u
-    return finish(bench, short(bench, candidates, u, COARSE), COARSE / 6)
+    return finish(bench, at_poles(bench, candidates, own), COARSE / 6)
+
+
+def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:
+    """A short fit from there."""
+    return short(bench, candidates, start(candidates, own, bench.free, bench.poles).u, COARSE)
 
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
@@ -135,20 +155,22 @@ def on_all(bench: Bench, fit: Fit) -> Fit:
 
 def misfit(problem: Problem, u: Array) -> float:
     """Relative model error at which these numbers would be excused: where a look for more must begin."""
+    twin = problem.twin(u)
+    answers = forward(twin, problem.data)
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
-        r = replace(problem, floor=floor).residual(u)
+        r = replace(problem, floor=floor).left(twin, answers)
         used = r[r != 0]
         if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
             return floor
     return 0.001
 
 
-def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float) -> Fit:
+def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:
     """A few steps on thinned data, while a relative error of `floor` is forgiven; its cost is to be compared."""
     # Numbers that are nearly right must not be let go again: forgiven is no more than they need.
     problem = Problem(bench.thin, bench.free, candidates)
     near = min(floor, misfit(problem, u))
-    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, 3, 5e-2)
+    fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
     return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
 

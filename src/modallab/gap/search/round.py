@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import counted, part, report
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.model.prefit import start
-from modallab.gap.search.fitting import COARSE, STRAIGHT, Bench, finish, from_poles, misfit, on_all, short
+from modallab.gap.search.fitting import COARSE, STRAIGHT, Bench, annealed, at_poles, completed, misfit, on_all, short
 from modallab.gap.search.screen import Begin, Screen
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
@@ -22,7 +23,7 @@ from modallab.twin.effects import model_of
 Array = NDArray[np.float64]
 
 LIKELY = 14
-"""Candidates that are fitted at all where the misfit is small, those that the screen puts first."""
+"""Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
 BEGINS = 2
 """Places to begin from which a candidate is fitted."""
 HOPELESS = 5.0
@@ -85,27 +86,30 @@ def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
 
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
-    there = finish(bench, fit, floor)
-    if bench.free.deviations and there.gap > bench.flat:
+    there = annealed(bench, fit, floor)
+    u, first = fit.u.copy(), bench.free.first_deviation
+    u[first : first + len(bench.free.deviations)] = 0.0
+    if there.gap > bench.flat and not np.array_equal(u, fit.u):
         # The fit before had bent the deviations to a gap that was not theirs.
-        u, first = fit.u.copy(), bench.free.first_deviation
-        u[first : first + len(bench.free.deviations)] = 0.0
-        there = min(there, finish(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
-    if there.gap <= bench.flat or bool(np.all(np.abs(there.u[:3]) < STRAIGHT)) or not len(bench.poles):
-        return there
-    again = from_poles(bench, there.problem.candidates, there.u[bench.free.size :])
-    return min(there, again, key=lambda f: f.cost)
+        there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+    strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
+    if there.gap > bench.flat and strayed and len(bench.poles):
+        begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
+        there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
+    return completed(bench, there)
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
     floor = misfit(base.problem, base.u)
-    problem = Problem(bench.thin, bench.free, base.problem.candidates, floor)
-    screen = Screen(problem, base.u, bench.poles)
+    screen = Screen(Problem(bench.thin, bench.free, base.problem.candidates, floor), base.u, bench.poles)
 
-    def look(begins: tuple[Begin, ...]) -> Fit:
-        fits = (short(bench, b.problem.candidates, b.u, screen.floor) for b in begins[: BEGINS + 1])
-        return min(fits, key=lambda f: f.cost)
+    def glance(begins: tuple[Begin, ...]) -> Fit:
+        fits = (short(bench, b.problem.candidates, b.u, screen.floor, 1) for b in begins[: BEGINS + 1])
+        return min(fits, key=_cost)
+
+    def look(f: Fit) -> Fit:
+        return short(bench, f.problem.candidates, f.u, screen.floor)
 
     def longer(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
@@ -113,13 +117,30 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     def to_the_end(f: Fit) -> Fit:
         return ended(bench, f, screen.floor / 12)
 
+    listed = pool(bench, base)
+    beside = "".join(f" beside {c.effect.replace('_', ' ')}" for c in base.problem.candidates[-1:])
     with ThreadPoolExecutor(WORKERS) as workers:
-        begins = sorted(workers.map(screen.begins, pool(bench, base)), key=lambda b: b[0].cost)
-        likely = begins if screen.large else begins[:LIKELY]
-        looks = sorted(workers.map(look, likely), key=lambda f: f.cost)
-        better = sorted(workers.map(longer, looks[:LONGER]), key=lambda f: f.cost)
+        with part(0.0, 0.2):
+            screened = counted(workers.map(screen.begins, listed), len(listed), f"explanations{beside} screened")
+            begins = sorted(screened, key=lambda b: b[0].cost)
+        hopeful = begins if screen.large else begins[:LIKELY]
+        with part(0.2, 0.5):
+            glanced = counted(workers.map(glance, hopeful), len(hopeful), f"explanations{beside}, at a glance")
+            glances = sorted(glanced, key=_cost)
+        with part(0.5, 0.8):
+            looked = counted(workers.map(look, glances[:LIKELY]), len(glances[:LIKELY]), f"the likeliest{beside}")
+            looks = sorted(looked, key=_cost)
+        better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
+        report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
-    fits = tuple(sorted(best, key=lambda f: f.cost))
-    rest = (*better, *looks[LONGER:])
-    return Level(base, fits, tuple((f.problem.candidates, f.cost) for f in rest))
+    rest = (*better, *looks[LONGER:], *glances[LIKELY:])
+    return Level(base, tuple(sorted(best, key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _names(fit: Fit) -> str:
+    return " and ".join(c.effect.replace("_", " ") for c in fit.problem.candidates)
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost

@@ -30,6 +30,8 @@ SMALL = 0.01
 """Relative misfit up to which nothing is forgiven: the effect itself may be no larger."""
 VALLEYS = 3
 """Places along the beam from which a fit begins."""
+FEWER = 4
+"""Of so many first values of an effect one is tried at the second beam as well."""
 CUT = 5.0
 """Times the rms at which a residual stops counting."""
 
@@ -156,12 +158,19 @@ class Screen:
             if model_of(candidate.effect).moves_poles:
                 best = 3 if len(candidate.slots) > 1 else 1
                 begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
-        grid = _grid(candidate.slots)
         listed = [Begin(problem, u, _plain(problem, u)) for u in begins]
-        for near in nears:
-            tried = [v for more in grid for v in self._variants(problem, candidate, np.concatenate([near, more]))]
-            listed.append(min((Begin(problem, u, _plain(problem, u)) for u in tried), key=lambda b: b.cost))
+        grid = _grid(candidate.slots)
+        for near in reversed(nears):
+            tried = [(self._at(problem, candidate, np.concatenate([near, more])), more) for more in grid]
+            tried.sort(key=lambda t: t[0].cost)
+            listed.append(tried[0][0])
+            # What is far off at the beam of the poles is no better at the one that was bent.
+            grid = [more for _, more in tried[: 1 + len(tried) // FEWER]]
         return tuple(sorted(listed, key=lambda b: b.cost))
+
+    def _at(self, problem: Problem, candidate: Candidate, u: Array) -> Begin:
+        tried = (Begin(problem, v, _plain(problem, v)) for v in self._variants(problem, candidate, u))
+        return min(tried, key=lambda b: b.cost)
 
     def _variants(self, problem: Problem, candidate: Candidate, u: Array) -> list[Array]:
         absorbed_by = search_of(candidate.effect).absorbed_by

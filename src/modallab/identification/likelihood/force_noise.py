@@ -10,12 +10,14 @@ the block's own closed form (see `excitation`) for a unit force at m.
 Source: errors in the variables after Pintelon and Schoukens, "System Identification", 2nd ed. (2012), section 8.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.identification.likelihood.excitation import Excitation, HitExcitation
+from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
 from modallab.identification.likelihood.rows import stack_lines
@@ -23,29 +25,66 @@ from modallab.identification.likelihood.rows import stack_lines
 Real = NDArray[np.float64]
 
 
+class Window:
+    """Slopes by the force at each sample of a stretch that several blocks of one input share.
+
+    What a force at a sample does is the same in every block: hits a few samples apart differ by where they begin.
+
+    Attributes:
+        first: sample.
+        slopes: (rows, outputs, samples) in noise units.
+    """
+
+    def __init__(self, first: int, slopes: Real) -> None:
+        self.first, self.slopes = first, slopes
+
+    @property
+    def flat(self) -> Real:
+        """(rows times outputs, samples) slopes."""
+        return self.slopes.reshape(-1, self.slopes.shape[2])
+
+    @cached_property
+    def gram(self) -> Real:
+        """(samples, samples) products of the slopes."""
+        return self.flat.T @ self.flat
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class ForceParts:
     """Slopes of one input's blocks by their force samples, in noise units.
 
     Attributes:
-        slopes: per member (rows, outputs, width).
-        on_q: per member Q^T slopes (columns, outputs, width).
+        windows: per member the stretch its hit lies in.
+        places: per member where its own samples lie in that stretch.
+        all_on_q: per member Q^T slopes of the whole stretch (columns, outputs, samples).
     """
 
-    slopes: tuple[Real, ...]
-    on_q: tuple[Real, ...]
+    windows: tuple[Window, ...]
+    places: tuple[slice, ...]
+    all_on_q: tuple[Real, ...]
+
+    @property
+    def slopes(self) -> tuple[Real, ...]:
+        """Per member (rows, outputs, width)."""
+        return tuple(w.slopes[..., place] for w, place in zip(self.windows, self.places, strict=True))
+
+    @property
+    def on_q(self) -> tuple[Real, ...]:
+        """Per member Q^T slopes (columns, outputs, width)."""
+        return tuple(part[..., place] for part, place in zip(self.all_on_q, self.places, strict=True))
 
 
 def force_parts(problem: Problem, point: Point, group: GroupSolution) -> ForceParts:
     """See ForceParts."""
     rows, width = group.columns[0].phi.shape[0], point.parameters.force.shape[1]
-    structure = _structure(problem, point, group)
-    slopes = tuple(_slopes(problem.blocks[i].excitation, width, structure) for i in group.members)
+    firsts = [_hit(problem.blocks[i].excitation).first for i in group.members]
+    windows = _windows(firsts, width, _structure(problem, point, group))
+    places = tuple(slice(f - w.first, f - w.first + width) for f, w in zip(firsts, windows, strict=True))
     on_q = tuple(
-        (group.q[m * rows : (m + 1) * rows].T @ part.reshape(rows, -1)).reshape(-1, *part.shape[1:])
-        for m, part in enumerate(slopes)
+        (group.q[m * rows : (m + 1) * rows].T @ w.slopes.reshape(rows, -1)).reshape(-1, *w.slopes.shape[1:])
+        for m, w in enumerate(windows)
     )
-    return ForceParts(slopes, on_q)
+    return ForceParts(windows, places, on_q)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,11 +93,13 @@ class _Structure:
 
     Attributes:
         poles: (2 modes,) both of every pair.
+        grid: lines and samples of every block.
         frf: (lines, outputs).
         tail: (lines, outputs, 2 modes) what each pole carries beyond the block's end.
     """
 
     poles: NDArray[np.complex128]
+    grid: Grid
     frf: NDArray[np.complex128]
     tail: NDArray[np.complex128]
 
@@ -76,13 +117,20 @@ def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structu
     for power, term in zip(problem.powers, coefficients[n:], strict=True):
         frf = frf + s ** (grid.p + power) * term
     tail = both**grid.p * grid.dt / (1 - np.exp((both - s) * grid.dt))
-    return _Structure(both, frf, tail[:, None, :] * residues.T)
+    return _Structure(both, grid, frf, tail[:, None, :] * residues.T)
 
 
-def _slopes(excitation: Excitation, width: int, structure: _Structure) -> Real:
-    """(rows, outputs, width), each line's real part above its imaginary part."""
-    hit = _hit(excitation)
-    grid, sample = hit.grid, hit.first + np.arange(width)
+def _windows(firsts: Sequence[int], width: int, structure: _Structure) -> tuple[Window, ...]:
+    """The stretch of each hit: one for all, unless they lie so far apart that it would cost more than it saves."""
+    begin, end = min(firsts), max(firsts) + width
+    if end - begin <= 2 * width:
+        return (Window(begin, _slopes(np.arange(begin, end), structure)),) * len(firsts)
+    return tuple(Window(first, _slopes(first + np.arange(width), structure)) for first in firsts)
+
+
+def _slopes(sample: NDArray[np.int64], structure: _Structure) -> Real:
+    """(rows, outputs, samples), each line's real part above its imaginary part."""
+    grid = structure.grid
     turn = np.exp(-1j * np.outer(grid.omega * grid.dt, sample))
     left = np.exp(np.outer(structure.poles, (grid.n - sample) * grid.dt))
     value = structure.frf[:, :, None] * turn[:, None, :]
@@ -116,12 +164,11 @@ def force_equations(
     matrix[:n_others, :n_others], gradient[:n_others] = others
     matrix[n_others:, n_others:] = -projected.T @ projected
     vectors = _Vectors(group, point.noise)
-    for m, (part, own) in enumerate(zip(parts.slopes, parts.on_q, strict=True)):
+    for m, (window, own, on_q) in enumerate(zip(parts.windows, parts.places, parts.all_on_q, strict=True)):
         here, place = slice(m * rows, (m + 1) * rows), slice(n_others + m * width, n_others + (m + 1) * width)
-        flat = part.reshape(-1, width)
-        matrix[place, place] += flat.T @ flat
-        gradient[place] = flat.T @ (group.residual[here] / point.noise).ravel()
-        matrix[:n_others, place] = vectors.across(m, part, own)
+        matrix[place, place] += window.gram[own, own]
+        gradient[place] = (window.flat.T @ (group.residual[here] / point.noise).ravel())[own]
+        matrix[:n_others, place] = vectors.across(m, window.slopes, on_q)[:, own]
         matrix[place, :n_others] = matrix[:n_others, place].T
     return matrix, gradient
 

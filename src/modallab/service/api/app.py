@@ -3,12 +3,15 @@
 import secrets
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager
+from functools import cache
 from importlib import import_module
 from threading import Thread
 from typing import Any, cast
 
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+from starlette.middleware.cors import CORSMiddleware
 
 from modallab import __version__
 from modallab.core.discovery import declared_names
@@ -16,15 +19,23 @@ from modallab.core.documents.pages import Problem
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service import api
 from modallab.service.api.access import COOKIE, Guard
+from modallab.service.api.asyncapi import asyncapi_of
+from modallab.service.api.blocks import SAMPLE_HEADERS
+from modallab.service.api.compression import Gzip
+from modallab.service.api.described import METHODS, describe_operations, describe_schemas, operations
 from modallab.service.api.events import Feed
 from modallab.service.api.head import HeadAsGet
+from modallab.service.api.operator_page import mount_page
 from modallab.service.api.pages import mount_static
 from modallab.service.api.problems import install
+from modallab.service.api.request_context import LEASE, OPERATOR
+from modallab.service.api.router import HEADER as KEY
 from modallab.service.api.router import Keys
 from modallab.service.context import Service
+from modallab.service.records.callers import Callers
 from modallab.service.records.sessions import Sessions
 
-API_VERSION = "1.1"
+API_VERSION = "1.2"
 """Grows with every change of the JSON; docs/reference/api.md names the words that changed."""
 
 SUMMARY = "Modal tests on a bench."
@@ -32,26 +43,57 @@ ABOUT = """To try a request here, press Authorize and paste the token; it stands
 it began. What commands a rig needs its lease: take it at `/api/v1/rigs/{rig}/lease`, and send its `id` as
 `Modallab-Lease`. An emergency stop needs no lease."""
 
-METHODS = ("get", "put", "post", "patch", "delete")
+ASKED = ("Authorization", "Content-Type", "If-Match", "If-None-Match", "Last-Event-ID", LEASE, OPERATOR, KEY)
+"""Headers a page of another site may send, where the setting `cors` names it."""
+ANSWERED = ("ETag", "Location", "Retry-After", "Idempotency-Replayed", *SAMPLE_HEADERS, "Modallab-Notes")
+"""Headers it may read."""
 
 
 def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
-    """The application for an open service; every request must carry `token`."""
-    app = FastAPI(title="modallab", version=__version__, docs_url=None, redoc_url=None, lifespan=_life)
+    """The application for an open service; every request must carry `token`, an admin's, or that of a user."""
+    app = FastAPI(
+        title="modallab",
+        version=__version__,
+        docs_url=None,
+        redoc_url=None,
+        lifespan=_life,
+        generate_unique_id_function=_operation,
+    )
     app.state.feed = Feed(service.log)
-    app.state.service, app.state.settings, app.state.token = service, settings, token
+    app.state.service, app.state.settings = service, settings
     app.state.keys = Keys(service.engine, secrets.token_hex(8))
-    app.state.sessions = Sessions(service.engine, token)
+    callers = app.state.callers = Callers(service.engine, token)
+    app.state.sessions = Sessions(service.engine, callers.secret)
     install(app)
     routers = resources()
     for router in routers:
         app.include_router(router)
     app.state.routes = [route for router in routers for route in router.routes]
     mount_static(app)
+    mount_page(app)
     hosts = {*LOOPBACK, settings.host, *settings.hosts}
-    app.add_middleware(Guard, token=token, sessions=app.state.sessions, hosts=hosts, body_bytes=settings.body_bytes)
+    app.add_middleware(Gzip)
+    app.add_middleware(
+        Guard,
+        callers=callers,
+        sessions=app.state.sessions,
+        hosts=hosts,
+        body_bytes=settings.body_bytes,
+        origins=settings.cors,
+        file_bytes=settings.file_bytes,
+    )
     app.add_middleware(HeadAsGet)
+    if settings.cors:
+        # Outermost: a browser asks whether it may before it sends a token.
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.cors,
+            allow_methods=[method.upper() for method in METHODS],
+            allow_headers=ASKED,
+            expose_headers=ANSWERED,
+        )
     app.openapi = lambda: document_of(app)
+    app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
     return app
 
 
@@ -61,11 +103,18 @@ def resources() -> list[APIRouter]:
     return [value for module in modules for value in vars(module).values() if isinstance(value, APIRouter)]
 
 
+def _operation(route: APIRoute) -> str:
+    # Generated clients name their functions so: it is as stable as an address.
+    return route.name
+
+
 @asynccontextmanager
 async def _life(app: FastAPI) -> AsyncGenerator[None]:
     app.state.feed.open()
+    app.state.callers.open()
     Thread(target=import_module, args=("modallab.service.campaigns.live_frf",), name="warm up", daemon=True).start()
     yield
+    app.state.callers.close()
     app.state.feed.close()
 
 
@@ -82,11 +131,12 @@ def document_of(app: FastAPI) -> dict[str, Any]:
         "token": {"type": "http", "scheme": "bearer"},
         "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
     }
-    document["security"] = [{"token": []}, {"session": []}]
-    for path in document["paths"].values():
-        for method in path.keys() & METHODS:
-            for parameter in path[method].get("parameters", ()):
-                _no_null(parameter)
+    document["security"] = [{"token": ["observer"]}, {"session": ["observer"]}]
+    describe_schemas(parts["schemas"])
+    for operation in operations(document):
+        for parameter in operation.get("parameters", ()):
+            _no_null(parameter)
+    describe_operations(document)
     app.openapi_schema = document
     return document
 

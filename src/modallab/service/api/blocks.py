@@ -17,6 +17,7 @@ Judgement = Annotated[
     Verdict, Body(openapi_examples={"reject": Example(value={"accepted": False, "reason": "someone walked by"})})
 ]
 SAMPLES = "application/octet-stream"
+SAMPLE_HEADERS = DTYPE, SHAPE, CRC32 = "Modallab-Dtype", "Modallab-Shape", "Modallab-Crc32"
 
 
 @router.get("/runs/{run}/blocks", responses=documented(404))
@@ -43,9 +44,9 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
     block = block_record(service, run, n)
     samples = read_samples(service, block)
     headers = {
-        "Modallab-Dtype": samples.dtype.str,
-        "Modallab-Shape": f"{samples.shape[0]},{samples.shape[1]}",
-        "Modallab-Crc32": str(block.crc32),
+        DTYPE: samples.dtype.str,
+        SHAPE: f"{samples.shape[0]},{samples.shape[1]}",
+        CRC32: str(block.crc32),
         "ETag": f'"{block.crc32:08x}"',
     }
     return Response(samples.tobytes(), media_type=SAMPLES, headers=headers)
@@ -55,6 +56,10 @@ def get_samples(run: str, n: int, service: ServiceOf) -> Response:
 def put_verdict(
     run: str, n: int, verdict: Judgement, service: ServiceOf, operator: Operator, lease: LeaseId = None
 ) -> BlockView:
-    """Accept or reject a block. What is made afterwards follows. While the run goes on it needs its rig's lease."""
+    """Accept or reject a block. What is made afterwards follows.
+
+    While the run goes on it needs its rig's lease, and is the same as the commands `accept` and `drop`: a verdict can
+    be taken back until the hit was struck again.
+    """
     judge(service, run, n, verdict, lease, operator)
     return block_view(block_record(service, run, n))

@@ -11,6 +11,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.core.documents.pages import Page
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import (
+    CallerOf,
     Cursor,
     IfMatch,
     IfNoneMatch,
@@ -24,6 +25,7 @@ from modallab.service.api.request_context import (
     unchanged,
 )
 from modallab.service.api.rigs import state_of
+from modallab.service.api.roles import require_rig
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.campaigns.export import export_campaign
 
@@ -36,6 +38,8 @@ NewCampaign = Annotated[
     Body(openapi_examples={"session": Example(value={"name": "first session", "rig": "link", "note": "new clamp"})}),
 ]
 
+Archived = Annotated[bool, Query(description="Whether to list what is archived too.")]
+Deleted = Annotated[bool, Query(description="Whether to list what is deleted too.")]
 Search = Annotated[str, Query(max_length=120, pattern=r"^[^\x00-\x1f\x7f]*$")]
 FILE = "application/octet-stream"
 BINARY = {"type": "string", "format": "binary"}
@@ -43,16 +47,30 @@ BINARY = {"type": "string", "format": "binary"}
 
 @router.get("/campaigns")
 def list_campaigns(
-    service: ServiceOf, limit: Limit = 50, cursor: Cursor = None, rig: Search = "", text: Search = ""
+    service: ServiceOf,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+    rig: Search = "",
+    text: Search = "",
+    archived: Archived = False,
+    deleted: Deleted = False,
 ) -> Page[CampaignView]:
-    """Campaigns, the newest first: all, or those of a rig, or with a text in their name or note."""
-    found = service.repository.campaigns(place_of(cursor), limit + 1, rig=rig, text=text)
+    """Campaigns, the newest first: all, or those of a rig, or with a text in their name or note.
+
+    Those that are archived or deleted are listed only where they are asked for.
+    """
+    found = service.repository.campaigns(
+        place_of(cursor), limit + 1, rig=rig, text=text, archived=archived, deleted=deleted
+    )
     return page(found, limit, lambda campaign: campaign.id)
 
 
 @router.post("/campaigns", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
-def create_campaign(new: NewCampaign, service: ServiceOf, operator: Operator, response: Response) -> CampaignView:
+def create_campaign(
+    new: NewCampaign, service: ServiceOf, operator: Operator, caller: CallerOf, response: Response
+) -> CampaignView:
     """Make a campaign on a rig."""
+    require_rig(caller, new.rig)
     state_of(service, new.rig)
     campaign = service.repository.create(new, operator)
     response.headers["Location"] = f"{PREFIX}/campaigns/{campaign.id}"

@@ -69,7 +69,7 @@ def get_health(service: ServiceOf, request: Request, response: Response) -> Heal
         rigs={state.id: str(state.state) for state in states},
         free_bytes=shutil.disk_usage(service.folder).free,
         troubles=tuple(troubles),
-        emergency_stop=_stop_url(request),
+        emergency_stop=stop_url(request),
     )
 
 
@@ -94,10 +94,14 @@ def _of_database(since: str) -> Trouble:
     )
 
 
-def _stop_url(request: Request) -> str:
+def stop_url(request: Request) -> str:
+    """Where the emergency stop is reached by whoever sent this request."""
     settings: Settings = request.app.state.settings
     name = request.url.hostname or settings.host
-    return settings.stop_url or f"http://{f'[{name}]' if ':' in name else name}:{settings.stop_port}/emergency-stop"
+    return (
+        settings.stop_url
+        or f"{settings.scheme}://{f'[{name}]' if ':' in name else name}:{settings.stop_port}/emergency-stop"
+    )
 
 
 @router.get("/metrics", response_class=PlainTextResponse, responses=documented(401))

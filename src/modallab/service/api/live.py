@@ -2,17 +2,24 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncGenerator
+import logging
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from dataclasses import replace
 from typing import Annotated, TypeVar
 
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
+from pydantic import ValidationError
 
+from modallab.acquisition.process.idle_scope import idle_name
+from modallab.core.documents.rigs import StopAsked
 from modallab.core.errors import ModallabError
 from modallab.service.api.events import Feed
+from modallab.service.api.request_context import CALLER
 from modallab.service.api.router import PREFIX
 from modallab.service.campaigns.live_frf_messages import FrfSelection, FrfWatch
 from modallab.service.campaigns.live_samples import LiveView, Selection
 from modallab.service.context import Service
+from modallab.service.records.callers import Caller
 from modallab.service.records.event_log import Topic
 
 router = APIRouter(prefix=PREFIX)
@@ -22,42 +29,49 @@ WRONG = 4422
 REASON = 100
 """Bytes a reason may have."""
 CHANGES = frozenset({"block", "dropped", "verdict"})
-Name = Annotated[str, Query(max_length=64)]
+LOG = logging.getLogger(__name__)
+Stop = Callable[[StopAsked], Awaitable[None]]
+Rig = Annotated[str, Query(max_length=64, description="Only this rig.")]
+Run = Annotated[str, Query(max_length=64, description="Only this run.")]
+Idle = Annotated[bool, Query(description="Also what the channels read while no run is on; `run` is empty then.")]
 T = TypeVar("T")
-Channels = Annotated[list[str], Query(max_length=256)]
+Channels = Annotated[list[str], Query(max_length=256, description="Only these channels: once for each.")]
+Outputs = Annotated[list[str], Query(max_length=256, description="Only these outputs: once for each.")]
 
 
 @router.websocket("/live")
 async def show_samples(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    after: Annotated[int | None, Query(ge=0, lt=2**62)] = None,
+    after: Annotated[int | None, Query(ge=0, lt=2**62, description="Begin with this sample, by `position`.")] = None,
+    idle: Idle = False,
 ) -> None:
     """Samples of the runs that are on, from now, or from sample `after` on as far as it is still there."""
-    await _show(socket, Selection(rig, run, tuple(channel), after))
+    await _show(socket, Selection(rig, run, tuple(channel), after), idle)
 
 
 @router.websocket("/live/envelope")
 async def show_envelope(
     socket: WebSocket,
-    rig: Name = "",
-    run: Name = "",
+    rig: Rig = "",
+    run: Run = "",
     channel: Channels = [],  # noqa: B006, FastAPI's way
-    columns_per_s: Annotated[float, Query(gt=0, le=2000)] = 50.0,
+    columns_per_s: Annotated[float, Query(gt=0, le=2000, description="Columns a second.")] = 50.0,
+    idle: Idle = False,
 ) -> None:
     """Least and largest value of each stretch of time, for a picture of a fixed width."""
-    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s))
+    await _show(socket, Selection(rig, run, tuple(channel), None, columns_per_s), idle)
 
 
 @router.websocket("/runs/{run}/frf/live")
 async def show_frf(
     socket: WebSocket,
     run: str,
-    output: Channels = [],  # noqa: B006, FastAPI's way
-    low_hz: Annotated[float, Query(ge=0)] = 0.0,
-    high_hz: Annotated[float, Query(gt=0)] = 1e9,
+    output: Outputs = [],  # noqa: B006, FastAPI's way
+    low_hz: Annotated[float, Query(ge=0, description="Lines from here, in Hz.")] = 0.0,
+    high_hz: Annotated[float, Query(gt=0, description="Lines up to here, in Hz.")] = 1e9,
 ) -> None:
     """Mobility and coherence of each point, all at first and then each time a block is added or taken out."""
     service: Service = socket.app.state.service
@@ -74,21 +88,33 @@ async def show_frf(
             await socket.close(WRONG, error.what[:REASON])
 
 
-async def _show(socket: WebSocket, chosen: Selection) -> None:
+async def _show(socket: WebSocket, chosen: Selection, idle: bool) -> None:
     service: Service = socket.app.state.service
+    rigs: dict[str, str] = {}
+    if idle:
+        states = await asyncio.to_thread(service.control.states)
+        rigs = {idle_name(state.bench): state.id for state in states if chosen.rig in ("", state.id)}
+        chosen = replace(chosen, idle=tuple(rigs))
 
     def rig_of(run: str) -> str:
-        entry = service.repository.entry(run)
-        return "" if entry is None else entry.rig
+        entry = None if run in rigs else service.repository.entry(run)
+        return rigs.get(run, "") if entry is None else entry.rig
 
     view = LiveView(service.folder, rig_of, chosen)
+
+    async def stop(asked: StopAsked) -> None:
+        caller: Caller = socket.scope[CALLER]
+        reason = asked.reason or "asked for by the operator"
+        operator = caller.name or asked.operator
+        await asyncio.to_thread(service.control.emergency_stop, asked.rig, reason, operator)
+
     # Before it is accepted: nothing that begins after that is missed.
     begun = await asyncio.to_thread(view.look)
     await socket.accept()
     try:
         for found in begun:
             await socket.send_bytes(found)
-        async with _while_there(socket) as gone:
+        async with _while_there(socket, stop) as gone:
             while not gone.done():
                 for found in await asyncio.to_thread(view.look):
                     await socket.send_bytes(found)
@@ -100,9 +126,9 @@ async def _show(socket: WebSocket, chosen: Selection) -> None:
 
 
 @contextlib.asynccontextmanager
-async def _while_there(socket: WebSocket) -> AsyncGenerator["asyncio.Future[None]"]:
+async def _while_there(socket: WebSocket, stop: Stop | None = None) -> AsyncGenerator["asyncio.Future[None]"]:
     """Done once the other side has left; that it leaves while something is sent to it is no error."""
-    gone = asyncio.ensure_future(_until_gone(socket))
+    gone = asyncio.ensure_future(_until_gone(socket, stop))
     try:
         with contextlib.suppress(WebSocketDisconnect):
             yield gone
@@ -110,11 +136,22 @@ async def _while_there(socket: WebSocket) -> AsyncGenerator["asyncio.Future[None
         gone.cancel()
 
 
-async def _until_gone(socket: WebSocket) -> None:
-    # Nothing is expected; but only who listens hears that the other side has left.
+async def _until_gone(socket: WebSocket, stop: Stop | None) -> None:
+    # Only who listens hears that the other side has left; and nothing but a stop is expected.
     with contextlib.suppress(WebSocketDisconnect):
         while True:
-            await socket.receive_text()
+            text = await socket.receive_text()
+            if stop is not None:
+                with contextlib.suppress(ValidationError):
+                    await _pressed(stop, StopAsked.model_validate_json(text))
+
+
+async def _pressed(stop: Stop, asked: StopAsked) -> None:
+    try:
+        await stop(asked)
+    except ModallabError as error:
+        # The viewer asks in other ways too, and hears it there.
+        LOG.warning("emergency stop by WebSocket: %s", error)
 
 
 async def _until(found: AsyncGenerator[T], gone: "asyncio.Future[None]") -> AsyncGenerator[T]:

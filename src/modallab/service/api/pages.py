@@ -6,9 +6,9 @@ from importlib.resources import files
 from pathlib import Path
 
 import fastapi_offline
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, FastAPI, Request
 from fastapi.openapi.docs import get_swagger_ui_html
-from fastapi.responses import HTMLResponse, RedirectResponse
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 from fastapi.staticfiles import StaticFiles
 
 from modallab.service.api.problems import kinds
@@ -20,8 +20,8 @@ _STYLE = "body{font:18px/1.5 system-ui,sans-serif;max-width:42em;margin:3em auto
 
 @router.get("/")
 def begin() -> RedirectResponse:
-    """Who types the address alone is led to what can be read."""
-    return RedirectResponse("/docs")
+    """Who types the address alone is led to the operator's page."""
+    return RedirectResponse("/page/")
 
 
 @router.get("/docs")
@@ -34,6 +34,12 @@ def show_api() -> HTMLResponse:
         swagger_css_url="/docs/static/swagger-ui.css",
         swagger_favicon_url="/docs/static/favicon.png",
     )
+
+
+@router.get("/asyncapi.json")
+def show_messages(request: Request) -> JSONResponse:
+    """What the service sends by itself, as an AsyncAPI document."""
+    return JSONResponse(request.app.state.asyncapi())
 
 
 @router.get("/problems/{code}")

@@ -11,8 +11,13 @@ from modallab.core.documents.pages import Page
 from modallab.core.errors import DataError
 from modallab.service.context import Service
 from modallab.service.errors import ChangedError, PreconditionNeededError
+from modallab.service.records.callers import Caller
 
 OPERATOR = "Modallab-Operator"
+LEASE = "Modallab-Lease"
+CALLER = "modallab.caller"
+"""In the scope of a request whose token or cookie counts."""
+UNKNOWN = "unknown"
 _NO_CONTROL = r"^[^\x00-\x1f\x7f]+$"
 Item = TypeVar("Item")
 
@@ -21,13 +26,29 @@ def _service(request: Request) -> Service:
     return request.app.state.service
 
 
+def caller_of(request: Request) -> Caller:
+    """Who asks.
+
+    Raises:
+        KeyError: nobody whom the service knows, where a route is open to all.
+    """
+    return request.scope[CALLER]
+
+
 def _operator(
+    request: Request,
     operator: Annotated[
         str | None,
-        Header(alias=OPERATOR, max_length=80, pattern=_NO_CONTROL, description="Who asks, for the record."),
+        Header(
+            alias=OPERATOR,
+            max_length=80,
+            pattern=_NO_CONTROL,
+            description="Who asks, for the record, where the service's own token does not say it.",
+        ),
     ] = None,
 ) -> str:
-    return "unknown" if operator is None else _as_sent(operator)
+    name = caller_of(request).name
+    return name or (UNKNOWN if operator is None else _as_sent(operator))
 
 
 def _as_sent(text: str) -> str:
@@ -38,10 +59,11 @@ def _as_sent(text: str) -> str:
         return text
 
 
+CallerOf = Annotated[Caller, Depends(caller_of)]
 ServiceOf = Annotated[Service, Depends(_service)]
 Operator = Annotated[str, Depends(_operator)]
 LeaseId = Annotated[
-    str | None, Header(alias="Modallab-Lease", max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
+    str | None, Header(alias=LEASE, max_length=64, description="Id of the rig's lease.", pattern=_NO_CONTROL)
 ]
 
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Query
 
-from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView
+from modallab.core.documents.models import ComparisonView, CurvesView, DiagnosisView, ModelsView
 from modallab.core.documents.pages import Page
 from modallab.core.documents.results import JobView
 from modallab.service.api.jobs import listed
@@ -13,6 +13,7 @@ from modallab.service.api.request_context import ServiceOf
 from modallab.service.api.router import make_router
 from modallab.service.jobs.results import (
     comparison,
+    curves_of_campaign,
     diagnosis_of_campaign,
     jobs_of_run,
     models_of_campaign,
@@ -40,6 +41,12 @@ def get_run_model(run: str, service: ServiceOf) -> ModelsView:
 def list_run_jobs(run: str, service: ServiceOf) -> Page[JobView]:
     """The jobs that work on a run, the newest first."""
     return Page(items=tuple(listed(job) for job in jobs_of_run(service, run)))
+
+
+@router.get("/campaigns/{campaign}/curves", responses=documented(404))
+def get_curves(campaign: str, service: ServiceOf) -> CurvesView:
+    """What the newest models of a campaign are looked at by: measured and regenerated mobility, stabilisation."""
+    return curves_of_campaign(service, campaign)
 
 
 @router.get("/campaigns/{campaign}/gap", responses=documented(404))

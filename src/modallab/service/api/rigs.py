@@ -10,7 +10,8 @@ from modallab.core.documents.pages import Page
 from modallab.core.documents.rigs import Lease, LeaseHolder, LeaseNew, RigView, StopReason, Trip
 from modallab.core.rig import Rig
 from modallab.service.api.problems import documented
-from modallab.service.api.request_context import LeaseId, Operator, ServiceOf
+from modallab.service.api.request_context import UNKNOWN, CallerOf, LeaseId, Operator, ServiceOf
+from modallab.service.api.roles import needs
 from modallab.service.api.router import ONCE, make_router
 from modallab.service.context import Service
 from modallab.service.errors import LeaseHeldError, NotFoundError
@@ -42,7 +43,12 @@ def get_description(rig: str, service: ServiceOf) -> Rig:
     return state_of(service, rig).rig
 
 
-@router.post("/rigs/{rig}/emergency-stop", dependencies=ONCE, responses=documented(404, 409))
+@router.post(
+    "/rigs/{rig}/emergency-stop",
+    dependencies=ONCE,
+    responses=documented(404, 409),
+    openapi_extra=needs("observer", any_rig=True),
+)
 def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = None) -> RigView:
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
     reason = "" if stop is None else stop.reason
@@ -89,16 +95,23 @@ lease_router = make_router("lease")
 
 
 @lease_router.post("/rigs/{rig}/lease", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
-def take_lease(rig: str, new: NewLease, service: ServiceOf) -> Lease:
-    """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on."""
+def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, operator: Operator) -> Lease:
+    """Take the lease of a rig, if nobody holds it; with `take_over` from its holder, if no run is on or it is you; with
+    `recover` the one you hold already."""
     state = state_of(service, rig)
-    if new.take_over and state.run is not None:
+    name = caller.name or new.operator or operator
+    known = name != UNKNOWN
+    if new.recover and known:
+        return service.leases.recover(state.id, name)
+    holder = service.leases.holder(state.id)
+    own = known and holder is not None and holder.operator == name
+    if new.take_over and state.run is not None and not own:
         raise LeaseHeldError(
             f"run {state.run} is on, under the lease of another",
             where=rig,
             remedy="wait for its end, or stop it in an emergency, which needs no lease; then take over",
         )
-    return service.leases.take(state.id, new.operator, new.ttl_s, take_over=new.take_over)
+    return service.leases.take(state.id, name, new.ttl_s, take_over=new.take_over)
 
 
 @lease_router.put("/rigs/{rig}/lease", responses=documented(404, 507))

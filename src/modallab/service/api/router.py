@@ -13,8 +13,10 @@ from sqlalchemy import Engine, delete, insert, select, update
 
 from modallab.core.errors import DataError, ModallabError
 from modallab.service.api.problems import documented, of_error
-from modallab.service.api.request_context import OPERATOR
+from modallab.service.api.request_context import CALLER, OPERATOR
+from modallab.service.api.roles import declared, require_own, require_role
 from modallab.service.errors import ConflictError, MediaTypeError
+from modallab.service.records.callers import Caller
 from modallab.service.records.repository import key_limit, key_of_another
 from modallab.storage.engine import writing
 from modallab.storage.recorder import utc_now
@@ -31,9 +33,10 @@ OPEN: dict[str, Any] = {"security": []}
 """For routes that need no token."""
 
 
-def make_router(tag: str) -> APIRouter:
-    """A router for one resource."""
-    return APIRouter(prefix=PREFIX, tags=[tag], route_class=IdempotentRoute, responses=documented(*ANY))
+def make_router(tag: str, *, files: bool = False) -> APIRouter:
+    """A router for one resource; with `files` bodies are files, which are not held in memory and have no key."""
+    route = RoleRoute if files else IdempotentRoute
+    return APIRouter(prefix=PREFIX, tags=[tag], route_class=route, responses=documented(*ANY))
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +116,40 @@ ONCE = [Depends(idempotency_key)]
 """For routes that make something."""
 
 
-class IdempotentRoute(APIRoute):
-    """Looks the key up before the route is called, and keeps the answer after it."""
+class RoleRoute(APIRoute):
+    """Looks at the caller's role before the route is called."""
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **more: Any) -> None:
+        methods = {method.upper() for method in more.get("methods") or ("GET",)}
+        extra = declared(methods, dict(more.pop("openapi_extra", None) or {}))
+        super().__init__(path, endpoint, openapi_extra=extra, **more)
 
     def get_route_handler(self) -> Handler:
         """The route's handler, with the look-up around it."""
-        handler = super().get_route_handler()
+        handler = self.around(super().get_route_handler())
+        extra = self.openapi_extra or {}
+
+        async def asked(request: Request) -> Response:
+            if require_role(request, extra):
+                await run_in_threadpool(require_own, request, extra)
+            _require_address(request)
+            return await handler(request)
+
+        return asked
+
+    def around(self, handler: Handler) -> Handler:
+        """The handler with what else is to be done before and after it."""
+        return handler
+
+
+class IdempotentRoute(RoleRoute):
+    """Looks at body and key before the route is called, and keeps the answer after it."""
+
+    def around(self, handler: Handler) -> Handler:
+        """As the class says."""
 
         async def once(request: Request) -> Response:
-            await _require_usable(request)
+            await _require_body(request)
             key = request.headers.get(HEADER)
             if request.method != "POST" or key is None or not 8 <= len(key) <= 128:
                 return await handler(request)
@@ -134,16 +162,24 @@ _NUL = re.compile(rb"\x00|(?<!\\)(?:\\\\)*\\u0000")
 _JSON = re.compile(r"application/(?:[\w.+-]+\+)?json\s*(?:;.*)?", re.IGNORECASE)
 
 
-async def _require_usable(request: Request) -> None:
-    """Reject what no resource can use, before any looks at it.
+def _require_address(request: Request) -> None:
+    """Reject NUL in the address or the query: not every database keeps it.
 
     Raises:
-        MediaTypeError: a body that does not say that it is JSON.
-        DataError: NUL in the address, the query or the body: not every database keeps it.
+        DataError: there is one.
     """
     query = request.query_params.multi_items()
     if "\0" in request.url.path or any("\0" in part for pair in query for part in pair):
         raise _nul("the address")
+
+
+async def _require_body(request: Request) -> None:
+    """Reject a body that no resource can use, before any looks at it.
+
+    Raises:
+        MediaTypeError: it does not say that it is JSON.
+        DataError: it holds NUL.
+    """
     if request.method not in ("POST", "PUT", "PATCH"):
         return
     body = await request.body()
@@ -165,7 +201,9 @@ def _nul(where: str) -> DataError:
 async def _once(request: Request, key: str, handler: Handler) -> Response:
     keys: Keys = request.app.state.keys
     # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
-    operator = repr(request.headers.get(OPERATOR)).encode()
+    caller: Caller | None = request.scope.get(CALLER)
+    name = caller.name if caller is not None else ""
+    operator = (name or repr(request.headers.get(OPERATOR))).encode()
     asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, await request.body()])
     before = await run_in_threadpool(keys.claim, key, asked)
     if before is not None:
@@ -177,7 +215,7 @@ async def _once(request: Request, key: str, handler: Handler) -> Response:
     except BaseException:
         await run_in_threadpool(keys.forget, key)
         raise
-    if response.status_code < 400:
+    if response.status_code < 400 and "no-store" not in response.headers.get("cache-control", ""):
         headers = {name: response.headers[name] for name in KEPT if name in response.headers}
         answer = Answer(response.status_code, headers, bytes(response.body).decode())
         await run_in_threadpool(keys.keep, key, answer)

@@ -9,6 +9,7 @@ from modallab.core.documents.pages import Page
 from modallab.core.documents.results import FrfView
 from modallab.core.documents.runs import Command, RunNew, RunView
 from modallab.core.frf import UNIT
+from modallab.service.api.campaigns import Archived, Deleted
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import (
     Cursor,
@@ -49,12 +50,22 @@ RunCommand = Annotated[
 
 
 @router.get("/campaigns/{campaign}/runs", responses=documented(404))
-def list_runs(campaign: str, service: ServiceOf, limit: Limit = 50, cursor: Cursor = None) -> Page[RunView]:
-    """The runs of a campaign, the oldest first."""
+def list_runs(
+    campaign: str,
+    service: ServiceOf,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+    archived: Archived = False,
+    deleted: Deleted = False,
+) -> Page[RunView]:
+    """The runs of a campaign, the oldest first; those that are archived or deleted only where they are asked for."""
     after = place_of(cursor)
-    names = service.repository.campaign(campaign).runs
+    # The one a page ended with may have been set aside since.
+    names = service.repository.runs(campaign, archived=True, deleted=True)
     if after is not None:
         names = names[names.index(after) + 1 :] if after in names else ()
+    shown = set(service.repository.runs(campaign, archived=archived, deleted=deleted))
+    names = [run for run in names if run in shown]
     return page([run_view(service, run) for run in names[: limit + 1]], limit, lambda run: run.id)
 
 
@@ -72,7 +83,7 @@ def start_run(
 def get_run(run: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None) -> RunView | Response:
     """A run as it stands."""
     view = run_view(service, run)
-    tag = f"{view.state}-{view.blocks}-{view.accepted}-{view.code}"
+    tag = f"{view.state}-{view.blocks}-{view.accepted}-{view.code}-{view.archived_utc}{view.deleted_utc}"
     if unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
     mark(response, tag)

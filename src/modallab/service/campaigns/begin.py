@@ -13,6 +13,7 @@ from modallab.core.rig import Rig
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
 from modallab.service.records.repository import RunKey
+from modallab.service.records.set_aside import SetAside
 from modallab.service.rigs.control import ControllerState, StartRun, rejection
 from modallab.storage.durable import planned_blocks, require_room, require_space
 from modallab.storage.records import ENDED, BlockNote, BlockRecord
@@ -45,9 +46,9 @@ def begin(service: Service, campaign: str, new: RunNew, lease: str | None, key: 
     if controller is None:
         raise NotFoundError(f"this service has no rig {entry.rig!r}", where=campaign, remedy="start it with that rig")
     service.leases.require(entry.rig, lease)
+    SetAside(service.engine).require_present(campaign)
     plan = _plan(service, campaign, new)
-    require_reasonable(plan, controller.rig)
-    _require_possible(plan, controller)
+    require_plan(plan, controller)
     _require_room(service.folder, plan, len(controller.rig.channels))
     return service.control.start(StartRun(entry.rig, campaign, plan, lease, new.continues, asked))
 
@@ -66,6 +67,9 @@ def _plan(service: Service, campaign: str, new: RunNew) -> Plan:
         raise NotFoundError(
             f"campaign {campaign} has no run {new.continues!r}", where="continues", remedy="look at its runs"
         )
+    aside = SetAside(service.engine).run(new.continues, "")
+    if aside is not None and aside.state != "archived":
+        raise ConflictError("a deleted run is not continued", where="continues", remedy="restore it first")
     record = service.store.catalogue.run(new.continues)
     if record.state not in ENDED:
         raise rejection(record.state, "be continued")
@@ -82,7 +86,13 @@ def _require_room(folder: Path, plan: Plan, channels: int) -> None:
     require_room(folder, plan, LEAST_BYTES * channels * round(plan.block_s * plan.rate_hz))
 
 
-def _require_possible(plan: Plan, controller: ControllerState) -> None:
+def require_plan(plan: Plan, controller: ControllerState) -> None:
+    """Reject a plan that this rig cannot do, as far as can be seen without the bench.
+
+    Raises:
+        PlanError: what is wrong with it.
+    """
+    require_reasonable(plan, controller.rig)
     # The controller says better what is wrong with a bench that is not open.
     if controller.info is not None:
         require_possible(plan, controller.rig, controller.info)

@@ -11,6 +11,7 @@ from modallab.frf.estimate import convert
 from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
+from modallab.signals.chosen_outputs import ChosenOutputs
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
@@ -19,8 +20,10 @@ LOWEST_HZ = 0.5
 USABLE = 0.4
 """Anti-alias filters hold the relation between channels up to this part of the rate."""
 
-KEPT = 4
-"""Runs whose sums are held; of another one all blocks are read again."""
+KEPT = 8
+"""Runs, or sets of outputs of one run, whose sums are held; of another one all blocks are read again."""
+
+Revisions = dict[int | None, int]
 
 
 class LiveFrfs:
@@ -29,50 +32,53 @@ class LiveFrfs:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._lock = Lock()
-        self._runs: OrderedDict[str, _Followed] = OrderedDict()
+        self._runs: OrderedDict[tuple[str, ...], _Followed] = OrderedDict()
 
-    def frf(self, run: str, points: tuple[int | None, ...] | None = None) -> Frf:
-        """Mobility of the blocks that count now, with coherence where blocks are averaged; of some points, or of all.
+    def frf(self, run: str, outputs: tuple[str, ...] = ()) -> Frf:
+        """Mobility of the blocks that count now, with coherence where blocks are averaged; of some outputs, or of all.
 
         Raises:
             ConflictError: there is no block that counts yet.
-            DataError, StorageError: blocks that cannot be used, or not be read.
+            DataError, StorageError: blocks that cannot be used, or not be read, or an output that is not there.
         """
-        followed = self._of(run)
+        followed = self._of(run, outputs)
         with followed.lock:
             followed.follow(self._store)
-            return convert(followed.sums.frf(points or followed.points), "mobility")
+            return convert(followed.sums.frf(followed.points), "mobility")
 
-    def revisions(self, run: str) -> dict[int | None, int]:
-        """Look at the blocks that are new or count no more; a number by point that grows when its FRF changes.
+    def news(self, run: str, outputs: tuple[str, ...], seen: Revisions) -> tuple[Revisions, list[Frf]]:
+        """As `frf`, point by point, of the points whose FRF is another one than `seen`; and what is seen with them.
 
-        Raises:
-            ConflictError, DataError, StorageError: as `frf`.
+        The revision of a point grows when its FRF changes.
         """
-        followed = self._of(run)
+        followed = self._of(run, outputs)
         with followed.lock:
             followed.follow(self._store)
-            return dict(followed.revisions)
+            now = dict(followed.revisions)
+            changed = [point for point in followed.points if seen.get(point) != now[point]]
+            return now, [convert(followed.sums.frf((point,)), "mobility") for point in changed]
 
-    def _of(self, run: str) -> "_Followed":
+    def _of(self, run: str, outputs: tuple[str, ...]) -> "_Followed":
+        key = run, *sorted(outputs)
         with self._lock:
-            if run not in self._runs:
+            if key not in self._runs:
                 record = self._store.catalogue.run(run)
+                chosen = ChosenOutputs.of(record.rig, outputs)
                 made = {"impact": _Hits, "sine": _Sines}.get(record.test, _Broadband)
-                sums = made(record.rig)
-                self._runs[run] = _Followed(run, sums)
-            self._runs.move_to_end(run)
+                self._runs[key] = _Followed(run, record.rig, chosen, made(chosen.rig))
+            self._runs.move_to_end(key)
             while len(self._runs) > KEPT:
                 self._runs.popitem(last=False)
-            return self._runs[run]
+            return self._runs[key]
 
 
 class _Followed:
     """One run: which of its blocks were looked at, and where each was driven."""
 
-    def __init__(self, run: str, sums: "_Hits | _Sines | _Broadband") -> None:
+    def __init__(self, run: str, rig: Rig, chosen: ChosenOutputs, sums: "_Hits | _Sines | _Broadband") -> None:
         self.run, self.sums, self.lock = run, sums, Lock()
-        self.revisions: dict[int | None, int] = {}
+        self.revisions: Revisions = {}
+        self._rig, self._chosen = rig, chosen
         self._seen: dict[int, int | None] = {}
         self._added: set[int] = set()
 
@@ -94,7 +100,9 @@ class _Followed:
         self._added &= self._seen.keys()
         for block in store.iterate(self.run, numbers=counted - self._seen.keys()):
             self._seen[block.order] = block.drive_point
-            if self.sums.add(block):
+            # A block with any channel at full scale counts nowhere, whichever channels are looked at.
+            if not overloaded(block, self._rig):
+                self.sums.add(self._chosen.block(block))
                 self._added.add(block.order)
                 changed.add(block.drive_point)
         for point in changed:
@@ -116,14 +124,11 @@ class _Hits:
     def empty(self) -> bool:
         return self._running is None or not self._running.points
 
-    def add(self, block: Block) -> bool:
-        if overloaded(block, self._rig):
-            return False
+    def add(self, block: Block) -> None:
         signals = to_signals(block, self._rig)
         if self._running is None:
             self._running = RunningFrf(self._rig, signals, (LOWEST_HZ, USABLE * block.rate_hz))
         self._running.add(signals)
-        return True
 
     def forget(self, _numbers: set[int], points: set[int | None]) -> None:
         if self._running is not None:
@@ -146,11 +151,8 @@ class _Sines:
     def empty(self) -> bool:
         return not self._lines
 
-    def add(self, block: Block) -> bool:
-        if overloaded(block, self._rig):
-            return False
+    def add(self, block: Block) -> None:
         self._lines[block.order] = block.level, line_of(to_signals(block, self._rig), self._rig)
-        return True
 
     def forget(self, numbers: set[int], _points: set[int | None]) -> None:
         for n in numbers:
@@ -172,11 +174,8 @@ class _Broadband:
     def empty(self) -> bool:
         return not self._signals
 
-    def add(self, block: Block) -> bool:
-        if overloaded(block, self._rig):
-            return False
+    def add(self, block: Block) -> None:
         self._signals[block.order] = to_signals(block, self._rig)
-        return True
 
     def forget(self, numbers: set[int], _points: set[int | None]) -> None:
         for n in numbers:

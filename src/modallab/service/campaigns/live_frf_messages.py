@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from modallab.core.errors import DataError
 from modallab.core.frf import UNIT, Frf
 from modallab.service.campaigns.live_samples import message
 from modallab.service.campaigns.runs import record_of
@@ -40,6 +39,7 @@ class FrfWatch:
 
     service: Service
     chosen: FrfSelection
+    _known: bool = False
     _seen: dict[int | None, int] = field(default_factory=dict[int | None, int])
 
     def look(self) -> list[bytes]:
@@ -51,40 +51,34 @@ class FrfWatch:
             NotFoundError: there is no such run.
             DataError: there is no such output.
         """
-        record_of(self.service, self.chosen.run)
+        if not self._known:
+            record_of(self.service, self.chosen.run)
+            self._known = True
         try:
-            now = self.service.frfs().revisions(self.chosen.run)
+            self._seen, found = self.service.frfs().news(self.chosen.run, self.chosen.outputs, self._seen)
         except ConflictError:
             return []
-        changed = tuple(point for point, revision in now.items() if self._seen.get(point) != revision)
-        self._seen = now
-        return [self._message(self.service.frfs().frf(self.chosen.run, (point,)), point) for point in changed]
+        return [self._message(frf) for frf in found]
 
-    def _message(self, frf: Frf, point: int | None) -> bytes:
+    def _message(self, frf: Frf) -> bytes:
         chosen = self.chosen
-        unknown = set(chosen.outputs) - set(frf.outputs)
-        if unknown:
-            raise DataError(
-                f"there is no output {', '.join(sorted(unknown))}", remedy=f"choose from {', '.join(frf.outputs)}"
-            )
-        rows = [i for i, name in enumerate(frf.outputs) if not chosen.outputs or name in chosen.outputs]
         band = (frf.frequency_hz >= chosen.low_hz) & (frf.frequency_hz <= chosen.high_hz)
-        parts = [frf.values[rows, 0][:, band]]
+        parts = [frf.values[:, 0, band].astype(np.complex64)]
         if frf.coherence is not None:
-            parts.append(frf.coherence[rows, 0][:, band].astype(complex))
+            parts.append(frf.coherence[:, 0, band].astype(np.complex64))
         lines = frf.frequency_hz[band]
         about: dict[str, object] = {
             "run": chosen.run,
             "quantity": frf.quantity,
             "unit": UNIT[frf.quantity],
-            "input_point": point,
+            "input_point": frf.input_points[0],
             "averages": frf.averages[0],
-            "outputs": [frf.outputs[row] for row in rows],
-            "output_points": [frf.output_points[row] for row in rows],
+            "outputs": list(frf.outputs),
+            "output_points": list(frf.output_points),
             "coherence": frf.coherence is not None,
             "frequency_hz": _axis(lines),
         }
-        return message(about, np.stack(parts).astype(np.complex64))
+        return message(about, np.stack(parts))
 
 
 def _axis(lines: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> dict[str, float] | list[float]:

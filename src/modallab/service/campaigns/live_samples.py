@@ -7,6 +7,7 @@ samples that are not.
 
 import json
 import struct
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -16,9 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.acquisition.monitor.live import FOLDER, LiveInfo, live_info
+from modallab.acquisition.monitor.live import FOLDER, IDLE, LiveInfo, live_info
 from modallab.acquisition.monitor.ring import CELL, Ring
+from modallab.acquisition.process.idle_scope import want
 
+WANT_S = 1.0
+"""So often a viewer says that it still looks at rigs without a run."""
 LARGEST_S = 0.5
 """A message holds at most so much: who was away catches up in several."""
 
@@ -39,6 +43,7 @@ class Selection:
         run: of this run only; "" for all.
         channels: these only; none for all.
         after: of the first run shown: begin with this sample; None for now.
+        idle: names under which rigs are shown while no run is on; none: runs only.
         columns_per_s: the extremes of so many stretches a second instead of samples; None for samples.
     """
 
@@ -47,6 +52,7 @@ class Selection:
     channels: tuple[str, ...] = ()
     after: int | None = None
     columns_per_s: float | None = None
+    idle: tuple[str, ...] = ()
 
 
 @dataclass(eq=False, slots=True)
@@ -71,20 +77,20 @@ class Source:
     ended: bool = False
     written_ns: int = 0
 
-    def about(self, position: int, lost: int) -> dict[str, object]:
+    def about(self, position: int, lost: int, *, ended: bool = False) -> dict[str, object]:
         """What stands at the beginning of every message."""
         info = self.info
         at = next((b for b in reversed(info.breaks) if b.position <= position), None)
         return {
             "rig": self.rig,
-            "run": info.run,
+            "run": "" if info.run.startswith(IDLE) else info.run,
             "position": position,
             "first_sample": position if at is None else position - at.position + at.first_sample,
             "lost": lost,
             "rate_hz": info.rate_hz,
             "channels": [info.channels[row] for row in self.rows],
             "units": [info.units[row] for row in self.rows],
-            "ended": self.ended,
+            "ended": ended,
         }
 
     def until_break(self, first: int, count: int) -> int:
@@ -108,9 +114,11 @@ class LiveView:
     chosen: Selection
     _sources: dict[str, Source] = field(default_factory=dict[str, Source])
     _first: bool = True
+    _wanted_s: float = float("-inf")
 
     def look(self) -> list[bytes]:
         """Messages with what is new; none where nothing is."""
+        self._want()
         self._find()
         self._first = False
         step = _samples if self.chosen.columns_per_s is None else self._envelope
@@ -121,6 +129,13 @@ class LiveView:
         for source in self._sources.values():
             source.ring.close()
 
+    def _want(self) -> None:
+        now = time.monotonic()
+        if self.chosen.idle and now - self._wanted_s > WANT_S:
+            self._wanted_s = now
+            for name in self.chosen.idle:
+                want(self.folder, name)
+
     def _envelope(self, source: Source) -> bytes | None:
         assert self.chosen.columns_per_s is not None
         return _extremes(source, max(1, round(source.info.rate_hz / self.chosen.columns_per_s)))
@@ -129,7 +144,7 @@ class LiveView:
         while (found := step(source)) is not None:
             yield found
         if source.ended:
-            yield message(source.about(source.next, 0), np.zeros((len(source.rows), 0), source.info.dtype))
+            yield message(source.about(source.next, 0, ended=True), np.zeros((len(source.rows), 0), source.info.dtype))
             source.ring.close()
             del self._sources[source.info.run]
 
@@ -148,6 +163,8 @@ class LiveView:
     def _runs(self) -> Iterator[tuple[str, int]]:
         """Each run that is shown, and when what is said of it was written."""
         for file in (self.folder / FOLDER).glob("*.json"):
+            if file.stem.startswith(IDLE) and file.stem not in self.chosen.idle:
+                continue
             # A run may end while it is looked for.
             with suppress(FileNotFoundError):
                 yield file.stem, file.stat().st_mtime_ns

@@ -3,11 +3,14 @@
 import numpy as np
 from sqlalchemy import select
 
-from modallab.core.documents.runs import BlockView, Drop, RunView, Verdict
+from modallab.core.documents.messages import VerdictGiven
+from modallab.core.documents.runs import Accept, BlockView, Drop, RunView, Verdict
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.jobs.background import AfterRun
 from modallab.service.records import audit
 from modallab.service.records.event_log import Topic
+from modallab.service.records.set_aside import SetAside, shown
 from modallab.service.rigs.control import legal_after
 from modallab.storage.engine import reading
 from modallab.storage.recorder import utc_now
@@ -39,6 +42,7 @@ def run_view(service: Service, run: str) -> RunView:
     record = record_of(service, run)
     entry = service.repository.entry(run)
     blocks = service.store.catalogue.blocks(run)
+    aside = None if entry is None else SetAside(service.engine).run(run, entry.campaign)
     return RunView(
         id=run,
         campaign=None if entry is None else entry.campaign,
@@ -57,6 +61,7 @@ def run_view(service: Service, run: str) -> RunView:
         blocks=len(blocks),
         accepted=sum(block.note.accepted for block in blocks),
         rate_hz=None if record.rates is None else record.rates.delivered_hz,
+        **shown(aside),
     )
 
 
@@ -124,7 +129,8 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
     Raises:
         NotFoundError: there is no such block.
         LeaseNeededError: the run goes on, and its rig's lease is another's.
-        ConflictError: the run belongs to no campaign, or a block is accepted while the run still asks for it again.
+        ConflictError: the run belongs to no campaign.
+        PlanError: a block is accepted in a test that goes on and is no impact test.
     """
     block, record, entry = block_record(service, run, n), record_of(service, run), service.repository.entry(run)
     if entry is None:
@@ -142,13 +148,14 @@ def judge(service: Service, run: str, n: int, verdict: Verdict, lease: str | Non
         run, n, accepted=verdict.accepted, reason=verdict.reason or word, operator=operator, utc=utc_now()
     )
     audit.enter(service.engine, operator, "verdict", f"{run}/{n}", verdict.model_dump())
-    content = {"kind": "verdict", "run": run, "n": n, "operator": operator} | verdict.model_dump()
-    service.log.append("verdict", Topic(entry.rig, entry.campaign, run), content)
+    given = VerdictGiven(run=run, n=n, operator=operator, accepted=verdict.accepted, reason=verdict.reason)
+    service.log.append(given.kind, Topic(entry.rig, entry.campaign, run), given.model_dump())
+    AfterRun(service.store, service.jobs).judged(run)
 
 
 def _while_running(service: Service, rig: str, run: str, n: int, verdict: Verdict, lease: str | None) -> None:
+    reason = verdict.reason
     if verdict.accepted:
-        raise ConflictError(
-            "a block can be accepted only when its run has ended", where=run, remedy="wait; the hit is asked for again"
-        )
-    service.control.command(rig, run, Drop(n=n, reason=verdict.reason or "rejected by the operator"), lease)
+        service.control.command(rig, run, Accept(n=n, reason=reason or "accepted at the bench"), lease)
+    else:
+        service.control.command(rig, run, Drop(n=n, reason=reason or "rejected by the operator"), lease)

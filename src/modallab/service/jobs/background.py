@@ -5,6 +5,7 @@ import time
 
 from sqlalchemy import Engine
 
+from modallab.core.documents.messages import JobChanged
 from modallab.core.errors import ModallabError, UnknownJobError
 from modallab.jobs import Job, Jobs
 from modallab.service.records.event_log import EventLog, Topic
@@ -12,6 +13,8 @@ from modallab.service.records.repository import CampaignRepository
 from modallab.storage import Store
 
 LOOK_S = 0.5
+STEP = 0.02
+"""Progress that is worth an event."""
 PAGE = 100
 
 
@@ -22,7 +25,7 @@ class JobWatch:
         self._repository = CampaignRepository(engine)
         self._jobs = jobs
         self._log = log
-        self._known: dict[str, tuple[str, float]] = {}
+        self._known: dict[str, tuple[str, str, float]] = {}
         self._looked_s = float("-inf")
 
     def look(self) -> None:
@@ -42,11 +45,14 @@ class JobWatch:
         if job is None:
             self._known.pop(name, None)
             return
-        stand = (job.state, round(job.progress, 1))
+        stand = (job.state, job.stage, round(job.progress / STEP) * STEP)
         if self._known.get(name) != stand:
-            content = {"kind": "job", "job": job.id, "of": job.kind, "state": job.state, "progress": job.progress}
-            content |= {"inputs": list(job.inputs), "error": job.error}
-            self._log.append("job", Topic(campaign=self._repository.campaign_of_job(name)), content)
+            changed = JobChanged(
+                job=job.id, of=job.kind, state=job.state, progress=job.progress, stage=job.stage, inputs=job.inputs,
+                error=job.error,
+            )  # fmt: skip
+            topic = Topic(campaign=self._repository.campaign_of_job(name))
+            self._log.append(changed.kind, topic, changed.model_dump(mode="json"))
         if job.ended:
             self._known.pop(name, None)
         else:
@@ -63,7 +69,7 @@ LOG = logging.getLogger(__name__)
 
 
 class AfterRun:
-    """Orders the identification of every run that ended with good blocks."""
+    """Orders the identification of every run that ended with good blocks, and anew if blocks are judged meanwhile."""
 
     def __init__(self, store: Store, jobs: Jobs) -> None:
         self._store = store
@@ -78,11 +84,41 @@ class AfterRun:
         except ModallabError as error:
             LOG.warning("run %s: not identified: %s", run, error)
 
+    def judged(self, run: str) -> None:
+        """A block of an ended run was judged: what waits or goes on is done with the blocks that count now.
+
+        An identification of the run itself is ordered where there is none: it was cancelled, or nothing counted. Where
+        one is done, whoever wants another orders it.
+        """
+        try:
+            for job in self._jobs.outdated(run, self._store.revision):
+                self._replace(job)
+            if self.worth_identifying(run) and not self._identified(run):
+                self.identify(run)
+        except ModallabError as error:
+            LOG.warning("run %s: not identified after a verdict: %s", run, error)
+
+    def _replace(self, job: Job) -> None:
+        if not any(self._counts(run) for run in job.inputs):
+            self._jobs.cancel(job.id, "none of its blocks counts any more")
+            return
+        newer = self._jobs.replace(job, self._store.revision(job.inputs))
+        campaign = self._repository.campaign_of_job(job.id)
+        if campaign:
+            self._repository.add_job(campaign, newer, "service")
+
+    def _identified(self, run: str) -> bool:
+        entry = self._repository.entry(run)
+        names = [] if entry is None else self._repository.jobs(entry.campaign, "identify")
+        alive = ("queued", "running", "done")
+        return any(run in job.inputs and job.state in alive for job in map(self._jobs.get, names))
+
+    def _counts(self, run: str) -> bool:
+        return any(block.note.accepted for block in self._store.catalogue.blocks(run))
+
     def worth_identifying(self, run: str) -> bool:
         """Whether a run ended well and has blocks that count."""
-        record = self._store.catalogue.run(run)
-        blocks = self._store.catalogue.blocks(run)
-        return record.state == "done" and any(block.note.accepted for block in blocks)
+        return self._store.catalogue.run(run).state == "done" and self._counts(run)
 
     def identify(self, run: str) -> Job:
         """Order the model of a run and of all it continues."""

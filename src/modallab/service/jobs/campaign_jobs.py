@@ -6,6 +6,7 @@ from modallab.jobs import Job
 from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.records.set_aside import SetAside
 from modallab.storage.records import ENDED
 
 
@@ -14,9 +15,10 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
 
     Raises:
         NotFoundError: no such campaign, or a run that is not of it.
-        ConflictError: no run that could be used.
+        ConflictError: no run that could be used, or the campaign is archived or deleted.
         JobError: parameters that cannot be kept.
     """
+    SetAside(service.engine).require_present(campaign)
     runs = _runs(service, campaign, new.runs)
     parse_parameters(kind, new.parameters)
     job = service.jobs.submit(kind, dict(new.parameters), runs, service.store.revision(runs))
@@ -35,7 +37,8 @@ def campaign_jobs(service: Service, campaign: str, kind: str | None = None) -> l
 
 
 def _runs(service: Service, campaign: str, requested: tuple[str, ...] | None) -> tuple[str, ...]:
-    known = service.repository.campaign(campaign).runs
+    # One that is archived is used where it is named, one that is deleted nowhere.
+    known = service.repository.runs(campaign, archived=requested is not None)
     foreign = [run for run in requested or () if run not in known]
     if foreign:
         raise NotFoundError(f"campaign {campaign} has no run {foreign[0]!r}", where="runs", remedy="look at its runs")

@@ -7,13 +7,13 @@ import numpy as np
 from pydantic import ValidationError
 
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.documents.models import ComparisonView, DiagnosisView, ModelsView, TestModel
+from modallab.core.documents.models import CURVES, ComparisonView, CurvesView, DiagnosisView, ModelsView, TestModel
 from modallab.core.errors import DataError, StorageError
 from modallab.core.model import ModalModel
 from modallab.jobs import Job
 from modallab.service.context import Service
 from modallab.service.errors import NotFoundError
-from modallab.service.jobs.campaign_jobs import campaign_jobs, none_yet
+from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, none_yet
 
 
 def models_of_campaign(service: Service, campaign: str) -> ModelsView:
@@ -23,6 +23,19 @@ def models_of_campaign(service: Service, campaign: str) -> ModelsView:
         NotFoundError: no such campaign, or it has none yet.
     """
     return _models(service, _newest(f"campaign {campaign}", "identify", campaign_jobs(service, campaign, "identify")))
+
+
+def curves_of_campaign(service: Service, campaign: str) -> CurvesView:
+    """What the newest models of a campaign are looked at by.
+
+    Raises:
+        NotFoundError: no such campaign, it has no models yet, or they are of a version that left no curves.
+    """
+    job = _newest(f"campaign {campaign}", "identify", campaign_jobs(service, campaign, "identify"))
+    try:
+        return CurvesView.model_validate_json(job_file(service, job, CURVES))
+    except ValidationError as error:
+        raise _unreadable(job) from error
 
 
 def models_of_run(service: Service, run: str) -> ModelsView:

@@ -2,18 +2,18 @@
 
 import logging
 import multiprocessing
-import os
 import pickle
 import time
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from threading import Lock
 from typing import cast
 
 import psutil
 
-from modallab.core.owned import run_owned
+from modallab.core.owned import start_owned
 
 LOG = logging.getLogger(__name__)
 AGAIN_S = 0.2
@@ -62,6 +62,9 @@ class Child:
         self.process: BaseProcess | None = None
         self._connection: Connection | None = None
         self._life: Connection | None = None
+        # It is started by one thread and asked to leave by another: never started after that, nor half started then.
+        self._lock = Lock()
+        self._leaving = False
 
     @property
     def pid(self) -> int | None:
@@ -79,7 +82,12 @@ class Child:
         return 0.0 if times is None else times.user + times.system
 
     def look(self) -> None:
-        """Start it, if it is not there and its time has come."""
+        """Start it, if it is not there and its time has come; never once it was asked to leave."""
+        with self._lock:
+            if not self._leaving:
+                self._look()
+
+    def _look(self) -> None:
         if self.process is not None and self.process.is_alive():
             return
         now = time.monotonic()
@@ -93,7 +101,9 @@ class Child:
             self._start()
 
     def ask_to_leave(self) -> None:
-        """Ask it, and wait for nothing."""
+        """Ask it, and wait for nothing but a start that is under way."""
+        with self._lock:
+            self._leaving = True
         self._leave_by_s = time.monotonic() + LEAVE_S
         if self._connection is not None:
             with suppress(OSError):
@@ -109,16 +119,11 @@ class Child:
             self.process.join()
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        watched, life = context.Pipe(duplex=False)
-        about = (watched, os.getpid(), self._grace_s, self._target, self._arguments)
-        self.process = context.Process(target=run_owned, args=(*about, theirs, *self._handles), name=self.name)
-        self.process.start()
-        theirs.close()
-        watched.close()
+        ours, theirs = multiprocessing.get_context("spawn").Pipe()
+        handles = (theirs, *self._handles)
         # Held as long as this process lives, and closed with it.
-        self._life = cast("Connection", life)
+        self.process, self._life = start_owned(self.name, self._target, handles, self._arguments, grace_s=self._grace_s)
+        theirs.close()
         self._connection, self._began_s = cast("Connection", ours), time.monotonic()
         self._started(self._connection)
 

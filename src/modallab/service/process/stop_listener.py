@@ -3,6 +3,7 @@
 import json
 import logging
 import socket
+import ssl
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -22,6 +23,8 @@ PATIENCE_S = 5.0
 AT_ONCE = 100
 """Connections that may be waited for; then the one that has been waited for longest gives way."""
 BODY_BYTES = 1 << 16
+HANDSHAKE = b"\x16"
+"""The first byte of TLS; no method of HTTP begins with it."""
 DRAIN_S = 1.0
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 # The form goes to the page's own address, with the rig and the operator that may stand there.
@@ -43,7 +46,9 @@ class StopListener:
     It asks for no lease and no token: whoever reaches it may stop. Who may reach it is a matter of its address.
     """
 
-    def __init__(self, host: str, port: int, stop: Stop, names: Iterable[str] = ()) -> None:
+    def __init__(
+        self, host: str, port: int, stop: Stop, names: Iterable[str] = (), tls: ssl.SSLContext | None = None
+    ) -> None:
         """Listen.
 
         Args:
@@ -51,11 +56,12 @@ class StopListener:
             port: 0 for any free one.
             stop: called with the rig (None: all), the reason and the operator; returns the rigs that were stopped.
             names: the service is known by: pages of these hosts may stop it, whatever their port.
+            tls: to speak TLS with whoever begins with it; plain HTTP stops all the same.
 
         Raises:
             OSError: the address is taken.
         """
-        self._server = _Server((host, port), stop, frozenset({*LOOPBACK, host, *(name.lower() for name in names)}))
+        self._server = _Server((host, port), stop, frozenset({*LOOPBACK, host, *(name.lower() for name in names)}), tls)
         self.port: int = self._server.server_address[1]
         Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.1}, name="stop", daemon=True).start()
 
@@ -69,8 +75,9 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
     request_queue_size = 1024
 
-    def __init__(self, address: tuple[str, int], stop: Stop, names: frozenset[str]) -> None:
+    def __init__(self, address: tuple[str, int], stop: Stop, names: frozenset[str], tls: ssl.SSLContext | None) -> None:
         self.stop = stop
+        self.tls = tls
         self.names = names
         self._waited_for: dict[socket.socket, float] = {}
         self._lock = Lock()
@@ -91,6 +98,13 @@ class _Server(ThreadingHTTPServer):
         with self._lock:
             for late in [request for request, since in self._waited_for.items() if since < limit]:
                 self._drop(late)
+
+    def secured(self, request: socket.socket, secure: ssl.SSLSocket) -> None:
+        """From now on it is read and written by another socket."""
+        with self._lock:
+            since = self._waited_for.pop(request, None)
+            if since is not None:
+                self._waited_for[secure] = since
 
     def arrived(self, request: socket.socket) -> None:
         """The request is there: from now on the client waits for us."""
@@ -114,6 +128,22 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE_S
     server_version = "modallab"
     sys_version = ""
+
+    def setup(self) -> None:
+        """As the library; with TLS, if that is what the first byte begins."""
+        tls, plain = self._ours.tls, self.request
+        if tls is not None:
+            plain.settimeout(PATIENCE_S)
+            if plain.recv(1, socket.MSG_PEEK) == HANDSHAKE:
+                self.request = tls.wrap_socket(plain, server_side=True, do_handshake_on_connect=False)
+                self._ours.secured(plain, self.request)
+                self.request.do_handshake()
+        super().setup()
+
+    def finish(self) -> None:
+        """As the library, which closes the socket that came."""
+        super().finish()
+        self._ours.shutdown_request(self.request)
 
     def do_POST(self) -> None:
         """Stop."""

@@ -10,11 +10,13 @@ from multiprocessing.connection import Connection
 from threading import Event as Flag
 from threading import Thread
 from typing import Self
+from urllib.parse import urlsplit
 
 from modallab.core.errors import ModallabError
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
+from modallab.service.campaigns.purge import Purge
 from modallab.service.errors import ServiceError
 from modallab.service.jobs.background import AfterRun, JobWatch
 from modallab.service.process.child import Child, HeartbeatTimer
@@ -22,13 +24,16 @@ from modallab.service.process.descriptors import raise_limit
 from modallab.service.process.orphans import Orphans
 from modallab.service.process.ports import bound, taken
 from modallab.service.process.stop_listener import StopListener
+from modallab.service.process.tls import server_context
 from modallab.service.process.wire import Counter
 from modallab.service.process.workers import Computing
 from modallab.service.records.event_log import EventLog
 from modallab.service.records.leases import Leases
+from modallab.service.records.sessions import make_link
 from modallab.service.rigs.controller import Bench, Controller
 from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
+from modallab.service.rigs.queue_runner import QueueRunner
 from modallab.storage import Store
 from modallab.storage.lease import Lease
 
@@ -63,7 +68,7 @@ class Supervisor:
         """
         # Inherited by every process that is started from here.
         raise_limit()
-        self._settings = settings
+        self._settings, self._token = settings, token
         self._closing = Flag()
         self._closed = Flag()
         self.store = Store(settings.data)
@@ -85,6 +90,7 @@ class Supervisor:
         after = AfterRun(self.store, jobs)
         self._recovery = Recovery(diary, after)
         self._recovery.look()
+        self._purge = Purge(self.store)
         listener = bound(settings.host, settings.port)
         leases = Leases(self.store.catalogue.engine, boot)
         ids = rig_ids([rig.name for rig, _ in rigs])
@@ -96,8 +102,9 @@ class Supervisor:
             leases,
         )
         try:
+            pages = *settings.hosts, *(urlsplit(origin).hostname or "" for origin in settings.cors)
             self._stop = StopListener(
-                settings.host, settings.stop_port, self.controllers.emergency_stop, settings.hosts
+                settings.host, settings.stop_port, self.controllers.emergency_stop, pages, server_context(settings)
             )
         except OSError as error:
             self.controllers.close()
@@ -109,6 +116,7 @@ class Supervisor:
         self._computing: dict[str, int] = {}
         self._jobs_owner = ""
         self.controllers.others = self._processes
+        self._queued_runs = QueueRunner(self.controllers, diary, self._is_heard)
         self._look_after(self._api)
         for work in (self._keep, self._guard):
             Thread(target=work, name=work.__name__.strip("_"), daemon=True).start()
@@ -118,6 +126,14 @@ class Supervisor:
         while not self._closing.wait(0.2):
             pass
 
+    def login_path(self) -> str:
+        """A path of the REST service that logs a browser in, once, as whoever has the service's token.
+
+        Raises:
+            StorageError: it could not be kept.
+        """
+        return make_link(self.store.catalogue.engine, "", self._token)[0]
+
     def ask_to_close(self) -> None:
         """Have `wait` return."""
         self._closing.set()
@@ -125,6 +141,7 @@ class Supervisor:
     def close(self) -> None:
         """Leave every rig at rest, and end the processes."""
         self._closing.set()
+        self._queued_runs.ask_to_close()
         # The outputs first; then nobody is waited for who was not asked to leave yet.
         self.controllers.ask_to_close()
         for child in (self._api, self._jobs):
@@ -188,9 +205,12 @@ class Supervisor:
                 if self._settings.jobs and self._counter is not None and self._counter.began:
                     # Its imports take seconds of processor time, and the REST service comes first.
                     self._look_after(self._jobs)
+                for name, pid in self.controllers.rig_processes().items():
+                    self._orphans.note(name, pid, leaves=True)
                 self._diary.log.flush()
                 self._watch.look()
                 self._recovery.look()
+                self._purge.look()
             except Exception:
                 LOG.exception("supervisor")
         # The system ends children with the thread that started them.
@@ -219,6 +239,13 @@ class Supervisor:
         return counter.gone or (
             f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
         )
+
+    def _is_heard(self) -> bool:
+        """Whether somebody could see and command a run that begins now."""
+        counter = self._counter
+        if counter is None or not counter.began or counter.gone:
+            return False
+        return counter.since_heard_s <= self._settings.heartbeat_timeout_s
 
     def _trip(self, trouble: str) -> None:
         try:

@@ -12,6 +12,7 @@ from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Any
 
+from modallab.core.documents.queue import ConsentNew, ConsentView
 from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
 from modallab.service.errors import RigUnavailableError
@@ -20,7 +21,12 @@ from modallab.service.rigs.control import Control, ControllerState, StartRun
 LOG = logging.getLogger(__name__)
 BEAT_S = 0.2
 ANSWER_S = 30.0
-CALLS = frozenset({"states", "processes", "start", "command", "emergency_stop", "reset"})
+CALLS = frozenset(
+    {
+        "states", "processes", "start", "command", "emergency_stop", "reset", "give_consent", "withdraw_consent",
+        "consent_view",
+    }
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +95,18 @@ class RemoteControl:
     def reset(self, rig: str, reason: str, lease: str | None) -> None:
         """As `Control`."""
         self._call("reset", rig, reason, lease)
+
+    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
+        """As `Control`."""
+        return self._call("give_consent", rig, new, items, lease)
+
+    def withdraw_consent(self, rig: str) -> None:
+        """As `Control`."""
+        self._call("withdraw_consent", rig)
+
+    def consent_view(self, rig: str) -> ConsentView | None:
+        """As `Control`."""
+        return self._call("consent_view", rig)
 
     def _call(self, name: str, *arguments: Any) -> Any:
         future: Future[Any] = Future()

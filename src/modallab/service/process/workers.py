@@ -79,7 +79,11 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
             server_header=False,
             http=guarded(raise_limit()),
             ws="websockets-sansio",
+            # Samples hardly shrink, and what shrinks them would keep everyone else waiting meanwhile.
+            ws_per_message_deflate=False,
             timeout_graceful_shutdown=1,
+            ssl_certfile=settings.tls_cert,
+            ssl_keyfile=settings.tls_key,
         )
     )
     try:

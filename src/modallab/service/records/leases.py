@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import Connection, Engine, delete, insert, select, update
 
 from modallab.core.documents.rigs import Lease, LeaseHolder
-from modallab.service.errors import LeaseHeldError, LeaseNeededError
+from modallab.service.errors import LeaseHeldError, LeaseNeededError, NotFoundError
 from modallab.service.records import audit
 from modallab.storage.engine import reading, writing
 from modallab.storage.service_tables import LEASES
@@ -36,12 +36,7 @@ class Leases:
             row = _row(connection, rig)
             holder = row["operator"] if row is not None and self._remaining_s(row) > 0 else None
             if holder is not None and not take_over:
-                raise LeaseHeldError(
-                    f"{holder} holds {rig} for {self._remaining_s(row):.1f} s more",
-                    where=rig,
-                    remedy="ask the holder to give it back, or wait; if the holder's program is gone, ask with "
-                    "take_over; an emergency stop needs no lease",
-                )
+                raise self._held_by_another(row, rig)
             fence = 1 if row is None else int(row["fence"]) + 1
             connection.execute(delete(LEASES).where(LEASES.c.rig == rig))
             lease = Lease(id=secrets.token_urlsafe(18), rig=rig, operator=operator, fence=fence, ttl_s=ttl_s)
@@ -84,6 +79,26 @@ class Leases:
         with reading(self._engine) as connection:
             return _lease(self._held(_row(connection, rig), rig, lease))
 
+    def owner(self, lease: str) -> str | None:
+        """Who took the lease of this id, held or over; None if it is not the last one of a rig."""
+        with reading(self._engine) as connection:
+            return connection.scalar(select(LEASES.c.operator).where(LEASES.c.id == lease))
+
+    def recover(self, rig: str, operator: str) -> Lease:
+        """The lease that `operator` holds, whose program has forgotten its id; its time begins anew.
+
+        Raises:
+            LeaseHeldError: someone else holds it.
+            NotFoundError: nobody does.
+        """
+        with reading(self._engine) as connection:
+            row = _row(connection, rig)
+        if row is None or self._remaining_s(row) <= 0:
+            raise NotFoundError(f"nobody holds {rig}", where=rig, remedy="take the lease")
+        if row["operator"] != operator:
+            raise self._held_by_another(row, rig)
+        return self.renew(rig, str(row["id"]))
+
     def holder(self, rig: str) -> LeaseHolder | None:
         """Who holds the rig; None if nobody does."""
         with reading(self._engine) as connection:
@@ -91,6 +106,14 @@ class Leases:
         if row is None or self._remaining_s(row) <= 0:
             return None
         return LeaseHolder(operator=row["operator"], fence=row["fence"], remaining_s=self._remaining_s(row))
+
+    def _held_by_another(self, row: Any, rig: str) -> LeaseHeldError:
+        return LeaseHeldError(
+            f"{row['operator']} holds {rig} for {self._remaining_s(row):.1f} s more",
+            where=rig,
+            remedy="ask the holder to give it back, or wait; if the holder's program is gone, ask with take_over, or, "
+            "who holds it, with recover; an emergency stop needs no lease",
+        )
 
     def _remaining_s(self, row: Any) -> float:
         return float(row["expires_s"]) - time.monotonic() if row["boot"] == self._boot else 0.0

@@ -11,6 +11,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
+from modallab.service.records.set_aside import aside_of, bring_back, left_out, shown
 from modallab.storage.engine import next_number, reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
@@ -84,9 +85,22 @@ class CampaignRepository:
         with reading(self._engine) as connection:
             return _campaign(connection, campaign)
 
-    def campaigns(self, before: str | None, limit: int, *, rig: str = "", text: str = "") -> list[CampaignView]:
-        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in it."""
+    def campaigns(
+        self,
+        before: str | None,
+        limit: int,
+        *,
+        rig: str = "",
+        text: str = "",
+        archived: bool = False,
+        deleted: bool = False,
+    ) -> list[CampaignView]:
+        """Up to `limit` campaigns before the one named `before`, newest first; of a rig, with a text in it.
+
+        Those that are archived or deleted only where they are asked for.
+        """
         query = select(CAMPAIGNS.c.id).order_by(CAMPAIGNS.c.seq.desc()).limit(limit)
+        query = query.where(CAMPAIGNS.c.id.not_in(left_out("campaign", archived=archived, deleted=deleted)))
         if rig:
             query = query.where(CAMPAIGNS.c.rig == rig)
         if text:
@@ -97,6 +111,16 @@ class CampaignRepository:
             query = query.where(CAMPAIGNS.c.seq < place)
         with reading(self._engine) as connection:
             return [_campaign(connection, name) for name in connection.scalars(query).all()]
+
+    def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[str, ...]:
+        """The runs of a campaign, the oldest first; those that are archived or deleted only where they are asked for.
+
+        Raises:
+            NotFoundError: there is no such campaign.
+        """
+        with reading(self._engine) as connection:
+            _campaign(connection, campaign)
+            return _runs(connection, campaign, archived=archived, deleted=deleted)
 
     def change(self, campaign: str, change: CampaignChange, revision: int, operator: str) -> CampaignView:
         """Change a campaign, if it is still at `revision`.
@@ -130,6 +154,7 @@ class CampaignRepository:
             connection.execute(insert(CAMPAIGN_RUNS).values(row))
             more = update(CAMPAIGNS).where(CAMPAIGNS.c.id == entry.campaign)
             connection.execute(more.values(revision=CAMPAIGNS.c.revision + 1))
+            bring_back(connection, entry.campaign)
             audit.note(connection, entry.operator, "start-run", entry.run, {"campaign": entry.campaign, "plan": plan})
             if key is not None:
                 connection.execute(delete(RUN_KEYS).where(RUN_KEYS.c.created_utc < key_limit()))
@@ -217,6 +242,15 @@ def _campaign(connection: Connection, campaign: str) -> CampaignView:
     row = connection.execute(select(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)).mappings().one_or_none()
     if row is None:
         raise NotFoundError(f"there is no campaign {campaign!r}", remedy="look at the list of campaigns")
-    runs = select(CAMPAIGN_RUNS.c.run).where(CAMPAIGN_RUNS.c.campaign == campaign).order_by(CAMPAIGN_RUNS.c.seq)
     known = {name: value for name, value in row.items() if name != "seq"}
-    return CampaignView(**known, runs=tuple(connection.scalars(runs).all()))
+    aside = aside_of(connection, "campaign", campaign)
+    runs = _runs(connection, campaign, archived=False, deleted=False)
+    return CampaignView(**known, runs=runs, **shown(aside))
+
+
+def _runs(connection: Connection, campaign: str, *, archived: bool, deleted: bool) -> tuple[str, ...]:
+    query = select(CAMPAIGN_RUNS.c.run).where(
+        CAMPAIGN_RUNS.c.campaign == campaign,
+        CAMPAIGN_RUNS.c.run.not_in(left_out("run", archived=archived, deleted=deleted)),
+    )
+    return tuple(connection.scalars(query.order_by(CAMPAIGN_RUNS.c.seq)))

@@ -1,7 +1,8 @@
-"""Sessions of browsers: a cookie stands for the token until its owner logs out, or it is too old."""
+"""Sessions of browsers: a cookie stands for a token until its owner logs out or it is too old; and links to log in."""
 
 import hashlib
 import secrets
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 
 from sqlalchemy import Engine, delete, insert, select
@@ -11,40 +12,47 @@ from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import SESSIONS
 
 LIFE = timedelta(days=30)
+LINK_LIFE = timedelta(minutes=10)
 
 
 class Sessions:
-    """Those of one token: with another token they are void. The database holds no cookie, only a hash of it."""
+    """Sessions and links of tokens: with another token they are void. The database holds a hash of each, no more."""
 
-    def __init__(self, engine: Engine, token: str) -> None:
-        """Read those that were begun before.
+    def __init__(self, engine: Engine, secret: Callable[[str], str]) -> None:
+        """Read the sessions that were begun before.
+
+        Args:
+            engine: the database.
+            secret: of the token of an id, "" for the service's own; "" if that counts for nothing any more.
 
         Raises:
             StorageError: they cannot be read.
         """
         self._engine = engine
-        self._token = token
-        oldest = (datetime.now(UTC) - LIFE).isoformat(timespec="milliseconds")
+        self._secret = secret
         with reading(engine) as connection:
-            self._known = set(connection.scalars(select(SESSIONS.c.id).where(SESSIONS.c.created_utc >= oldest)))
+            rows = connection.execute(select(SESSIONS).where(SESSIONS.c.created_utc >= _ago(LIFE)))
+            self._known = {row.id: row.created_utc for row in rows}
 
-    def begin(self) -> str:
-        """A new session; returns its cookie.
+    def begin(self, token: str) -> str:
+        """A new session for the token of this id; returns its cookie.
 
         Raises:
             StorageError: it could not be kept.
         """
-        cookie = secrets.token_urlsafe(32)
-        oldest = (datetime.now(UTC) - LIFE).isoformat(timespec="milliseconds")
+        cookie = _random(token)
         with writing(self._engine) as connection:
-            connection.execute(delete(SESSIONS).where(SESSIONS.c.created_utc < oldest))
+            connection.execute(delete(SESSIONS).where(SESSIONS.c.created_utc < _ago(LIFE)))
             connection.execute(insert(SESSIONS).values(id=self._name(cookie), created_utc=utc_now()))
-        self._known.add(self._name(cookie))
+        self._known[self._name(cookie)] = utc_now()
         return cookie
 
-    def knows(self, cookie: str) -> bool:
-        """Whether a cookie stands for the token."""
-        return bool(cookie) and self._name(cookie) in self._known
+    def token_of(self, cookie: str) -> str | None:
+        """Id of the token that a cookie stands for, "" for the service's own; None if it stands for nothing."""
+        token = _token_of(cookie)
+        if not cookie or not self._secret(token):
+            return None
+        return token if self._known.get(self._name(cookie), "") >= _ago(LIFE) else None
 
     def end(self, cookie: str) -> None:
         """From now on the cookie stands for nothing.
@@ -52,11 +60,59 @@ class Sessions:
         Raises:
             StorageError: it could not be kept; for this service it has ended all the same.
         """
-        if not self.knows(cookie):
+        if self.token_of(cookie) is None:
             return
-        self._known.discard(self._name(cookie))
+        self._known.pop(self._name(cookie), None)
         with writing(self._engine) as connection:
             connection.execute(delete(SESSIONS).where(SESSIONS.c.id == self._name(cookie)))
 
+    def use_link(self, key: str) -> str | None:
+        """Id of the token that a link logs in with; None if it was used, is too old, or never was one.
+
+        Raises:
+            StorageError: that it was used could not be kept, and so it was not.
+        """
+        token = _token_of(key)
+        secret = self._secret(token)
+        if not secret:
+            return None
+        mine = SESSIONS.c.id == _hashed("link", secret, key), SESSIONS.c.created_utc >= _ago(LINK_LIFE)
+        with reading(self._engine) as connection:
+            # Anyone may try, and nobody has the database written by that.
+            if connection.scalar(select(SESSIONS.c.id).where(*mine)) is None:
+                return None
+        with writing(self._engine) as connection:
+            return token if connection.execute(delete(SESSIONS).where(*mine)).rowcount == 1 else None
+
     def _name(self, cookie: str) -> str:
-        return hashlib.sha256(f"modallab session {self._token} {cookie}".encode()).hexdigest()
+        return _hashed("session", self._secret(_token_of(cookie)), cookie)
+
+
+def make_link(engine: Engine, token: str, secret: str) -> tuple[str, str]:
+    """A path that logs a browser in once, and until when; with the token of an id ("" for the service's own).
+
+    Raises:
+        StorageError: it could not be kept.
+    """
+    key = _random(token)
+    with writing(engine) as connection:
+        connection.execute(insert(SESSIONS).values(id=_hashed("link", secret, key), created_utc=utc_now()))
+    until = datetime.now(UTC) + LINK_LIFE
+    return f"/login?key={key}", until.isoformat(timespec="milliseconds")
+
+
+def _random(token: str) -> str:
+    return f"{token}.{secrets.token_urlsafe(32)}" if token else secrets.token_urlsafe(32)
+
+
+def _token_of(text: str) -> str:
+    token, dot, _ = text.partition(".")
+    return token if dot else ""
+
+
+def _hashed(what: str, secret: str, text: str) -> str:
+    return hashlib.sha256(f"modallab {what} {secret} {text}".encode()).hexdigest()
+
+
+def _ago(life: timedelta) -> str:
+    return (datetime.now(UTC) - life).isoformat(timespec="milliseconds")

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from modallab.acquisition.monitor.run_states import TRANSITIONS, IllegalTransitionError
 from modallab.bench.protocol import BenchInfo
+from modallab.core.documents.queue import ConsentNew, ConsentView
 from modallab.core.documents.rigs import RigState
 from modallab.core.documents.runs import Action, Command
 from modallab.core.events import RunState
@@ -101,6 +102,30 @@ class Control(Protocol):
 
         Raises:
             LeaseNeededError, NotFoundError.
+        """
+        ...
+
+    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
+        """Let these items of a rig's queue begin by themselves.
+
+        Raises:
+            LeaseNeededError, NotFoundError.
+        """
+        ...
+
+    def withdraw_consent(self, rig: str) -> None:
+        """Let nothing begin by itself; needs no lease.
+
+        Raises:
+            NotFoundError.
+        """
+        ...
+
+    def consent_view(self, rig: str) -> ConsentView | None:
+        """What may begin by itself; None: nothing.
+
+        Raises:
+            NotFoundError.
         """
         ...
 

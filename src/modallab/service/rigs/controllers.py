@@ -4,10 +4,13 @@ import re
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from modallab.acquisition.process.trip import Trip
+from modallab.core.documents.queue import ConsentNew, ConsentView
 from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
-from modallab.service.errors import NotFoundError
+from modallab.service.errors import LeaseNeededError, NotFoundError
 from modallab.service.records.leases import Leases
+from modallab.service.rigs.consents import Consent, Consents
 from modallab.service.rigs.control import ControllerState, StartRun
 from modallab.service.rigs.controller import Controller
 
@@ -19,6 +22,7 @@ class Controllers:
         self._controllers = {controller.bench.id: controller for controller in controllers}
         self._leases = leases
         self.others: Callable[[], dict[str, int]] = dict
+        self.consents = Consents()
 
     def states(self) -> tuple[ControllerState, ...]:
         """How every rig stands."""
@@ -26,12 +30,60 @@ class Controllers:
 
     def processes(self) -> dict[str, int]:
         """As `Control`."""
-        rigs = {
-            f"rig {rig}": controller.pid for rig, controller in self._controllers.items() if controller.pid is not None
-        }
-        return rigs | self.others()
+        return self.rig_processes() | self.others()
+
+    def rig_processes(self) -> dict[str, int]:
+        """As `processes`: those of the rigs."""
+        return {f"rig {rig}": one.pid for rig, one in self._controllers.items() if one.pid is not None}
+
+    def pid(self, rig: str) -> int | None:
+        """The system's number of a rig's process."""
+        return self._controller(rig).pid
+
+    def trip(self, rig: str) -> Trip | None:
+        """Why a rig may not be driven; None if it may."""
+        return self._controller(rig).latch.read()
+
+    def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
+        """Let queued runs begin by themselves. Raises as `Control`."""
+        controller = self._controller(rig)
+        held = self._leases.require(rig, lease)
+        return self.consents.give(rig, new, frozenset(items), held, controller.pid).view
+
+    def withdraw_consent(self, rig: str) -> None:
+        """Let nothing begin by itself. Raises as `Control`."""
+        self.consents.withdraw(self._controller(rig).bench.id)
+
+    def consent_view(self, rig: str) -> ConsentView | None:
+        """As `Control`."""
+        consent = self.consent(self._controller(rig).bench.id)
+        return None if consent is None else consent.view
+
+    def consent(self, rig: str) -> Consent | None:
+        """What may begin by itself now, as long as the lease it was given under is held.
+
+        Raises:
+            StorageError: that cannot be looked up.
+        """
+        consent = self.consents.get(rig)
+        if consent is None:
+            return None
+        try:
+            self._leases.require(rig, consent.lease)
+        except LeaseNeededError:
+            self.consents.withdraw(rig)
+            return None
+        return consent
 
     def start(self, order: StartRun) -> str:
+        """Begin a run by hand; returns its name. What was to begin by itself then needs another consent.
+
+        Raises as `Control`.
+        """
+        self.consents.withdraw(order.rig)
+        return self.start_queued(order)
+
+    def start_queued(self, order: StartRun) -> str:
         """Begin a run; returns its name. Raises as `Control`."""
         controller = self._controller(order.rig)
         lease = self._leases.require(order.rig, order.lease)
@@ -83,11 +135,12 @@ class Controllers:
             raise NotFoundError(f"there is no rig {rig!r}", remedy=f"this service has: {known}")
         return self._controllers[rig]
 
-    @staticmethod
-    def _stop(controllers: Sequence[Controller], stop: Callable[[Controller], None]) -> tuple[str, ...]:
+    def _stop(self, controllers: Sequence[Controller], stop: Callable[[Controller], None]) -> tuple[str, ...]:
         failed: ModallabError | None = None
         if not controllers:
             return ()
+        for controller in controllers:
+            self.consents.stop(controller.bench.id)
         with ThreadPoolExecutor(max_workers=len(controllers)) as pool:
             for future in [pool.submit(stop, controller) for controller in controllers]:
                 try:

@@ -10,6 +10,8 @@ from typing import Protocol
 
 from sqlalchemy import Engine, func, select
 
+from modallab.core.documents.messages import Reset, RigChanged, Tripped
+from modallab.core.documents.rigs import RigState
 from modallab.core.errors import StorageError
 from modallab.core.events import StateChanged
 from modallab.service.records import audit
@@ -85,20 +87,20 @@ class Diary:
         self._stops.put(None)
         self._writer.join(CLOSE_S)
 
-    def rig_state(self, rig: str, state: str, error: str) -> None:
+    def rig_state(self, rig: str, state: RigState, error: str) -> None:
         """The rig's process is in another state."""
-        self.log.append("rig", Topic(rig=rig), {"kind": "rig", "rig": rig, "state": state, "error": error})
+        self.log.append("rig", Topic(rig=rig), RigChanged(rig=rig, state=state, error=error).model_dump())
 
     def tripped(self, rig: str, reason: str, operator: str) -> None:
         """Someone or something stopped the rig. Whoever stops waits neither for the disk nor for the database."""
-        content = {"kind": "tripped", "rig": rig, "reason": reason, "operator": operator}
-        self.log.append_later("tripped", Topic(rig=rig), content)
+        said = Tripped(rig=rig, reason=reason, operator=operator)
+        self.log.append_later(said.kind, Topic(rig=rig), said.model_dump())
         self._stops.put((operator, rig, reason))
 
     def reset(self, rig: str, reason: str, operator: str) -> None:
         """Someone has reset it."""
-        content = {"kind": "reset", "rig": rig, "reason": reason, "operator": operator}
-        self.log.append("reset", Topic(rig=rig), content)
+        said = Reset(rig=rig, reason=reason, operator=operator)
+        self.log.append(said.kind, Topic(rig=rig), said.model_dump())
         self._enter(operator, "reset", rig, reason)
 
     def _enter_stops(self) -> None:

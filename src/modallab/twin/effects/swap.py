@@ -1,16 +1,31 @@
-"""Two accelerometers on exchanged rows."""
+"""Two accelerometers whose plugs are exchanged: each row takes the other's volts for its own."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind
+from modallab.core.errors import RigError
 from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.signals.conversion import volts_per_si
 from modallab.twin.bench import Twin
 from modallab.twin.effect_model import EffectModel, Search
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     first, second = effect.place["channel"]  # pyright: ignore[reportGeneralTypeIssues]
-    return replace(twin, chain=replace(twin.chain, swap=(int(first), int(second))))
+    pair = int(first), int(second)
+    return replace(twin, chain=replace(twin.chain, swap=pair, swap_ratio=_ratio(rig, *pair)))
+
+
+def _ratio(rig: Rig, first: int, second: int) -> dict[Test, float]:
+    found: dict[Test, float] = {}
+    for test in ("impact", "sine"):
+        # A rig without a sensitivity for a test has no such test.
+        with suppress(RigError):
+            volts = volts_per_si(rig, test)
+            found[test] = float(volts[second] / volts[first])
+    return found
 
 
 MODEL = EffectModel(

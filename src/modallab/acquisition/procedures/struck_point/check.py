@@ -92,6 +92,11 @@ class StruckPointCheck:
         alike = tuple(kinds.index(c.quantity) for c in sensors)
         return cls(FrfsSoFar(tuple(c.point or 0 for c in sensors), alike), conversion.motion, up_to_hz, expected)
 
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """Places in the rig of the channels that are looked at."""
+        return tuple(sorted({*self.channels, *(self.expected.channels if self.expected is not None else ())}))
+
     def look(self, name: str, point: int, answer: Answer) -> Struck:
         """Hold a hit against all that is known; `name` is that of its record should it be rejected."""
         look = self._measure(answer)
@@ -124,8 +129,7 @@ class StruckPointCheck:
         frf = answer.frf(self.channels, self.up_to_hz)
         if self.expected is None:
             return _Look(frf, np.zeros(0, dtype=np.int64), np.zeros(0))
-        motion = answer.motion[list(self.expected.channels)]
-        found = participation(answer.force_n, motion, answer.rate_hz, answer.band_hz, self.expected)
+        found = participation(answer, self.expected)
         return _Look(frf, found.modes, found.shape)
 
     def _by_modes(self, point: int, look: _Look) -> Struck | None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.procedures.struck_point.answer import Answer
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 
 Real = NDArray[np.float64]
@@ -40,30 +41,20 @@ class Participation:
     shape: Real
 
 
-def participation(
-    force_n: Real, motion: Real, rate_hz: float, band_hz: float, expected: ExpectedModes
-) -> Participation:
-    """Fit the expected modes up to `band_hz` to a block.
-
-    Args:
-        force_n: (n,) N, zero but for the hit.
-        motion: (sensors, n) SI units, from rest.
-        rate_hz: rate of both.
-        band_hz: up to which the hit excites.
-        expected: the modes.
-    """
-    n = force_n.size
-    force, answer = np.fft.rfft(force_n), np.fft.rfft(motion, axis=1)
-    df = rate_hz / n
+def participation(answer: Answer, expected: ExpectedModes) -> Participation:
+    """Fit the expected modes, as far as a hit has excited them, to its block."""
+    force, rate_hz = answer.force, answer.rate_hz
+    motion = answer.of(expected.channels)
+    df = rate_hz / answer.force_n.size
     used: list[int] = []
     shapes: list[float] = []
     for mode, hz in enumerate(expected.frequency_hz):
         sensed, largest = expected.at_sensors[:, mode], np.abs(expected.at_points[:, mode]).max()
-        if hz > band_hz or np.abs(sensed).max() < LEAST_SENSED * largest:
+        if hz > answer.band_hz or np.abs(sensed).max() < LEAST_SENSED * largest:
             continue
         reach = max(REACH * hz, LEAST_LINES * df)
         lines = np.arange(max(1, int((hz - reach) / df)), min(force.size, int((hz + reach) / df) + 2))
-        fit = _Fit(force_n, force[lines], answer[:, lines], lines, rate_hz, expected.derivative)
+        fit = _Fit(answer.force_n, force[lines], motion[:, lines], lines, rate_hz, expected.derivative)
         amplitude = fit.amplitude(float(hz), expected.damping_ratio)
         used.append(mode)
         shapes.append(float(amplitude @ sensed / (sensed @ sensed)))

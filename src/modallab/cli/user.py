@@ -1,0 +1,70 @@
+"""`modallab user`: who may ask the service, with which tokens; in the data folder, whether a service runs or not."""
+
+import argparse
+import getpass
+from collections.abc import Iterable
+
+from pydantic import ValidationError
+from rich.console import Console
+
+from modallab.cli.backup import require_data
+from modallab.core.documents.users import TokenNew, UserNew
+from modallab.core.errors import DataError
+from modallab.service.records.users import Users
+from modallab.storage import Store
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what was chosen."""
+    require_data(arguments.data)
+    with Store(arguments.data) as store:
+        users = Users(store.catalogue.engine)
+        try:
+            {"add": _add, "token": _token, "list": _list, "revoke": _revoke}[arguments.action](users, arguments)
+        except ValidationError as error:
+            wrong = "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors())
+            raise DataError(wrong, where=f"user {arguments.action}", remedy="change the option") from error
+    return 0
+
+
+def _add(users: Users, arguments: argparse.Namespace) -> None:
+    users.add(UserNew(name=arguments.name, role=arguments.role), _who())
+    _token(users, arguments)
+
+
+def _token(users: Users, arguments: argparse.Namespace) -> None:
+    role = arguments.role if arguments.action == "token" else None
+    rigs = tuple(arguments.rig or ())
+    new = TokenNew(label=arguments.label, role=role, rigs=rigs, ttl_days=arguments.days)
+    made = users.make_token(arguments.name, new, _who())
+    until = f", until {made.about.expires_utc}" if made.about.expires_utc else ""
+    _print([f"token {made.about.id} of {arguments.name}, {made.about.role}{until}; shown this once:", made.token])
+
+
+def _list(users: Users, _: argparse.Namespace) -> None:
+    for user in users.all():
+        gone = f", revoked {user.revoked_utc}" if user.revoked_utc else ""
+        _print([f"{user.name}: {user.role}{gone}"])
+        for token in users.tokens(user.name):
+            what = [token.role, *token.rigs, token.label]
+            ends = [f"revoked {token.revoked_utc}"] if token.revoked_utc else []
+            ends += [f"until {token.expires_utc}"] if token.expires_utc else []
+            _print([f"  token {token.id}: {', '.join(part for part in (*what, *ends) if part)}"])
+
+
+def _revoke(users: Users, arguments: argparse.Namespace) -> None:
+    if arguments.token is None:
+        users.revoke(arguments.name, _who())
+        _print([f"{arguments.name}: no token counts any more"])
+    else:
+        users.revoke_token(arguments.name, arguments.token, _who())
+        _print([f"token {arguments.token} of {arguments.name} does not count any more"])
+
+
+def _who() -> str:
+    return f"{getpass.getuser()} at the terminal"
+
+
+def _print(lines: Iterable[str]) -> None:
+    for line in lines:
+        Console().print(line, markup=False, highlight=False, soft_wrap=True)

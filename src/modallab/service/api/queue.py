@@ -1,0 +1,91 @@
+"""The queue of runs of a rig."""
+
+from typing import Annotated
+
+from fastapi import Body, Query
+from fastapi.openapi.models import Example
+
+from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueOrder, QueueReason, QueueView
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import LeaseId, Operator, ServiceOf
+from modallab.service.api.rigs import state_of
+from modallab.service.api.router import ONCE, make_router
+from modallab.service.campaigns import queueing
+
+router = make_router("queue")
+NewItem = Annotated[
+    QueueItemNew,
+    Body(
+        openapi_examples={
+            "impact test": Example(
+                value={"campaign": "c20260101T120000-0a1b2c3d", "plan": {"kind": "impact", "points": [10, 6, 3]}}
+            )
+        }
+    ),
+]
+NewOrder = Annotated[QueueOrder, Body(openapi_examples={"two": Example(value={"items": ["q2", "q1"]})})]
+NewConsent = Annotated[
+    ConsentNew,
+    Body(
+        openapi_examples={
+            "the shaker may start": Example(value={"drive": True}),
+            "I am at the bench": Example(value={"at_bench": True, "for_s": 3600}),
+        }
+    ),
+]
+Why = Annotated[QueueReason | None, Body(openapi_examples={"why": Example(value={"reason": "the clamp is loose"})})]
+Ended = Annotated[bool, Query(description="Whether to list items that have ended too, the newest 50 first.")]
+_CHANGES = documented(404, 409, 507)
+
+
+@router.get("/rigs/{rig}/queue", responses=documented(404))
+def get_queue(rig: str, service: ServiceOf, ended: Ended = False) -> QueueView:
+    """What goes on and what waits at a rig, and what it waits for."""
+    return queueing.queue_view(service, state_of(service, rig), ended=ended)
+
+
+@router.post("/rigs/{rig}/queue", status_code=201, dependencies=ONCE, responses=_CHANGES)
+def queue_run(rig: str, new: NewItem, service: ServiceOf, operator: Operator) -> QueueItem:
+    """Queue a run behind the others; needs no lease. It begins by itself only if who holds the lease consents to it."""
+    return queueing.queue_run(service, state_of(service, rig), new, operator)
+
+
+@router.put("/rigs/{rig}/queue/order", responses=_CHANGES)
+def reorder_queue(rig: str, order: NewOrder, service: ServiceOf, operator: Operator) -> QueueView:
+    """Have what waits run in this order."""
+    queueing.reorder(service, state_of(service, rig).id, order.items, operator)
+    return queueing.queue_view(service, state_of(service, rig))
+
+
+@router.put("/rigs/{rig}/queue/consent", responses=_CHANGES)
+def consent_to_queue(rig: str, new: NewConsent, service: ServiceOf, lease: LeaseId = None) -> QueueView:
+    """Let items that wait begin by themselves; needs the rig's lease, and ends with it."""
+    queueing.consent(service, state_of(service, rig).id, new, lease)
+    return queueing.queue_view(service, state_of(service, rig))
+
+
+@router.delete("/rigs/{rig}/queue/consent", responses=_CHANGES)
+def withdraw_consent(rig: str, service: ServiceOf) -> QueueView:
+    """Let nothing begin by itself; needs no lease."""
+    service.control.withdraw_consent(state_of(service, rig).id)
+    return queueing.queue_view(service, state_of(service, rig))
+
+
+@router.post("/rigs/{rig}/queue/pause", dependencies=ONCE, responses=_CHANGES)
+def pause_queue(rig: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueView:
+    """Have nothing begin; a run that is on goes on. Needs no lease."""
+    queueing.pause(service, state_of(service, rig).id, "" if why is None else why.reason, operator)
+    return queueing.queue_view(service, state_of(service, rig))
+
+
+@router.post("/rigs/{rig}/queue/resume", dependencies=ONCE, responses=_CHANGES)
+def resume_queue(rig: str, service: ServiceOf, lease: LeaseId = None) -> QueueView:
+    """Let it go on; needs the rig's lease."""
+    queueing.resume(service, state_of(service, rig).id, lease)
+    return queueing.queue_view(service, state_of(service, rig))
+
+
+@router.post("/rigs/{rig}/queue/{item}/skip", dependencies=ONCE, responses=_CHANGES)
+def skip_item(rig: str, item: str, service: ServiceOf, operator: Operator, why: Why = None) -> QueueItem:
+    """Take an item out that waits."""
+    return queueing.skip(service, state_of(service, rig).id, item, "" if why is None else why.reason, operator)

@@ -1,0 +1,93 @@
+"""Logging in with a browser, by a token or by a link that works once, and who one is then."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import Field
+
+from modallab.core.documents.users import CallerView, LoginLink
+from modallab.core.frozen import Frozen
+from modallab.service.api.access import COOKIE
+from modallab.service.api.problems import documented, kinds, problem
+from modallab.service.api.request_context import CallerOf
+from modallab.service.api.roles import needs
+from modallab.service.api.router import OPEN, make_router
+from modallab.service.records.callers import Callers
+from modallab.service.records.sessions import Sessions, make_link
+
+router = make_router("session")
+pages = APIRouter(include_in_schema=False)
+
+
+class Login(Frozen):
+    """Log in.
+
+    Attributes:
+        token: the service's own, or a user's.
+    """
+
+    token: Annotated[str, Field(max_length=200)]
+
+
+@router.post("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
+def log_in(login: Login, request: Request) -> Response:
+    """Get a cookie that stands for the token; no script of a page can read it, and no other site can send it."""
+    callers: Callers = request.app.state.callers
+    caller = callers.of_token(login.token)
+    if caller is None:
+        return _wrong("the token is wrong")
+    response = Response(status_code=204)
+    _begin(request, response, caller.token)
+    return response
+
+
+@router.delete("/session", status_code=204, response_class=Response, openapi_extra=OPEN)
+def log_out(request: Request) -> Response:
+    """Give the cookie back: it stands for nothing any more, whoever may have a copy."""
+    sessions: Sessions = request.app.state.sessions
+    sessions.end(request.cookies.get(COOKIE, ""))
+    response = Response(status_code=204)
+    response.delete_cookie(COOKIE, path="/")
+    return response
+
+
+@router.get("/me")
+def show_caller(caller: CallerOf) -> CallerView:
+    """Who you are to the service, by the token or the cookie that was sent."""
+    return caller.view
+
+
+@router.post("/login-links", status_code=201, responses=documented(507), openapi_extra=needs("observer"))
+def make_login_link(caller: CallerOf, request: Request, response: Response) -> LoginLink:
+    """Get an address that logs a browser in as yourself, once, within ten minutes."""
+    response.headers["Cache-Control"] = "no-store"
+    callers: Callers = request.app.state.callers
+    path, until = make_link(request.app.state.service.engine, caller.token, callers.secret(caller.token))
+    return LoginLink(path=path, expires_utc=until)
+
+
+@pages.get("/login")
+def follow_link(key: Annotated[str, Query(max_length=200)], request: Request) -> Response:
+    """Log the browser in that opened a link, and lead it on."""
+    if "prefetch" in request.headers.get("sec-purpose", ""):
+        # Nobody has opened it yet.
+        return Response(status_code=204)
+    sessions: Sessions = request.app.state.sessions
+    token = sessions.use_link(key)
+    if token is None:
+        return _wrong("this link was used, or is too old")
+    response = RedirectResponse("/", 303, headers={"Cache-Control": "no-store", "Referrer-Policy": "no-referrer"})
+    _begin(request, response, token)
+    return response
+
+
+def _begin(request: Request, response: Response, token: str) -> None:
+    sessions: Sessions = request.app.state.sessions
+    secure = request.url.scheme == "https"
+    response.set_cookie(COOKIE, sessions.begin(token), httponly=True, samesite="strict", secure=secure, path="/")
+
+
+def _wrong(what: str) -> Response:
+    kind = kinds()["token-needed"]
+    return problem(kind, what, {"WWW-Authenticate": "Bearer"}, remedy=kind.meaning)

@@ -1,0 +1,83 @@
+"""Campaigns and runs are archived, deleted with a grace time, and restored."""
+
+from datetime import timedelta
+
+from fastapi import Request
+
+from modallab.core.documents.campaigns import CampaignView
+from modallab.core.documents.runs import RunView
+from modallab.core.settings import Settings
+from modallab.service.api.problems import documented
+from modallab.service.api.request_context import Operator, ServiceOf
+from modallab.service.api.router import ONCE, make_router
+from modallab.service.campaigns.runs import record_of, run_view
+from modallab.service.context import Service
+from modallab.service.records.event_log import Topic
+from modallab.service.records.set_aside import SetAside
+
+router = make_router("archive")
+_CHANGES = documented(404, 409, 507)
+
+
+@router.post("/campaigns/{campaign}/archive", dependencies=ONCE, responses=_CHANGES)
+def archive_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
+    """Leave a campaign out of lists. It can be read and exported as before; nothing is added until it is restored."""
+    SetAside(service.engine).archive("campaign", campaign, operator)
+    return _campaign(service, campaign, "archived", operator)
+
+
+@router.delete("/campaigns/{campaign}", responses=_CHANGES)
+def delete_campaign(campaign: str, service: ServiceOf, operator: Operator, request: Request) -> CampaignView:
+    """Delete a campaign with its runs. Until `purge_utc` nothing is lost, and it can be restored."""
+    SetAside(service.engine).delete("campaign", campaign, operator, _grace(request))
+    return _campaign(service, campaign, "deleted", operator)
+
+
+@router.post("/campaigns/{campaign}/restore", dependencies=ONCE, responses=_CHANGES)
+def restore_campaign(campaign: str, service: ServiceOf, operator: Operator) -> CampaignView:
+    """Have a campaign back that is archived or deleted."""
+    SetAside(service.engine).restore("campaign", campaign, operator)
+    return _campaign(service, campaign, "restored", operator)
+
+
+@router.post("/runs/{run}/archive", dependencies=ONCE, responses=_CHANGES)
+def archive_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
+    """Leave a run out of lists, and out of what is made of its campaign unless it is named."""
+    record_of(service, run)
+    SetAside(service.engine).archive("run", run, operator)
+    return _run(service, run, "archived", operator)
+
+
+@router.delete("/runs/{run}", responses=_CHANGES)
+def delete_run(run: str, service: ServiceOf, operator: Operator, request: Request) -> RunView:
+    """Delete a run that has ended. Until `purge_utc` nothing is lost, and it can be restored."""
+    record_of(service, run)
+    SetAside(service.engine).delete("run", run, operator, _grace(request))
+    return _run(service, run, "deleted", operator)
+
+
+@router.post("/runs/{run}/restore", dependencies=ONCE, responses=_CHANGES)
+def restore_run(run: str, service: ServiceOf, operator: Operator) -> RunView:
+    """Have a run back that is archived or deleted."""
+    record_of(service, run)
+    SetAside(service.engine).restore("run", run, operator)
+    return _run(service, run, "restored", operator)
+
+
+def _grace(request: Request) -> timedelta:
+    settings: Settings = request.app.state.settings
+    return timedelta(days=settings.grace_days)
+
+
+def _campaign(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
+    view = service.repository.campaign(campaign)
+    content = {"kind": "set_aside", "campaign": campaign, "state": state, "operator": operator}
+    service.log.append("set_aside", Topic(view.rig, campaign), content)
+    return view
+
+
+def _run(service: Service, run: str, state: str, operator: str) -> RunView:
+    view = run_view(service, run)
+    content = {"kind": "set_aside", "run": run, "state": state, "operator": operator}
+    service.log.append("set_aside", Topic(view.rig or "", view.campaign or "", run), content)
+    return view

@@ -1,0 +1,51 @@
+/** Numbers as people read them: with their unit, and not more digits than mean something. */
+
+/** A number with `digits` significant ones; a dash where it is not known. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.max(0, digits - 2)).replace("e", "·10^").replace("^+", "^");
+  return value.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+}
+
+const PREFIXES = [[1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+
+/** A number with its unit, by whichever prefix makes it short. */
+export function quantity(value, symbol, digits = 3) {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const [factor, prefix] = size >= 0.1 && size < 1e4 ? [1, ""] : PREFIXES.find(([one]) => size >= one) ?? (value === 0 ? [1, ""] : PREFIXES.at(-1));
+  const scaled = Number((value / factor).toPrecision(digits));
+  return `${scaled.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(Math.abs(scaled) || 1))))} ${prefix}${unit(symbol)}`;
+}
+
+/** A value with its standard deviation, as 4.80(3). */
+export function uncertain(value, sigma) {
+  if (!Number.isFinite(value)) return "–";
+  if (!Number.isFinite(sigma) || sigma <= 0) return number(value, 6);
+  let digits = -Math.floor(Math.log10(sigma));
+  let last = Math.round(sigma * 10 ** digits);
+  // One digit of 1 or 2 says too little.
+  if (last < 3) { digits += 1; last = Math.round(sigma * 10 ** digits); }
+  if (digits <= 0) return `${value.toFixed(0)}(${Math.round(sigma)})`;
+  return `${value.toFixed(Math.min(digits, 15))}(${last})`;
+}
+
+export const percent = (value, digits = 3) => (Number.isFinite(value) ? `${number(100 * value, digits)} %` : "–");
+
+/** A time of the service as this machine's clock shows it. */
+export function clock(utc) {
+  const time = new Date(utc);
+  return Number.isNaN(time.getTime()) ? "–" : time.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+}
+
+/** Seconds as a person says them. */
+export function duration(seconds) {
+  if (!Number.isFinite(seconds)) return "–";
+  if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;
+  return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
+}
+
+const NAMES = { "m/s^2": "m/s²", "m/(N s)": "m/(N s)" };
+export const unit = (text) => NAMES[text] ?? text;

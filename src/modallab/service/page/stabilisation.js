@@ -1,0 +1,98 @@
+/** The stabilisation diagram, to choose poles on. */
+
+import { colour } from "./charts.js";
+import { button, h, panel, put } from "./dom.js";
+import { number } from "./numbers.js";
+
+const STANDING = ["new", "holds in frequency", "stable"];
+const SIZE = [1300, 320];
+const NEAR_PX = 14;
+
+/** Poles by order, over the mode indicator; a click or the list below chooses poles for a model by hand. */
+export class Stabilisation {
+  constructor(name, diagram, model, identify, signal) {
+    Object.assign(this, { diagram, chosen: new Set(), signal });
+    this.low = Math.min(...diagram.line_hz);
+    this.high = Math.max(...diagram.line_hz);
+    this.orders = [Math.min(...diagram.order), Math.max(...diagram.order)];
+    this.canvas = h("canvas", { class: "diagram", width: SIZE[0], height: SIZE[1], role: "img", "aria-label": `Stabilisation diagram of the ${name} test; its stable poles are in the list below`, onclick: (event) => this.click(event) });
+    this.list = h("p", { class: "buttons", role: "group", "aria-label": "Poles that hold" });
+    this.picked = h("p", { role: "status" });
+    this.held = diagram.held_hz.map((hz) => Number(hz));
+    this.element = panel(`Stabilisation diagram, ${name} test`, this.canvas, h("p", { class: "muted" }, "Filled: stable; open: holds in frequency; small: new. The line is the mode indicator (CMIF)."), this.list, this.picked,
+      h("p", { class: "buttons" }, button("Identify with these poles only", async () => {
+        if (!this.chosen.size) throw new Error("Choose at least one pole.");
+        await identify({ pick_hz: [...this.chosen].sort((a, b) => a - b), ...(model.test && { test: model.test }) });
+      }), button("Identify automatically", () => identify())));
+    for (const hz of model.frequency_hz) this.chosen.add(this.nearestHeld(hz));
+    this.draw();
+  }
+
+  nearestHeld(hz) { return this.held.reduce((best, one) => (Math.abs(one - hz) < Math.abs(best - hz) ? one : best), this.held[0] ?? hz); }
+
+  x(hz) { return 44 + ((hz - this.low) / (this.high - this.low)) * (SIZE[0] - 60); }
+
+  y(order) { return SIZE[1] - 34 - ((order - this.orders[0]) / (this.orders[1] - this.orders[0] || 1)) * (SIZE[1] - 56); }
+
+  click({ offsetX, offsetY }) {
+    const scale = SIZE[0] / this.canvas.clientWidth;
+    const { frequency_hz: hz, order } = this.diagram;
+    let best = NEAR_PX * scale;
+    let found = null;
+    hz.forEach((one, n) => {
+      const away = Math.hypot(this.x(one) - offsetX * scale, this.y(order[n]) - offsetY * scale);
+      if (away < best) { best = away; found = one; }
+    });
+    if (found === null) return;
+    const held = this.nearestHeld(found);
+    this.toggle(Math.abs(held - found) < 0.01 * found ? held : found);
+  }
+
+  toggle(hz) {
+    if (!this.chosen.delete(hz)) this.chosen.add(hz);
+    this.draw();
+  }
+
+  draw() {
+    const context = this.canvas.getContext("2d");
+    const { frequency_hz: hz, order, standing, line_hz: lines, cmif } = this.diagram;
+    context.clearRect(0, 0, ...SIZE);
+    context.font = "15px system-ui";
+    context.fillStyle = colour("muted");
+    context.fillText("order", 2, 14);
+    context.fillText("Hz", SIZE[0] - 24, SIZE[1] - 4);
+    for (let n = 0; n <= 10; n += 1) { const at = this.low + ((this.high - this.low) * n) / 10; context.fillText(number(at, 3), this.x(at) - 14, SIZE[1] - 10); }
+    for (const one of new Set([this.orders[0], Math.round((this.orders[0] + this.orders[1]) / 2), this.orders[1]])) context.fillText(String(one), 14, this.y(one) + 5);
+    this.drawIndicator(context, lines, cmif[0]);
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 2;
+    for (const one of this.chosen) { context.beginPath(); context.moveTo(this.x(one), 18); context.lineTo(this.x(one), SIZE[1] - 30); context.stroke(); }
+    hz.forEach((one, n) => {
+      if (one < this.low || one > this.high) return;
+      context.beginPath();
+      context.arc(this.x(one), this.y(order[n]), standing[n] ? 4 : 1.8, 0, 7);
+      context.fillStyle = context.strokeStyle = colour(standing[n] === 2 ? "good" : standing[n] === 1 ? "line-1" : "muted");
+      context.lineWidth = 1.5;
+      if (standing[n] === 1) context.stroke(); else context.fill();
+    });
+    this.drawList();
+  }
+
+  drawIndicator(context, lines, values) {
+    const logs = values.map((value) => Math.log10(Math.max(value ?? 0, 1e-30)));
+    const [low, high] = [Math.min(...logs), Math.max(...logs)];
+    context.strokeStyle = colour("trace");
+    context.lineWidth = 1.2;
+    context.beginPath();
+    lines.forEach((hz, n) => context.lineTo(this.x(hz), SIZE[1] - 34 - ((logs[n] - low) / (high - low || 1)) * (SIZE[1] - 56)));
+    context.stroke();
+  }
+
+  drawList() {
+    const all = [...new Set([...this.held, ...this.chosen])].sort((a, b) => a - b);
+    const focused = [...this.list.children].indexOf(document.activeElement);
+    put(this.list, all.map((hz) => h("button", { type: "button", "aria-pressed": String(this.chosen.has(hz)), onclick: () => this.toggle(hz) }, `${number(hz, 5)} Hz`)));
+    this.list.children[focused]?.focus();
+    put(this.picked, `${this.chosen.size} chosen. ${STANDING[2]} poles of enough orders are listed.`);
+  }
+}

@@ -1,0 +1,82 @@
+/** The bench: every channel with its live level, who may command it, and whether it may move. */
+
+import { colour } from "../charts.js";
+import { button, h, panel, put, say, table } from "../dom.js";
+import { command, lab, lease, release, watch } from "../lab.js";
+import { duration, number, quantity } from "../numbers.js";
+import { LiveStrips, drawStrip, sensitivity, stripCanvas, throttled } from "../strips.js";
+
+/** What the channel can show at most, in its unit. */
+const fullScale = (channel, converter, test) => (channel.range_v ?? converter?.range_v ?? 10) / sensitivity(channel, test);
+
+export function show(view, signal) {
+  const description = lab.description;
+  const rows = new Map(description.channels.map((channel) => [channel.name, row(channel, description.converter)]));
+  const condition = panel("Condition");
+  const live = h("p", { class: "muted", "aria-live": "polite" });
+  put(view, h("h1", {}, "Bench"), condition, panel("Channels", live,
+    table("Channels with their live levels", [["Channel"], ["Point", "n"], ["Last 6 s", "wide"], ["Level of full scale"], ["Peak", "n"], ["Noise", "n"], ["Bias", "n"], ["Full scale", "n"], ["State"], ["Calibrated"]],
+      [...rows.values()].map(({ cells }) => cells))));
+  watch(() => put(condition, condition.firstChild, state()), signal);
+  const strips = new LiveStrips(lab.description, lab.rig.id, throttled(() => draw(), signal), signal);
+  const timer = setInterval(() => sayLive(live, strips), 1000);
+  signal.addEventListener("abort", () => clearInterval(timer));
+  sayLive(live, strips);
+
+  function draw() {
+    strips.test = lab.test;
+    const ink = { ink: colour("trace"), line: colour("grid") };
+    for (const strip of strips.strips.values()) rows.get(strip.name)?.draw(strip, ink, lab.test);
+  }
+}
+
+function sayLive(element, strips) {
+  if (strips.fresh) say(element, `Live at ${number(strips.about.rate_hz, 5)} Hz${strips.about.run ? ` from run ${strips.about.run}` : ", nothing is recorded"}.`);
+  else say(element, "No samples come now: they do while a run is on.");
+}
+
+function row(channel, converter) {
+  const canvas = stripCanvas(channel.name);
+  const meter = h("meter", { min: 0, max: 1, low: 0.6, high: 0.9, optimum: 0.3, value: 0, "aria-label": `Level of ${channel.name}` });
+  const [peak, noise, bias] = [h("span"), h("span"), h("span")];
+  const lamp = h("span", { class: "lamp" }, "no signal");
+  const full = h("span");
+  const calibrated = channel.calibrated_on ?? "not stated";
+  function scale(test) { say(full, quantity(fullScale(channel, converter, test), channel.unit)); }
+  function draw(strip, ink, test) {
+    const { peak: most, mean, spread, overload } = strip.level;
+    drawStrip(canvas, strip, ink);
+    meter.value = Math.min(1, most / fullScale(channel, converter, test));
+    say(peak, quantity(most, channel.unit));
+    say(noise, `± ${quantity(spread, channel.unit, 2)}`);
+    say(bias, quantity(mean, channel.unit, 2));
+    scale(test);
+    lamp.className = `lamp ${overload ? "bad" : "good"}`;
+    say(lamp, overload ? "overload" : "in range");
+  }
+  const cells = [h("span", {}, channel.name, h("small", {}, ` ${channel.quantity} ${channel.direction}`)), channel.point ?? "–", canvas, meter, peak, noise, bias, full, lamp, `${calibrated}${channel.serial ? `, ${channel.serial}` : ""}`];
+  scale("impact");
+  return { cells, draw };
+}
+
+function state() {
+  const { rig } = lab;
+  const facts = h("dl", { class: "facts" },
+    fact("Rig", rig.name), fact("Address", rig.bench),
+    fact("State", rig.trip ? "stopped in an emergency" : WORDS[rig.state] ?? rig.state, rig.trip || rig.state === "unavailable" ? "bad" : "good"),
+    fact("Run", rig.run ?? "none"),
+    fact("Drive", rig.can_drive ? "has an output for the shaker" : "reads only"),
+    fact("Lease", rig.lease ? `${rig.lease.operator}, ${duration(rig.lease.remaining_s)} left${lab.lease ? " (this page)" : ""}` : "nobody holds it"));
+  return [facts, rig.error && h("p", { class: "bad" }, rig.error), rig.trip && tripped(rig.trip), h("p", { class: "buttons" },
+    !lab.lease && button(rig.lease ? "Take over" : "Take the lease", () => lease({ takeOver: Boolean(rig.lease) })),
+    lab.lease && button("Give the lease back", release))];
+}
+
+const WORDS = { starting: "its bench is being opened", idle: "ready", running: "a run is on", unavailable: "cannot be used" };
+
+const fact = (name, value, mood) => h("div", {}, h("dt", {}, name), h("dd", { class: mood }, value));
+
+function tripped({ cause, reason }) {
+  return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause}. `), reason, ". Look at the bench before it may move again."),
+    button("I have looked: reset", () => command(`rigs/${lab.rig.id}/reset`, { reason: "reset on the operator's page" })));
+}

@@ -1,0 +1,78 @@
+/** The modal model: poles to choose, modes with their uncertainty, shapes that move, measured against regenerated. */
+
+import { find, get, post } from "../api.js";
+import { button, h, panel, put, table } from "../dom.js";
+import { newestJob, waitForJob } from "../jobs.js";
+import { lab } from "../lab.js";
+import { clock, number, uncertain } from "../numbers.js";
+import { onEvent } from "../events.js";
+import { Stabilisation } from "../stabilisation.js";
+import { Regenerated } from "../regenerated.js";
+import { ShapeView } from "../shape.js";
+
+export async function show(view, signal, [wanted]) {
+  const campaigns = (await get(`campaigns?limit=50${wanted ? "" : `&rig=${encodeURIComponent(lab.rig.id)}`}`)).items.filter(({ runs }) => runs.length);
+  const place = h("div");
+  const choice = h("select", { id: "campaign", onchange: () => { location.hash = `#/model/${choice.value}`; } }, campaigns.map((one) => h("option", { value: one.id }, `${one.name}, ${clock(one.created_utc)}`)));
+  if (wanted) choice.value = wanted;
+  put(view, h("h1", {}, "Model"), campaigns.length ? h("p", { class: "buttons" }, h("label", { for: "campaign" }, "Campaign"), choice) : h("p", {}, "Nothing is recorded yet: begin a test."), place);
+  if (!choice.value) return;
+  const id = choice.value;
+  let inner = new AbortController();
+  signal.addEventListener("abort", () => inner.abort());
+  async function fill() {
+    inner.abort();
+    inner = new AbortController();
+    await draw(place, id, inner.signal, fill);
+  }
+  onEvent((event) => { if (event.kind === "job" && event.campaign === id && event.content.state === "done") fill(); }, signal);
+  await fill();
+}
+
+async function draw(place, id, signal, again) {
+  const jobs = await newestJob(id, "identify");
+  const ordering = h("p", { class: "muted", role: "status" }, jobs.open ? "A model is being computed …" : jobs.last?.state === "failed" ? `The last one failed: ${jobs.last.error}` : "");
+  async function identify(parameters = {}) {
+    const job = await post(`campaigns/${id}/models`, { parameters });
+    await waitForJob(job.id, () => { ordering.textContent = "A model is being computed …"; }, signal);
+    await again();
+  }
+  if (!jobs.done) { put(place, panel("No model yet", ordering, h("p", { class: "buttons" }, button("Identify", () => identify())))); return; }
+  const found = await get(`campaigns/${id}/model`);
+  const curves = await find(`campaigns/${id}/curves`);
+  if (signal.aborted) return;
+  put(place, !found.current && h("p", { class: "alarm" }, "Other blocks count by now: order the model anew.", button("Identify anew", () => identify())), ordering,
+    found.without_model.map(({ test, error }) => h("p", { class: "warn" }, `The ${test} test gave no model: ${error}`)),
+    found.models.map((one, n) => modelPart(one, curves?.tests[n] ?? null, identify, signal)));
+}
+
+function modelPart({ model, frac, assessment }, curves, identify, signal) {
+  const name = model.test ?? "FRFs";
+  const modes = model.frequency_hz.map((_, n) => n);
+  const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["Damping [%]", "n"], ["Half-power [%]", "n"], ["Confidence", "n"], ["MPC", "n"], ["Phase deviation [°]", "n"]];
+  const rows = modes.map((n) => [n + 1, uncertain(model.frequency_hz[n], model.frequency_sigma_hz[n]), uncertain(100 * model.damping_ratio[n], 100 * model.damping_sigma[n]),
+    number(100 * model.half_power[n], 3), number(assessment?.confidence[n], 2), number(assessment?.mpc[n], 4), number((assessment?.mpd_rad[n] * 180) / Math.PI, 2)]);
+  const frame = h("div", { class: "pair" },
+    h("div", {}, panel(`Modes of the ${name} test`, table(`Modes of the ${name} test`, heads, rows), h("p", { class: "muted" }, "4.80(3) stands for 4.80 ± 0.03, one standard deviation."), trust(frac, assessment, model))),
+    h("div", {}, new ShapeView(name, model, lab.description, signal).element, assessment && macPanel(name, assessment.auto_mac)));
+  const diagram = curves?.diagram ? new Stabilisation(name, curves.diagram, model, identify, signal).element : null;
+  const played = curves?.measured ? new Regenerated(name, curves, signal).element : null;
+  return [frame, diagram, played];
+}
+
+function trust(frac, assessment, model) {
+  const values = (frac ?? []).flat().filter(Number.isFinite);
+  return [values.length ? h("p", {}, `FRAC of the regenerated mobility: ${Math.min(...values).toFixed(4)} to ${Math.max(...values).toFixed(4)}.`) : null,
+    h("ul", { class: "plainlist" }, (assessment?.verdicts ?? []).map((one) => h("li", { class: one.holds ? "" : "bad" }, `${one.holds ? "Holds" : "Does not hold"}: ${one.words}`)), model.notes.map((note) => h("li", {}, note)))];
+}
+
+function macPanel(name, mac) {
+  const cell = (value) => {
+    const shade = Math.round(4 * Math.max(0, Math.min(1, value)));
+    return h("td", { class: `heat heat-${shade}` }, value === null ? "–" : value.toFixed(2));
+  };
+  return panel(`MAC, ${name} test`, h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `MAC of the ${name} test` }, h("table", { class: "mac" }, h("caption", { class: "hidden" }, "MAC of each mode with each"),
+    h("thead", {}, h("tr", {}, h("td"), mac.map((_, n) => h("th", { scope: "col", class: "heat" }, String(n + 1))))),
+    h("tbody", {}, mac.map((row, n) => h("tr", {}, h("th", { scope: "row" }, String(n + 1)), row.map(cell)))))));
+}
+

@@ -1,0 +1,148 @@
+"""Begins queued runs, one after the other: the next when the one before has ended well."""
+
+import logging
+from collections.abc import Callable
+from threading import Event as Flag
+from threading import Thread
+
+from modallab.acquisition.process.trip import TrippedError
+from modallab.core.documents.queue import QueueItem, QueueState
+from modallab.core.errors import ModallabError
+from modallab.service.errors import ConflictError, LeaseNeededError, RigUnavailableError
+from modallab.service.records.event_log import Topic
+from modallab.service.records.repository import RunKey
+from modallab.service.records.run_queue import RunQueue
+from modallab.service.rigs.consents import Consent
+from modallab.service.rigs.control import ControllerState, StartRun
+from modallab.service.rigs.controllers import Controllers
+from modallab.service.rigs.diary import Diary
+from modallab.service.rigs.queue_rules import obstacle
+from modallab.storage.records import ENDED
+
+LOG = logging.getLogger(__name__)
+LOOK_S = 0.3
+QUEUE = "the queue"
+
+
+class QueueRunner:
+    """Looks at the queues of all rigs on a thread of its own; what it knows is in the database, but for consents."""
+
+    def __init__(self, controllers: Controllers, diary: Diary, may_begin: Callable[[], bool] = lambda: True) -> None:
+        """Begin to look.
+
+        Args:
+            controllers: the rigs.
+            diary: where it writes.
+            may_begin: whether anybody could see and command a run that begins now.
+        """
+        self._controllers = controllers
+        self._diary = diary
+        self._queue = RunQueue(diary.engine)
+        self._may_begin = may_begin
+        self._closing = Flag()
+        self._thread = Thread(target=self._work, name="queue", daemon=True)
+        self._thread.start()
+
+    def ask_to_close(self) -> None:
+        """Begin nothing more; waits for nothing."""
+        self._closing.set()
+
+    def close(self) -> None:
+        """As `ask_to_close`, and wait until it has happened."""
+        self._closing.set()
+        self._thread.join()
+
+    def look(self) -> None:
+        """Look once.
+
+        Raises:
+            StorageError: the database does not answer; the next look tries again.
+        """
+        items = self._queue.open()
+        for rig in self._controllers.consents.take_stopped():
+            if any(item.rig == rig for item in items):
+                self._pause(rig, "the rig was stopped in an emergency")
+        paused = self._queue.paused()
+        for state in self._controllers.states():
+            first = next((item for item in items if item.rig == state.id), None)
+            if first is None:
+                continue
+            if first.state == "running":
+                self._follow(first, state)
+            elif state.id not in paused and not self._closing.is_set():
+                self._try(first, state)
+
+    def _work(self) -> None:
+        while not self._closing.wait(LOOK_S):
+            try:
+                self.look()
+            except ModallabError as error:
+                LOG.warning("queue: %s", error)
+            except Exception:
+                LOG.exception("queue")
+
+    def _try(self, item: QueueItem, state: ControllerState) -> None:
+        consent = self._controllers.consent(item.rig)
+        if consent is not None and consent.process != self._controllers.pid(item.rig):
+            self._pause(item.rig, "the rig's process was started anew since its operator has consented")
+            return
+        given = None if consent is None else consent.view
+        if obstacle(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():
+            return
+        if consent is not None and self._queue.claim(item.id):
+            self._begin(item, consent)
+
+    def _begin(self, item: QueueItem, consent: Consent) -> None:
+        order = StartRun(item.rig, item.campaign, item.plan, consent.lease, key=_key(item))
+        try:
+            run = self._controllers.start_queued(order)
+        except (LeaseNeededError, ConflictError, TrippedError):
+            # The lease is over by now, somebody has begun another run meanwhile, or has stopped the rig.
+            self._set(item, "waiting")
+        except RigUnavailableError as error:
+            # It may begin yet: whether it has is looked up.
+            self._pause(item.rig, f"item {item.id}: {error.what}")
+        except ModallabError as error:
+            self._set(item, "failed", reason=str(error))
+            self._pause(item.rig, f"item {item.id} could not begin: {error.what}")
+        else:
+            self._set(item, "running", run=run)
+
+    def _follow(self, item: QueueItem, state: ControllerState) -> None:
+        if not item.run:
+            self._find(item, state)
+            return
+        record = self._diary.store.catalogue.run(item.run)
+        if record.state not in ENDED:
+            return
+        if record.state == "done" and not record.reason:
+            self._set(item, "done", run=item.run)
+            return
+        reason = f"run {item.run} is {record.state}: {record.reason or 'see its events'}"
+        self._set(item, "failed", run=item.run, reason=reason)
+        self._pause(item.rig, reason)
+
+    def _find(self, item: QueueItem, state: ControllerState) -> None:
+        # Its beginning was not heard of: this service, or the one before, was ended or kept waiting in between.
+        run = self._diary.repository.run_of(_key(item))
+        if run is not None:
+            self._set(item, "running", run=run)
+        elif state.state == "idle":
+            self._set(item, "waiting")
+
+    def _set(self, item: QueueItem, state: QueueState, *, run: str = "", reason: str = "") -> None:
+        self._queue.set(item.id, state, run=run, reason=reason)
+        self._notify(item.rig, item=item.id, state=state, run=run, reason=reason)
+
+    def _pause(self, rig: str, reason: str) -> None:
+        self._controllers.consents.withdraw(rig)
+        self._queue.pause(rig, reason, QUEUE)
+        self._notify(rig, state="paused", reason=reason)
+
+    def _notify(self, rig: str, **content: str) -> None:
+        self._diary.log.append("queue", Topic(rig=rig), {"kind": "queue", "rig": rig} | content)
+
+
+def _key(item: QueueItem) -> RunKey:
+    # No request can carry a key with a blank in it.
+    return RunKey(f"queue {item.id}", item.id)

@@ -1,0 +1,48 @@
+"""Some outputs of a rig and of its blocks: what is looked at live is seldom all of a large rig."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+from modallab.core.block import Block
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ChosenOutputs:
+    """The force and some outputs.
+
+    Attributes:
+        rig: with these channels only.
+        rows: where they stand in the whole rig's blocks.
+    """
+
+    rig: Rig
+    rows: tuple[int, ...]
+
+    @classmethod
+    def of(cls, rig: Rig, outputs: tuple[str, ...] = ()) -> Self:
+        """The outputs of these names, in the rig's order; all of them if none is named.
+
+        Raises:
+            DataError: there is no such output.
+        """
+        known = tuple(c.name for c in rig.responses)
+        unknown = sorted(set(outputs) - set(known))
+        if unknown:
+            raise DataError(f"there is no output {', '.join(unknown)}", remedy=f"choose from {', '.join(known)}")
+        chosen = [c for c in rig.channels if not outputs or c.name in outputs or c.index == rig.force_channel.index]
+        kept = tuple(c.model_copy(update={"index": n}) for n, c in enumerate(chosen))
+        return cls(rig.model_copy(update={"channels": kept}), tuple(c.index for c in chosen))
+
+    def block(self, block: Block) -> Block:
+        """These channels of a block of the whole rig."""
+        rows = list(self.rows)
+        return replace(
+            block,
+            samples=block.samples[rows],
+            scale=block.scale[rows],
+            units=tuple(block.units[row] for row in rows),
+            channels=tuple(block.channels[row] for row in rows),
+            overload=None if block.overload is None else tuple(block.overload[row] for row in rows),
+        )

@@ -1,0 +1,62 @@
+"""What an effect's number is believed to: by the noise where it is noise, by more where what is left is smooth."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.model.candidates import of_channel
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.minimise import minimise
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.search.intervals import deviations
+
+GAIN = 1.05
+
+
+@pytest.fixture(scope="module")
+def data(make: Callable[..., Campaign]) -> Reduced:
+    campaign = make(Effect(effect="gain_error", parameters={"gain": GAIN}, place={"channel": 4}))
+    prepared = prepare(campaign)
+    return reduce(campaign, prepared.blocks, Weights(prepared.noise_v))
+
+
+def fitted(rig: Rig, data: Reduced) -> Fit:
+    (gain,) = (c for c in of_channel(rig, 4) if c.effect == "gain_error")
+    problem = Problem(data, nuisances(rig, 450.0), (gain,), 0.01)
+    near = minimise(problem, np.concatenate([np.zeros(problem.free.size), [np.log(GAIN)]]), 6)
+    return minimise(replace(problem, floor=0.0), near.u, 8, 1e-6)
+
+
+def by_noise(fit: Fit) -> float:
+    return float(np.sqrt(np.linalg.pinv(fit.normal, hermitian=True)[-1, -1])) * max(1.0, fit.gap)
+
+
+def rippled(data: Reduced) -> Reduced:
+    """The hits with channel 4 off by a little that changes slowly with frequency, as a connector or a cable does it."""
+
+    def off(d):
+        hz = d.source.lines / (d.source.n * d.source.dt)
+        y = d.rows.y.copy()
+        y[3] *= 1 + 0.01 * np.cos(hz / 60.0)
+        return replace(d, rows=replace(d.rows, y=y))
+
+    return replace(data, impacts=tuple(off(d) for d in data.impacts))
+
+
+def test_noise_alone_is_believed_by_its_curvature(rig: Rig, data: Reduced) -> None:
+    fit = fitted(rig, data)
+    assert fit.gap < 1.1
+    assert by_noise(fit) <= deviations(fit)[-1] < 2 * by_noise(fit)
+    assert abs(fit.effects[0].parameters["gain"] / GAIN - 1) < 4 * deviations(fit)[-1]
+
+
+def test_what_is_left_smooth_counts_for_more_than_as_much_noise(rig: Rig, data: Reduced) -> None:
+    fit = fitted(rig, rippled(data))
+    assert deviations(fit)[-1] > 1.5 * by_noise(fit)

@@ -1,0 +1,40 @@
+"""The service and a browser, for all tests of the page."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from page_browser import BENCH, Watched, browsing, chromium
+from playwright.sync_api import Browser
+from service_process import ServiceProcess
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    program = chromium()
+    if program is None:
+        pytest.skip("this machine has no chromium: install it to test the page")
+    with browsing(program) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def served(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
+    folder: Path = tmp_path_factory.mktemp("page") / "data"
+    with ServiceProcess(folder, "--no-jobs", bench=BENCH) as started:
+        yield started
+
+
+@pytest.fixture
+def operator(browser: Browser, served: ServiceProcess) -> Iterator[Callable[..., Watched]]:
+    """Opens the page, logged in; at the end nothing may have gone wrong in any."""
+    opened: list[Watched] = []
+
+    def open_page(**options: object) -> Watched:
+        opened.append(Watched(browser, served.url + served.client.login_link().path, **options))
+        return opened[-1]
+
+    yield open_page
+    for one in opened:
+        one.close()
+    assert [wrong for one in opened for wrong in one.wrong] == []

@@ -1,0 +1,27 @@
+"""A process of the service that is asked to leave while it is started, or before."""
+
+import multiprocessing
+from threading import Thread
+
+from modallab.service.process.child import Child
+
+SLEEP = "sleeping_child:sleep"
+
+
+def test_one_that_was_asked_to_leave_is_never_started() -> None:
+    child = Child("late", SLEEP, (60.0,))
+    child.ask_to_leave()
+    child.look()
+    child.close()
+    assert child.process is None
+
+
+def test_one_that_is_asked_to_leave_while_it_is_started_is_gone_when_it_is_closed() -> None:
+    child = Child("early", SLEEP, (60.0,))
+    for _ in range(3):
+        starting = Thread(target=child.look)
+        starting.start()
+        child.ask_to_leave()
+        child.close()
+        starting.join()
+        assert not multiprocessing.active_children()
