@@ -57,8 +57,8 @@ def in_hit(modes: Modes, own: Coupling, pulse: Array, first: int, n: int, dt: fl
     # The last sample's own value stays whatever follows it.
     stepped = _stepped(modes, own, fine[begin * HIT_STEPS :], HIT_STEPS, 0, n - begin, dt, x_m)
     before = np.zeros((len(stepped.modes), begin), dtype=np.complex128)
-    silent = np.zeros((begin, stepped.force.shape[1]))
-    return Added(np.concatenate([before, stepped.modes], axis=1), np.concatenate([silent, stepped.force]))
+    still = np.zeros((begin, stepped.force.shape[1]))
+    return Added(np.concatenate([before, stepped.modes], axis=1), np.concatenate([still, stepped.force]))
 
 
 def in_sine(
@@ -84,7 +84,7 @@ def in_sine(
     force = rise * np.cos(2 * np.pi * frequency_hz * t + np.angle(amplitude_n))
     # Straight lines between the steps of a sine are that much smaller than the sine.
     force *= abs(amplitude_n) / np.sinc(frequency_hz * h) ** 2
-    return _stepped(modes, own, force, every, skip, n, dt, x_m)
+    return _stepped(modes, own, np.asarray(force, dtype=np.float64), every, skip, n, dt, x_m)
 
 
 def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Added, dt: float) -> Array:
