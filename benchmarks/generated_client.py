@@ -121,7 +121,7 @@ def tutorial(lab: Generated) -> list[str]:
     gap = lab("results", "get_campaign_gap", campaign).diagnosis
     deeds = lab("events", "list_audit").items
     lab("lease", "release_lease", rig, **lease)
-    assert lab("rigs", "stop_rig", rig).trip is not None
+    assert lab("rigs", "stop_rig", rig, body=lab.document("StopReason", {})).trip is not None
     return [
         f"{len(blocks)} blocks of the hammer test, the first with its CRC-32",
         f"sine test: {', '.join(f'{f:.3f}' for f in model.frequency_hz)} Hz",

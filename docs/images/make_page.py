@@ -1,4 +1,4 @@
-"""Makes the pictures of the operator's page: records a campaign on the simulated bench by the page, and shoots each view.
+"""Makes the pictures of the operator's page: records a campaign on the simulated bench by the page, shoots each view.
 
 PYTHONPATH=tests/helpers python docs/images/make_page.py docs/images
 """

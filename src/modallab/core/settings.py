@@ -70,12 +70,12 @@ class Settings(BaseSettings):
         Field(ge=1, le=60, validation_alias=AliasChoices(*RENAMED)),
     ] = 1.0
     log_level: str = "INFO"
-    grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
     tls_cert: Path | None = None
     tls_key: Path | None = None
     tls_self_signed: bool = False
     file_bytes: Annotated[int, Field(ge=1024)] = 1 << 30
     cors: tuple[Annotated[str, Field(pattern=r"^https?://[^/\s]+$")], ...] = ()
+    grace_days: Annotated[float, Field(ge=0.04, le=3660)] = 30.0
 
     @property
     def scheme(self) -> str:

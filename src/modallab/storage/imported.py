@@ -78,7 +78,7 @@ def _note(block: Block) -> BlockNote:
         drive_point=block.drive_point,
         level=block.level,
         frequency_hz=block.frequency_hz,
-        overload=tuple(name for name, beyond in zip(block.channels, over, strict=False) if beyond),
+        overload=tuple(name for name, flag in zip(block.channels, over, strict=False) if flag),
         facts={"imported": "yes", **began},
     )
 

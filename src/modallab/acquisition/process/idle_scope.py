@@ -27,7 +27,7 @@ def idle_name(url: str) -> str:
 
 def want(data_folder: Path, name: str) -> None:
     """Say that somebody looks, or still does."""
-    file = _wish(data_folder, name)
+    file = _request_file(data_folder, name)
     with suppress(OSError):
         file.parent.mkdir(exist_ok=True)
         file.write_text(str(time.monotonic_ns()), encoding="ascii")
@@ -77,10 +77,10 @@ class IdleScope:
 
     def _look(self) -> str:
         try:
-            return _wish(self._folder, self._name).read_text(encoding="ascii")
+            return _request_file(self._folder, self._name).read_text(encoding="ascii")
         except (OSError, UnicodeError):
             return ""
 
 
-def _wish(data_folder: Path, name: str) -> Path:
+def _request_file(data_folder: Path, name: str) -> Path:
     return data_folder / FOLDER / f"{name}.wanted"

@@ -1,6 +1,6 @@
 """What the service says by itself: events besides those of a run, and what stands before live arrays."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter
 
@@ -98,7 +98,56 @@ class VerdictGiven(Frozen):
     reason: str
 
 
-AnyEvent = Annotated[Event | RigChanged | Tripped | Reset | JobChanged | VerdictGiven, Field(discriminator="kind")]
+class QueueChanged(Frozen):
+    """A rig's queue, or an item of it, is in another state.
+
+    Attributes:
+        rig: id of the rig.
+        state: of the item, or `paused`, `resumed` and the like of the queue.
+        item: id of the item; "" where the queue is meant.
+        run: name of the item's run; "" where there is none.
+        reason: why.
+        operator: who did it; "" where nobody did.
+        drive: of a consent, whether tests that move the output may begin.
+        at_bench: of a consent, whether impact tests may.
+    """
+
+    kind: Literal["queue"] = "queue"
+    rig: str
+    state: str
+    item: str = ""
+    run: str = ""
+    reason: str = ""
+    operator: str = ""
+    drive: bool | None = None
+    at_bench: bool | None = None
+
+    def content(self) -> dict[str, Any]:
+        """What is said of it: nothing of what does not concern it."""
+        return {"kind": self.kind} | self.model_dump(exclude_unset=True)
+
+
+class SetAsideChanged(Frozen):
+    """A campaign or a run was archived, deleted or restored.
+
+    Attributes:
+        campaign: id of the campaign; "" where a run is meant.
+        run: name of the run; "" where a campaign is meant.
+        state: it is in now.
+        operator: who did it.
+    """
+
+    kind: Literal["set_aside"] = "set_aside"
+    campaign: str = ""
+    run: str = ""
+    state: str
+    operator: str
+
+
+AnyEvent = Annotated[
+    Event | RigChanged | Tripped | Reset | JobChanged | VerdictGiven | QueueChanged | SetAsideChanged,
+    Field(discriminator="kind"),
+]
 """The content of an event."""
 ANY_EVENT: TypeAdapter[AnyEvent] = TypeAdapter(AnyEvent)
 

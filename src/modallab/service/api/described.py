@@ -32,7 +32,7 @@ def describe_operations(document: Json) -> None:
             for key, value in known.items():
                 parameter.setdefault(key, value)
         for status, answer in operation["responses"].items():
-            headers = dict(_headers(operation["operationId"], status))
+            headers = dict(_headers(operation, status))
             if headers:
                 answer.setdefault("headers", {}).update(headers)
 
@@ -89,11 +89,13 @@ def has_value(schema: Json) -> bool:
     return any(has_value(part) for part in parts if isinstance(part, dict))
 
 
-def _headers(operation: str, status: str) -> Iterator[tuple[str, Json]]:
+def _headers(operation: Json, status: str) -> Iterator[tuple[str, Json]]:
+    asked = {parameter["name"] for parameter in operation.get("parameters", ())}
     for part, required in (("headers", True), ("optional", False)):
         for name, header in words()[part].items():
-            statuses = header["of"].get(operation, []) + header["of"].get("any", [])
-            if int(status) in statuses:
+            statuses = header["of"].get(operation["operationId"], []) + header["of"].get("any", [])
+            # Whoever takes the header `with` may answer with this one.
+            if int(status) in statuses or (header.get("with") in asked and status.startswith("2")):
                 schema = {"type": "string"}
                 about = {"description": header["description"], "example": header["example"]}
                 yield name, {**about, "required": required, "schema": schema}

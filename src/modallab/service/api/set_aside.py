@@ -5,6 +5,7 @@ from datetime import timedelta
 from fastapi import Request
 
 from modallab.core.documents.campaigns import CampaignView
+from modallab.core.documents.messages import SetAsideChanged
 from modallab.core.documents.runs import RunView
 from modallab.core.settings import Settings
 from modallab.service.api.problems import documented
@@ -71,13 +72,13 @@ def _grace(request: Request) -> timedelta:
 
 def _campaign(service: Service, campaign: str, state: str, operator: str) -> CampaignView:
     view = service.repository.campaign(campaign)
-    content = {"kind": "set_aside", "campaign": campaign, "state": state, "operator": operator}
-    service.log.append("set_aside", Topic(view.rig, campaign), content)
+    said = SetAsideChanged(campaign=campaign, state=state, operator=operator)
+    service.log.append(said.kind, Topic(view.rig, campaign), said.model_dump())
     return view
 
 
 def _run(service: Service, run: str, state: str, operator: str) -> RunView:
     view = run_view(service, run)
-    content = {"kind": "set_aside", "run": run, "state": state, "operator": operator}
-    service.log.append("set_aside", Topic(view.rig or "", view.campaign or "", run), content)
+    said = SetAsideChanged(run=run, state=state, operator=operator)
+    service.log.append(said.kind, Topic(view.rig or "", view.campaign or "", run), said.model_dump())
     return view

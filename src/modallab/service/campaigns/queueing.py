@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.process.trip import TripLatch
+from modallab.core.documents.messages import QueueChanged
 from modallab.core.documents.queue import ConsentNew, QueueItem, QueueItemNew, QueueView
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.service.campaigns.begin import require_plan
@@ -115,4 +116,5 @@ def duration_s(plan: Plan) -> float:
 
 
 def _notify(service: Service, rig: str, **content: str | bool) -> None:
-    service.log.append("queue", Topic(rig=rig), {"kind": "queue", "rig": rig} | content)
+    said = QueueChanged.model_validate({"rig": rig} | content)
+    service.log.append(said.kind, Topic(rig=rig), said.content())

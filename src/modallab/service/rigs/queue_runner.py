@@ -6,6 +6,7 @@ from threading import Event as Flag
 from threading import Thread
 
 from modallab.acquisition.process.trip import TrippedError
+from modallab.core.documents.messages import QueueChanged
 from modallab.core.documents.queue import QueueItem, QueueState
 from modallab.core.errors import ModallabError
 from modallab.service.errors import ConflictError, LeaseNeededError, RigUnavailableError
@@ -140,7 +141,8 @@ class QueueRunner:
         self._notify(rig, state="paused", reason=reason)
 
     def _notify(self, rig: str, **content: str) -> None:
-        self._diary.log.append("queue", Topic(rig=rig), {"kind": "queue", "rig": rig} | content)
+        said = QueueChanged.model_validate({"rig": rig} | content)
+        self._diary.log.append(said.kind, Topic(rig=rig), said.content())
 
 
 def _key(item: QueueItem) -> RunKey:
