@@ -72,6 +72,7 @@ def main() -> int:
         while done < arguments.runs and time.monotonic() - began < 60 * arguments.minutes:
             if done % A_CAMPAIGN == 0:
                 campaign = service.client.create_campaign(f"session {done // A_CAMPAIGN}", service.rig).id
+            service.client.wait_until_idle(service.rig)
             run = service.client.start_run(campaign, PLAN, lease).id
             for _ in service.client.follow(run):
                 pass

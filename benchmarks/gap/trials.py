@@ -44,7 +44,7 @@ PAIR = "pair"
 PAIR_GAP = (100.0, 3000.0)
 ROUGH_GAP = (30.0, 3000.0)
 TRIES = 3
-BEYOND = 6.0
+EXCEEDING = 6.0
 """Deviations of its own tolerance from which an effect on a bench as built is drawn."""
 CLOSE = 0.2
 """Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
@@ -120,7 +120,7 @@ def rough(draw: Draw, rig: Rig) -> tuple[Campaign, dict[str, object]]:
     gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
     drawn = draw_effect(rig, draw.seed, draw.effect, gap)
     for _ in range(TRIES):
-        if _beyond(drawn.effect, rig):
+        if _exceeds(drawn.effect, rig):
             break
         gap *= FURTHER
         drawn = draw_effect(rig, draw.seed, draw.effect, gap)
@@ -128,10 +128,10 @@ def rough(draw: Draw, rig: Rig) -> tuple[Campaign, dict[str, object]]:
     return campaign, truth | {"gap": drawn.gap}
 
 
-def _beyond(effect: Effect, rig: Rig) -> bool:
+def _exceeds(effect: Effect, rig: Rig) -> bool:
     """Whether it is far beyond its own tolerance: what lies within is no gap, and rightly called none."""
     search = models()[effect.effect].search if effect.effect in models() else None
-    return search is None or search.deviations(effect, rig) > BEYOND
+    return search is None or search.deviations(effect, rig) > EXCEEDING
 
 
 def pair(rig: Rig, seed: int) -> tuple[Effect, Effect]:

@@ -1,4 +1,4 @@
-"""Makes the pictures of the operator's page: records a campaign on the simulated bench by the page, shoots each view.
+"""Makes the pictures of the operator's page: records a campaign by the page on the simulated bench.
 
 PYTHONPATH=tests/helpers python docs/images/make_page.py docs/images
 """
@@ -48,9 +48,10 @@ def _shoot(browser: Browser, served: ServiceProcess, out: Path, *, gap: bool) ->
     ada.shoot(out / "page-plan.png")
     ada.begin("Impact test", IMPACT)
     ada.page.wait_for_selector(".prompt[data-mood=rejected]")
+    ada.shoot(out / "page-impact.png")
     dark.view("Impact test")
     phone.view("Impact test")
-    for one, name in ((ada, "page-impact"), (phone, "page-phone"), (dark, "page-impact-dark")):
+    for one, name in ((phone, "page-phone"), (dark, "page-impact-dark")):
         one.page.wait_for_selector(".prompt[data-mood=ready]")
         one.shoot(out / f"{name}.png")
     ada.view("Bench")
@@ -69,6 +70,7 @@ def _shoot(browser: Browser, served: ServiceProcess, out: Path, *, gap: bool) ->
     ada.shoot(out / "page-model.png", whole=True)
     ada.view("Campaigns")
     ada.page.click("button:text-is('Open')")
+    ada.page.wait_for_selector("tbody input[type=checkbox]")
     for box in ada.page.query_selector_all("tbody input[type=checkbox]"):
         box.check()
     ada.page.click("text=Compare two runs")

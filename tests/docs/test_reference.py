@@ -88,7 +88,8 @@ def test_every_error_is_there_with_its_code() -> None:
         import_module(module)
     said = dict(re.findall(r"^\| `([\w-]+)` \| `(\w+)` \|", prose(REFERENCE / "errors.md"), re.MULTILINE))
     own = [kind for kind in _kinds(ModallabError) if kind.__module__.startswith("modallab")]
-    assert said == {kind.code: kind.__name__ for kind in own}
+    # A driver's own kind of an error has that error's code.
+    assert said == {kind.code: kind.__name__ for kind in own if "code" in vars(kind)}
 
 
 def _kinds(kind: type[ModallabError]) -> list[type[ModallabError]]:

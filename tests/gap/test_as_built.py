@@ -105,7 +105,7 @@ def test_a_diagnosis_says_what_it_is_at(sound: Diagnosis, steps: list[tuple[floa
     shares = [share for share, _ in steps]
     assert shares == sorted(shares)
     assert 0 == shares[0] < shares[-1] < 1
-    assert "without any effect" in steps[1][1]
+    assert any("without any effect" in words for _, words in steps)
 
 
 def test_the_gap_is_stated_in_percent_too(sound: Diagnosis) -> None:

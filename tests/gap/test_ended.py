@@ -8,7 +8,7 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of
-from modallab.gap.search.fitting import COARSE, finish
+from modallab.gap.search.fitting import COARSE, annealed, completed
 from modallab.gap.search.round import ended
 
 
@@ -26,7 +26,7 @@ def strayed(rig, make, beam):
 
 def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, make):
     bench, fit = strayed(rig, make, (60.0, -40.0, -5.0))
-    assert finish(bench, fit, COARSE / 12).gap > 1.5
+    assert completed(bench, annealed(bench, fit, COARSE / 12)).gap > 1.5
     found = ended(bench, fit, COARSE / 12)
     assert found.gap < 1.1
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)

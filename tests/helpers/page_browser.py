@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 NAMED = "if (location.protocol !== 'about:') localStorage.setItem('modallab.operator', 'Ada')"
 """The service's own token does not say who works with it."""
-BENCH = "sim://cantilever?seed=3&zeta=0.05&bad_hits=0.6&pace=1&speed=6&reaction_s=0.1,0.2"
+BENCH = "sim://cantilever?seed=3&zeta=0.05&bad_hits=0.8&pace=1&speed=6&reaction_s=0.1,0.2"
 """In its order of hits a bad one comes early, and samples come faster than the clock."""
 
 

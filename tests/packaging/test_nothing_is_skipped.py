@@ -9,7 +9,7 @@ from postgresql_server import postgresql_server
 
 TESTS = Path(__file__).parents[1]
 WAYS = frozenset({"skip", "skipif", "importorskip", "xfail", "skipTest", "skipIf", "skipUnless", "SkipTest"})
-ALLOWED = {("conftest.py", "skip", "practice"), ("page/conftest.py", "skip", "browser")}
+ALLOWED = {("conftest.py", "skip", "practice"), ("page/conftest.py", "skip", "program")}
 """The practice campaigns are data that are not part of the project; a browser is no package of Python's."""
 
 

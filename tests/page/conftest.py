@@ -10,16 +10,22 @@ from service_process import ServiceProcess
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    program = chromium()
-    if program is None:
+def program() -> str:
+    found = chromium()
+    if found is None:
         pytest.skip("this machine has no chromium: install it to test the page")
+    return found
+
+
+@pytest.fixture
+def browser(program: str) -> Iterator[Browser]:
+    """For one test only: as long as it is driven its event loop is the thread's, and other tests need their own."""
     with browsing(program) as started:
         yield started
 
 
 @pytest.fixture(scope="module")
-def served(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
+def served(program: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
     folder: Path = tmp_path_factory.mktemp("page") / "data"
     with ServiceProcess(folder, "--no-jobs", bench=BENCH) as started:
         yield started

@@ -13,6 +13,7 @@ from pydantic import (
     ConfigDict,
     GetJsonSchemaHandler,
     PlainSerializer,
+    Strict,
     WithJsonSchema,
     model_validator,
 )
@@ -67,6 +68,10 @@ def described(cls: type) -> tuple[str, dict[str, str]]:
 _LIST = "\n\nAttributes:\n"
 _OF_ALL = {"kind": "Says which of several documents it is.", "format_version": "Of the document's form."}
 _ATTRIBUTE = re.compile(r"^ {4}([a-z][\w, ]*):((?:.*)(?:\n {8}.*)*)", re.MULTILINE)
+
+
+Truth = Annotated[bool, Strict()]
+"""What someone asks for or agrees to: true or false, and neither 1, "yes" nor "on", which may be a slip."""
 
 
 def unstated(value: object) -> bool:

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from modallab.core.frozen import Frozen, unstated
+from modallab.core.frozen import Frozen, Truth, unstated
 from modallab.core.units import Broadband, Test
 
 BLOCK_S = 1.024
@@ -39,7 +39,7 @@ class HitAcceptance(Frozen):
     max_residual_ratio: PositiveFloat = 0.01
     min_band_hz: PositiveFloat = 110.0
     band_drop_db: PositiveFloat = 20.0
-    check_point: bool = True
+    check_point: Truth = True
 
 
 class SetUp(Frozen):
@@ -194,7 +194,7 @@ class BroadbandPlan(Frozen):
     band_hz: tuple[PositiveFloat, PositiveFloat] = (2.0, 400.0)
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     blocks: PositiveInt = 10
-    seed: Annotated[int, Field(ge=0)] = 1
+    seed: Annotated[int, Field(ge=0, strict=True)] = 1
     burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3
     rate_hz: PositiveFloat = 2000.0
     delivered_hz: PositiveFloat | None = None

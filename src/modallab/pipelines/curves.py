@@ -1,7 +1,5 @@
 """What an identification is looked at by: measured and regenerated mobility, and the stabilisation diagram."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,8 +27,8 @@ def _curves(campaign: Campaign, item: Identified) -> TestCurves:
         output_points=model.output_points,
         input_points=model.input_points,
         frequency_hz=np.zeros(0) if verification is None else verification.measured.frequency_hz,
-        measured=None if verification is None else _short(verification.measured.values),
-        regenerated=None if verification is None else _short(verification.regenerated.values),
+        measured=None if verification is None else _complex(verification.measured.values),
+        regenerated=None if verification is None else _complex(verification.regenerated.values),
         diagram=None
         if drawn is None
         else DiagramView(
@@ -46,7 +44,10 @@ def _curves(campaign: Campaign, item: Identified) -> TestCurves:
     )
 
 
-def _short(values: NDArray[Any]) -> NDArray[Any]:
-    if np.iscomplexobj(values):
-        return _short(values.real) + 1j * _short(values.imag)
-    return np.vectorize(lambda value: float(f"{value:.{DIGITS}g}"), otypes=[float])(values)
+def _complex(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return _short(values.real) + 1j * _short(values.imag)
+
+
+def _short(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    flat = [float(f"{value:.{DIGITS}g}") for value in values.ravel().tolist()]
+    return np.array(flat, dtype=np.float64).reshape(values.shape)

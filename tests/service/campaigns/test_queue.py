@@ -42,7 +42,7 @@ def lease(lab: Lab) -> Iterator[Lease]:
     queue = RunQueue(lab.service.engine)
     for item in queue.open(RIG):
         if item.state == "waiting":
-            queue.skip(RIG, item.id, "", "tests")
+            queue.take_out(RIG, item.id, "", "tests")
     queue.resume(RIG, "tests")
     lab.controllers.withdraw_consent(RIG)
     last = lab.service.leases.take(RIG, "Ada", 60.0, take_over=True)

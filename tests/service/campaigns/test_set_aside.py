@@ -134,7 +134,7 @@ def test_what_goes_on_or_waits_or_is_continued_is_not_deleted(service, aside, ca
     item = RunQueue(service.engine).add(RIG, QueueItemNew(campaign=campaign, plan=ImpactPlan(points=(1,))), 1.0, "Ada")
     with pytest.raises(ConflictError, match="the queue belongs to it"):
         aside.delete("campaign", campaign, "Ada", GRACE)
-    RunQueue(service.engine).skip(RIG, item.id, "", "Ada")
+    RunQueue(service.engine).take_out(RIG, item.id, "", "Ada")
     rig = service.store.catalogue.run(first).rig
     with service.store.begin(ImpactPlan(points=(1,)), rig, BenchInfo("sim://", (), True, False, {})) as recorder:
         service.repository.add_run(RunEntry(recorder.run, campaign, RIG, "Ada", None), {})

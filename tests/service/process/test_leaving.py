@@ -23,6 +23,8 @@ LEAVE_S = 9.0
     ("plan", "asked_by"), [(HITS, signal.SIGTERM), (DRIVEN, signal.SIGINT)], ids=["impact, SIGTERM", "sine, Ctrl-C"]
 )
 def test_a_run_that_is_cut_short_by_the_end_of_the_service_has_failed(tmp_path: Path, plan, asked_by) -> None:
+    # A shell has what it runs in the background ignore Ctrl-C, and whatever that starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with ServiceProcess(tmp_path / "data", "--workers", "1", bench=BENCH, start_new_session=True) as service:
         lab = service.client
         campaign = lab.create_campaign("ended", service.rig)

@@ -1,6 +1,7 @@
 """What is looked at in every chunk while the shaker drives: the limits, and whether the channels can be believed."""
 
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,6 +96,19 @@ class BurstWatch:
         return max(self.limits.used(samples), self.motion.used if self.motion is not None else 0.0)
 
 
+def load_filters(limits: Limits | None) -> None:
+    """Load what limits of motion need, before the bench is started: a watchdog would not wait for it.
+
+    The filters take more than a second to import, which most tests need not wait for.
+    """
+    if limits is not None and _limit_motion(limits):
+        import_module("modallab.acquisition.monitor.motion_limits")
+
+
+def _limit_motion(limits: Limits) -> bool:
+    return bool(limits.velocity_m_s or limits.displacement_m or limits.stroke_m)
+
+
 def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream, lowest_hz: float) -> BurstWatch:
     """The watch for a rig's limits; `lowest_hz` is the lowest frequency that will be driven."""
     watched = watch_of(rig, limits, conversion)
@@ -107,8 +121,7 @@ def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream
         stream.rate_hz,
     )
     motion = None
-    if limits.velocity_m_s or limits.displacement_m or limits.stroke_m:
-        # Its filters take more than a second to import, which most tests need not wait for.
+    if _limit_motion(limits):
         from modallab.acquisition.monitor.motion_limits import motion_watch
 
         motion = motion_watch(rig, limits, conversion, stream.rate_hz, lowest_hz)

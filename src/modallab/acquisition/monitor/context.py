@@ -4,7 +4,7 @@ import time
 from dataclasses import dataclass, field, replace
 
 # SciPy loads its transforms on first use: who only asks for a run does not pay for them.
-import scipy
+import scipy.fft
 
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle

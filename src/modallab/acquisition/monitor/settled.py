@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import Any, Self
 
 import numpy as np
-import scipy
+import scipy.fft
 from numpy.typing import NDArray
 
 LEVEL_FACTOR = 1.5

@@ -142,8 +142,12 @@ def _bursts(
     return samples
 
 
+STEP_S = 1e-9
+"""What rises in less is a step, at any rate."""
+
+
 def _taper(at: Real, end: float, ramp: float) -> Real:
-    return (1 - np.cos(np.pi * np.clip(np.minimum(at, end - at) / ramp, 0, 1))) / 2
+    return (1 - np.cos(np.pi * np.clip(np.minimum(at, end - at) / max(ramp, STEP_S), 0, 1))) / 2
 
 
 def _of_unit_rms(values: Real) -> Real:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from math import log
 
 import numpy as np
-import scipy
+import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context

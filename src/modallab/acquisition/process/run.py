@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.acquisition.monitor.burst_watch import load_filters
 from modallab.acquisition.monitor.context import Context
 from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
@@ -253,6 +254,7 @@ def _prepare(setup: Setup) -> Context:
     tail = ceil(tail_s(plan) * delivery.rate_hz) if isinstance(plan, SinePlan) else 0
     keep = MEMORY_BLOCKS * block + tail
     stream = Stream(bench, delivery, conversion, keep=keep, chunk=chunk, poll=setup.poll, tap=setup.tap(delivery))
+    load_filters(setup.rig.limits)
     bench.start()
     return Context(
         bench, setup.rig, setup.recorder, setup.emit, setup.life, conversion, stream, block, recut,

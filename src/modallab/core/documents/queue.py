@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, Truth
 from modallab.core.plan import Plan
 
 QueueState = Literal["waiting", "running", "done", "failed", "skipped"]
@@ -70,8 +70,8 @@ class ConsentNew(Frozen):
         for_s: for so long.
     """
 
-    drive: bool = False
-    at_bench: bool = False
+    drive: Truth = False
+    at_bench: Truth = False
     items: Annotated[tuple[Annotated[str, Field(max_length=64)], ...], Field(max_length=200)] | None = None
     for_s: Annotated[float, Field(gt=0, le=86400)] = 28800.0
 

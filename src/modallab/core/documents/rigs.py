@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.core.frozen import Frozen
+from modallab.core.frozen import Frozen, Truth
 
 RigState = Literal["starting", "idle", "running", "unavailable"]
 
@@ -84,8 +84,8 @@ class LeaseNew(Frozen):
 
     operator: Operator | None = None
     ttl_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
-    take_over: bool = False
-    recover: bool = False
+    take_over: Truth = False
+    recover: Truth = False
 
 
 class Lease(Frozen):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PositiveFloat
 
 from modallab.core.events import RunState
-from modallab.core.frozen import Frozen, RealArray
+from modallab.core.frozen import Frozen, RealArray, Truth
 from modallab.core.plan import Plan
 from modallab.core.units import Test
 
@@ -202,7 +202,7 @@ class Verdict(Frozen):
         reason: kept with the block.
     """
 
-    accepted: Annotated[bool, Field(strict=True)]
+    accepted: Truth
     reason: Annotated[str, Field(max_length=400)] = ""
 
 

@@ -30,6 +30,8 @@ SAME_SLOPES = 6
 """Steps that one evaluation of the slopes serves, at most: a step costs a tenth of the slopes."""
 SLOW = 0.03
 """Share of the fall since the slopes were evaluated below which a step says that they are worn out."""
+CURVED = 1e-4
+"""Share of a number's curvature that damps it as well."""
 STIFFEST = 1e7
 """Damping at which no step helps."""
 FIRST = 1.0
@@ -156,7 +158,9 @@ def _scale(problem: Problem, normal: Array) -> Array:
     """
     axes = np.eye(len(normal))
     if problem.free.deviations:
-        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it.
+        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it. What the
+        # data determine is held back as well, where steps that would be right on a straight way help no more.
+        axes[np.diag_indices(len(normal))] += CURVED * np.diag(normal)
         return axes
     if not problem.floor:
         axes[:3, :3] = problem.free.axes

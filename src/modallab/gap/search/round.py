@@ -15,7 +15,18 @@ from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testab
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.model.prefit import start
-from modallab.gap.search.fitting import COARSE, STRAIGHT, Bench, annealed, at_poles, completed, misfit, on_all, short
+from modallab.gap.search.fitting import (
+    COARSE,
+    STRAIGHT,
+    Bench,
+    annealed,
+    at_poles,
+    completed,
+    misfit,
+    on_all,
+    short,
+    thorough,
+)
 from modallab.gap.search.screen import Begin, Screen
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
@@ -28,6 +39,8 @@ BEGINS = 2
 """Places to begin from which a candidate is fitted."""
 HOPELESS = 5.0
 """What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
+PROMISING = 0.3
+"""Share of the gap below which what an explanation leaves is worth another attempt."""
 LONGER = 6
 """Candidates of a round that get a second look."""
 WORKERS = 2
@@ -81,8 +94,10 @@ def channel_share(fit: Fit) -> Array:
     return total / max(float(np.sum(total)), 1e-300)
 
 
-def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
+def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
+
+    What leaves most of the gap `before` is not worth its last digits.
 
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
@@ -96,7 +111,10 @@ def ended(bench: Bench, fit: Fit, floor: float) -> Fit:
     if there.gap > bench.flat and strayed and len(bench.poles):
         begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
         there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
-    return completed(bench, there)
+    there = completed(bench, there)
+    if bench.flat < there.gap < PROMISING * before:
+        there = min(there, thorough(bench, fit, floor), key=_cost)
+    return there
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
@@ -115,7 +133,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
 
     def to_the_end(f: Fit) -> Fit:
-        return ended(bench, f, screen.floor / 12)
+        return ended(bench, f, screen.floor / 12, base.gap)
 
     listed = pool(bench, base)
     beside = "".join(f" beside {c.effect.replace('_', ' ')}" for c in base.problem.candidates[-1:])

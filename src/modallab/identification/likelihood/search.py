@@ -112,10 +112,12 @@ def _descend(
     `equations` are the normal equations there. A step that promises a gain below `worth` is not taken.
     """
     matrix, gradient = equations
+    n_poles = 2 * point.parameters.omega.size
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scale[:held] = 0
     if problem.fixed is not None:
         scale[: 2 * problem.fixed.size][np.repeat(problem.fixed, 2)] = 0
+    scale[1:n_poles:2][_at_an_end(problem, point.parameters, gradient[1:n_poles:2])] = 0
     scaled, pull = matrix * np.outer(scale, scale), scale * gradient
     factor = 4.0
     for _ in range(10):
@@ -161,9 +163,7 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     if dt > 0:
         # Samples cannot show a pole above half the rate, nor distinguish it from its own alias.
         omega = np.minimum(omega, HIGHEST * np.pi / dt)
-    # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
-    centre, sigma = problem.zeta_prior.T
-    low, high = np.maximum(centre - PRIOR_REACH * sigma, MIN_ZETA), np.minimum(centre + PRIOR_REACH * sigma, MAX_ZETA)
+    low, high = _ends_of_zeta(problem)
     zeta = np.clip(at.zeta + np.clip(move[:, 1], -MAX_FALL * at.zeta, MAX_MOVE), low, high)
     local = step[2 * n :].reshape(n_blocks, problem.n_local)
     width = at.force.shape[1]
@@ -174,6 +174,22 @@ def _moved(problem: Problem, at: Parameters, step: Real) -> Parameters:
     state = at.state + parts[:, :n] if n_state else at.state
     drive = at.drive if problem.drive_sigma is None else at.drive + parts[:, n_state]
     return Parameters(omega, zeta, state, drive, force)
+
+
+def _ends_of_zeta(problem: Problem) -> tuple[Real, Real]:
+    # Thrown far below its prior a stand-in rings through the block, and creeps back for as many steps as there are.
+    centre, sigma = problem.zeta_prior.T
+    return np.maximum(centre - PRIOR_REACH * sigma, MIN_ZETA), np.minimum(centre + PRIOR_REACH * sigma, MAX_ZETA)
+
+
+def _at_an_end(problem: Problem, at: Parameters, pull: Real) -> NDArray[np.bool_]:
+    """Of each damping ratio (modes,): it stands at an end of what it may be, and is pulled beyond it.
+
+    Such a one is held for the step: one computed with a move that is then cut off is none of the others' best, gains
+    less than it promises, and the search creeps.
+    """
+    low, high = _ends_of_zeta(problem)
+    return ((at.zeta <= low) & (pull < 0)) | ((at.zeta >= high) & (pull > 0))
 
 
 def covariance_of(matrix: Real) -> Real:

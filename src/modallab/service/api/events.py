@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import AsyncGenerator
-from concurrent.futures import Future, wait
+from concurrent.futures import wait
 from dataclasses import dataclass, field
 from threading import Event as Flag
 from threading import Thread
@@ -146,10 +146,18 @@ class Feed:
             lost, self._read = False, (time.monotonic(), utc_now())
             if events and self._loop is not None:
                 last = events[-1].seq
-                lines = [Line(event, _text(event)) for event in events]
-                self._wait_for(asyncio.run_coroutine_threadsafe(self._hand_out(lines), self._loop))
+                self._hand_to(self._loop, [Line(event, _text(event)) for event in events])
 
-    def _wait_for(self, handed_out: Future[None]) -> None:
+    def _hand_to(self, loop: asyncio.AbstractEventLoop, lines: list[Line]) -> None:
+        handing_out = self._hand_out(lines)
+        try:
+            handed_out = asyncio.run_coroutine_threadsafe(handing_out, loop)
+        except RuntimeError:
+            handing_out.close()
+            if not loop.is_closed():
+                raise
+            # The service has been closed between the look and here, and with it everyone who listened.
+            return
         # One after the other: the order of events is that of the log.
         while not self._closing.is_set() and not handed_out.done():
             wait([handed_out], HAND_OUT_S)

@@ -61,6 +61,6 @@ def _force(service: Service, run: str, n: int) -> BlockForce:
         n=n,
         rate_hz=signals.rate_hz,
         force_n=force,
-        spectrum_hz=np.fft.rfftfreq(force.size, 1 / signals.rate_hz),
+        spectrum_hz=np.arange(force.size // 2 + 1) * signals.rate_hz / force.size,
         spectrum_n_s=np.abs(np.fft.rfft(force)) / signals.rate_hz,
     )

@@ -17,6 +17,7 @@ from modallab.signals.signals import Signals, to_signals
 from modallab.storage import Store
 
 LOWEST_HZ = 0.5
+LEAST_LINES = 2
 USABLE = 0.4
 """Anti-alias filters hold the relation between channels up to this part of the rate."""
 
@@ -149,7 +150,8 @@ class _Sines:
 
     @property
     def empty(self) -> bool:
-        return not self._lines
+        # One line alone is no FRF yet.
+        return len(self._of_last_level()) < LEAST_LINES
 
     def add(self, block: Block) -> None:
         self._lines[block.order] = block.level, line_of(to_signals(block, self._rig), self._rig)
@@ -159,8 +161,11 @@ class _Sines:
             self._lines.pop(n, None)
 
     def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
-        last = self._lines[max(self._lines)][0]
-        return frf_of_lines([line for level, line in self._lines.values() if level == last], self._rig)
+        return frf_of_lines(self._of_last_level(), self._rig)
+
+    def _of_last_level(self) -> list[Line]:
+        last = self._lines[max(self._lines)][0] if self._lines else None
+        return [line for level, line in self._lines.values() if level == last]
 
 
 class _Broadband:

@@ -62,7 +62,7 @@ def queue_view(service: Service, rig: ControllerState, *, ended: bool = False) -
 
 def skip(service: Service, rig: str, item: str, reason: str, operator: str) -> QueueItem:
     """Take an item out that waits. Raises as `RunQueue.skip`."""
-    skipped = RunQueue(service.engine).skip(rig, item, reason, operator)
+    skipped = RunQueue(service.engine).take_out(rig, item, reason, operator)
     _notify(service, rig, item=item, state="skipped", reason=reason, operator=operator)
     return skipped
 

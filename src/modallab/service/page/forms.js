@@ -136,14 +136,14 @@ export async function planForm({ name, kind, first, start, begin, signal }) {
     put(verdict, found.problems.length ? found.problems.join("; ") : `The bench can do this: ${found.blocks} blocks.`);
     return !found.problems.length;
   }
-  const quietly = () => check().then((good) => { go.disabled = !good; }).catch((error) => { put(verdict, error.detail); });
-  const form = h("form", { class: "plan", oninput: () => { clearTimeout(timer); timer = setTimeout(quietly, CHECK_MS); }, onsubmit: async (event) => {
+  const checkInTurn = () => check().then((good) => { go.disabled = !good; }).catch((error) => { put(verdict, error.detail); });
+  const form = h("form", { class: "plan", oninput: () => { clearTimeout(timer); timer = setTimeout(checkInTurn, CHECK_MS); }, onsubmit: async (event) => {
     event.preventDefault();
     go.disabled = true;
     try { if (await check()) await begin(plan()); } catch (error) { put(verdict, error.detail ?? error.message, " ", error.remedy ?? ""); verdict.className = "bad"; } finally { go.disabled = false; }
   } }, h("div", { class: "fields" }, shown.map(([, one]) => one.element)),
   h("details", {}, h("summary", {}, "All settings"), h("div", { class: "fields" }, others.map(([, one]) => one.element))), verdict, h("p", { class: "buttons" }, go));
   signal.addEventListener("abort", () => clearTimeout(timer));
-  quietly();
+  checkInTurn();
   return form;
 }

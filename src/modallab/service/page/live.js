@@ -1,6 +1,7 @@
 /** Binary messages of the service by WebSocket, connected again by themselves. */
 
 import { socket } from "./api.js";
+import { show } from "./dom.js";
 
 const AGAIN_MS = 500;
 const SLOWEST_MS = 5000;
@@ -23,9 +24,9 @@ export function follow(path, listener, signal) {
     connection.binaryType = "arraybuffer";
     connection.onopen = () => { wait = AGAIN_MS; };
     connection.onmessage = ({ data }) => listener(...parse(data));
-    connection.onclose = ({ code }) => {
+    connection.onclose = ({ code, reason }) => {
       // What cannot be answered is not asked again.
-      if (code === 4422) return;
+      if (code === 4422) { show({ detail: reason }); return; }
       setTimeout(open, wait);
       wait = Math.min(2 * wait, SLOWEST_MS);
     };

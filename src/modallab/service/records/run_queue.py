@@ -94,7 +94,7 @@ class RunQueue:
                 connection.execute(update(QUEUE).where(QUEUE.c.id == item).values(place=place))
             audit.note(connection, operator, "reorder-queue", rig, {"items": list(items)})
 
-    def skip(self, rig: str, item: str, reason: str, operator: str) -> QueueItem:
+    def take_out(self, rig: str, item: str, reason: str, operator: str) -> QueueItem:
         """Take an item out that waits.
 
         Raises:

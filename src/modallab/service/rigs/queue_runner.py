@@ -104,8 +104,7 @@ class QueueRunner:
             # It may begin yet: whether it has is looked up.
             self._pause(item.rig, f"item {item.id}: {error.what}")
         except ModallabError as error:
-            self._set(item, "failed", reason=str(error))
-            self._pause(item.rig, f"item {item.id} could not begin: {error.what}")
+            self._fail(item, str(error), f"item {item.id} could not begin: {error.what}")
         else:
             self._set(item, "running", run=run)
 
@@ -120,8 +119,7 @@ class QueueRunner:
             self._set(item, "done", run=item.run)
             return
         reason = f"run {item.run} is {record.state}: {record.reason or 'see its events'}"
-        self._set(item, "failed", run=item.run, reason=reason)
-        self._pause(item.rig, reason)
+        self._fail(item, reason, reason, run=item.run)
 
     def _find(self, item: QueueItem, state: ControllerState) -> None:
         # Its beginning was not heard of: this service, or the one before, was ended or kept waiting in between.
@@ -134,6 +132,11 @@ class QueueRunner:
     def _set(self, item: QueueItem, state: QueueState, *, run: str = "", reason: str = "") -> None:
         self._queue.set(item.id, state, run=run, reason=reason)
         self._notify(item.rig, item=item.id, state=state, run=run, reason=reason)
+
+    def _fail(self, item: QueueItem, why: str, pause: str, run: str = "") -> None:
+        # Paused first: at no moment may the next one seem free to begin.
+        self._pause(item.rig, pause)
+        self._set(item, "failed", run=run, reason=why)
 
     def _pause(self, rig: str, reason: str) -> None:
         self._controllers.consents.withdraw(rig)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy
+import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError

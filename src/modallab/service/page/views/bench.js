@@ -62,7 +62,7 @@ function row(channel, converter) {
 function state() {
   const { rig } = lab;
   const facts = h("dl", { class: "facts" },
-    fact("Rig", rig.name), fact("Address", rig.bench),
+    fact("Rig", rig.name), fact("Address", rig.bench, "", "broad"),
     fact("State", rig.trip ? "stopped in an emergency" : WORDS[rig.state] ?? rig.state, rig.trip || rig.state === "unavailable" ? "bad" : "good"),
     fact("Run", rig.run ?? "none"),
     fact("Drive", rig.can_drive ? "has an output for the shaker" : "reads only"),
@@ -74,7 +74,7 @@ function state() {
 
 const WORDS = { starting: "its bench is being opened", idle: "ready", running: "a run is on", unavailable: "cannot be used" };
 
-const fact = (name, value, mood) => h("div", {}, h("dt", {}, name), h("dd", { class: mood }, value));
+const fact = (name, value, mood, size) => h("div", { class: size }, h("dt", {}, name), h("dd", { class: mood }, value));
 
 function tripped({ cause, reason }) {
   return h("div", { class: "alarm", role: "status" }, h("p", {}, h("strong", {}, `Stopped: ${cause}. `), reason, ". Look at the bench before it may move again."),
