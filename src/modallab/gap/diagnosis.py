@@ -25,17 +25,16 @@ from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, shown
-from modallab.gap.report.locate import locate
+from modallab.gap.report.locate import depends_on_size, locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
-from modallab.gap.search.fitting import Bench
+from modallab.gap.search.fitting import Bench, baseline
 from modallab.gap.search.intervals import intervals
-from modallab.gap.search.nonlinear import nonlinear_levels
-from modallab.gap.search.round import Level
+from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -73,17 +72,13 @@ def diagnose(
     bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
-    with part(0.06, 0.7, "search"):
-        levels = explain(bench)
-    report(0.7, "where the gap lies and what it is made of")
     matters = unseen if campaign.rig.tolerance.of_assembly else None
-    choice = choose(bench, levels, matters)
+    with part(0.06, 0.7, "search"):
+        choice = _searched(bench, prepared, matters)
+    report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
     nonlinear = location is not None and location.nonlinear
-    if nonlinear:
-        report(0.74, "effects that depend on the size of the motion")
-        choice = _with_motion(bench, levels, choice, matters)
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f)]
     # Effects the records show but whose names must not be used.
@@ -107,12 +102,18 @@ def diagnose(
     )
 
 
-def _with_motion(bench: Bench, levels: list[Level], choice: Choice, matters: Reduced | None) -> Choice:
-    """The choice once effects that depend on the size of the motion have been looked at too."""
-    stepped = choose(bench, nonlinear_levels(bench, levels), matters)
-    if stepped.explained and (not choice.explained or stepped.fit.cost < choice.fit.cost):
-        return replace(stepped, rivals=(*stepped.rivals, *choice.rivals))
-    return choice
+def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None) -> Choice:
+    """What the search says: of effects that depend on the size of the motion first, where the records ask for it."""
+    base = baseline(bench)
+    if base.gap <= bench.flat or not depends_on_size(prepared, base):
+        return choose(bench, explain(bench, base), matters)
+    with part(0.1, 0.5):
+        stepped = choose(bench, [nonlinear_level(bench, base)], matters)
+    if stepped.explained:
+        return stepped
+    with part(0.5, 1.0):
+        linear = choose(bench, explain(bench, base), matters)
+    return linear if linear.explained else replace(linear, rivals=(*linear.rivals, *stepped.rivals))
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

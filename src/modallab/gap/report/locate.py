@@ -174,6 +174,12 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
 
 
+def depends_on_size(prepared: Prepared, base: Fit) -> bool:
+    """Whether the beam does not answer in proportion: overtones that the force lacks, or levels that disagree."""
+    harmonic, driven = overtones(prepared)
+    return driven <= OFTEN and (harmonic > OFTEN or _levels_differ(base))
+
+
 def overtones(prepared: Prepared) -> tuple[float, float]:
     """Share of sine responses, and of their forces, with clear second or third harmonics."""
     rig = prepared.campaign.rig

@@ -5,20 +5,22 @@ both levels of each frequency, with every start on its grid; the best are fitted
 data.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.progress import report
 from modallab.gap.conditioning.reduce import Reduced, Rows, SineData
-from modallab.gap.model.candidates import of_motion
+from modallab.gap.model.candidates import of_bench, of_motion
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import minimise
+from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
-from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.fitting import Bench
 from modallab.gap.search.round import Level
 from modallab.twin.candidate import Candidate
 
@@ -28,30 +30,24 @@ BLOCKS = 12
 """Sine blocks of a first look."""
 LOOKED = 0.1
 """Relative error that is forgiven in it."""
-LONGER = 2
-"""Effects that are fitted on all data."""
+RIVAL = 6.0
+"""What leaves so many times more than the best in a look is no rival, and is not fitted on all data."""
 OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""
-BESIDE = 0.5
-"""Share of the gap that a linear effect must take away to be kept beside one that is not."""
 
 
-def nonlinear_levels(bench: Bench, levels: Sequence[Level]) -> list[Level]:
-    """One round of the effects that depend on the size of the motion, alone and beside the best linear one."""
-    base = levels[0].base
+def nonlinear_level(bench: Bench, base: Fit) -> Level:
+    """One round of the effects that depend on the size of the motion, on a beam without any other effect."""
     few = _worst(bench.data, base)
-    former = _beside(levels)
-    looks = [_look(bench, few, own, c) for own in former for c in of_motion(bench.data.rig) if bench.allowed(c.effect)]
-    best = sorted((f for f in looks if f is not None), key=lambda f: f.cost)
-    fits = sorted((_on_all(bench, f) for f in best[:LONGER]), key=lambda f: f.cost)
-    return [Level(base, tuple(fits), tuple((f.problem.candidates, f.cost) for f in best[LONGER:]))]
-
-
-def _beside(levels: Sequence[Level]) -> list[Fit]:
-    """The fits that an effect is looked for beside: none but the beam, and the best linear effect if it is worth it."""
-    base = levels[0].base
-    best = next(iter(levels[0].fits), None)
-    return [base, best] if best is not None and excess(best) < BESIDE * excess(base) else [base]
+    listed = [c for c in of_motion(bench.data.rig) if bench.allowed(c.effect)]
+    looks: list[Fit] = []
+    for i, candidate in enumerate(listed):
+        report(i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
+        looks.append(_look(bench, few, base, candidate))
+    looks.sort(key=lambda f: f.cost)
+    fits = [_on_all(bench, f) for f in looks[:2] if f.cost < RIVAL * looks[0].cost]
+    rest = tuple((f.problem.candidates, f.cost) for f in looks[len(fits) :])
+    return Level(base, tuple(sorted(fits, key=lambda f: f.cost)), rest)
 
 
 def _worst(data: Reduced, base: Fit) -> Reduced:
@@ -87,29 +83,70 @@ def _blocks(d: SineData, at: list[int]) -> SineData:
     return replace(d, pieces=tuple(d.pieces[j] for j in at), source=source, rows=kept)
 
 
-def _look(bench: Bench, few: Reduced, former: Fit, candidate: Candidate) -> Fit | None:
+def _look(bench: Bench, few: Reduced, base: Fit, candidate: Candidate) -> Fit:
     """The effect from the best of its starts, fitted on few records."""
-    candidates = (*former.problem.candidates, candidate)
-    problem = Problem(few, bench.free, candidates, LOOKED)
-    own = former.u[bench.free.size :]
-    best: tuple[float, Array] | None = None
-    for values in product(*(slot.starts for slot in candidate.slots)):
-        more = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
-        begins = [np.concatenate([former.u, more])]
-        if len(bench.poles):
-            begins.append(start(candidates, np.concatenate([own, more]), bench.free, bench.poles).u)
-        for u in begins:
-            cost = float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)))
-            if best is None or cost < best[0]:
-                best = cost, u
-    if best is None:
-        return None
-    fit = minimise(problem, best[1], 5, 1e-2)
-    return minimise(replace(problem, floor=LOOKED / 5), fit.u, 5, 1e-2)
+    begins = [u for own in product(*(slot.starts for slot in candidate.slots)) for u in _begins(bench, candidate, own)]
+    problem = Problem(few, bench.free, (candidate,), LOOKED)
+
+    def cost(u: Array) -> float:
+        return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        costs = list(workers.map(cost, begins))
+    return min((_fitted(problem, begins[i]) for i in np.argsort(costs)[:2]), key=lambda f: f.cost)
+
+
+def _fitted(problem: Problem, u: Array) -> Fit:
+    for floor in (LOOKED, LOOKED / 5):
+        # The beam that the poles show stays, as firmly as more is forgiven.
+        u = minimise(replace(problem, floor=floor, held=_beam(u)), u, 4, 3e-2).u
+    return minimise(replace(problem, floor=LOOKED / 20), u, 3, 3e-2)
+
+
+def _beam(u: Array) -> tuple[float, float, float]:
+    return float(u[0]), float(u[1]), float(u[2])
+
+
+def _seen(problem: Problem, fit: Fit) -> Fit:
+    r = problem.residual(fit.u)
+    return Fit(problem, fit.u, float(r @ r + problem.priors(fit.u)[0]), r, fit.normal)
+
+
+def _begins(bench: Bench, candidate: Candidate, values: tuple[float, ...]) -> Iterator[Array]:
+    """Where a fit may begin: the beam as believed, and those that the poles of small and of large motion show."""
+    own = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
+    yield np.concatenate([np.zeros(bench.free.size), own])
+    if not len(bench.poles):
+        return
+    for alike, like in _linear(bench, candidate, own):
+        beam = start((alike,), like, bench.free, bench.poles).u[: bench.free.size]
+        yield np.concatenate([beam, own])
+
+
+def _linear(bench: Bench, candidate: Candidate, own: Array) -> Iterator[tuple[Candidate, Array]]:
+    """Linear effects with nearly the same poles."""
+    yield candidate, own
+    names = [s.name for s in candidate.slots]
+    for soft, stiff in (("k_slip", "k_stick"), ("k_within", "k_contact")):
+        if soft in names:
+            held = own.copy()
+            held[names.index(soft)] = own[names.index(stiff)]
+            yield candidate, held
+    if "EI_loss_open" in names:
+        share = candidate.at(own).parameters["EI_loss_open"]
+        # Half of the time it bends as a crack that stays open.
+        half = share / (2 - share)
+        for like in of_bench(bench.data.rig):
+            if like.effect == "stiffness_loss":
+                yield like, np.array([like.slots[0].coordinate(half), own[names.index("x")]])
 
 
 def _on_all(bench: Bench, fit: Fit) -> Fit:
-    u = fit.u
-    for floor in (LOOKED / 5, LOOKED / 50):
-        u = minimise(Problem(bench.data, bench.free, fit.problem.candidates, floor), u, 3, 3e-2).u
-    return minimise(Problem(bench.data, bench.free, fit.problem.candidates), u, 6, 1e-3)
+    """The fit brought to its end on all data; of its stages the one that leaves least, should the law not be exact."""
+    exact = Problem(bench.data, bench.free, fit.problem.candidates)
+    stages = [_seen(exact, fit)]
+    for floor in (LOOKED / 10, LOOKED / 50, LOOKED / 250):
+        fit = minimise(replace(exact, floor=floor, held=_beam(fit.u)), fit.u, 2, 3e-2)
+        stages.append(_seen(exact, fit))
+    best = min(stages, key=lambda f: f.cost)
+    return min(best, minimise(exact, best.u, 5, 1e-2), key=lambda f: f.cost)

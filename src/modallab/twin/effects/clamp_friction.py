@@ -15,16 +15,17 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     stick = numbers["k_stick"]
     slider = max(stick - numbers["k_slip"], 1e-6 * stick)
     root = s.root_rotation + s.bending_stiffness / s.length_m / numbers["k_slip"]
-    element = Element(Law.FRICTION, 0.0, (slider, numbers["moment_limit"]))
+    element = Element(Law.FRICTION, 0.0, (slider, numbers["moment_limit"], numbers.get("sharpness", 0.0)))
     return replace(twin, structure=replace(s, root_rotation=root), element=element)
 
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_slip", "log", spread(2.5 * unit, 20 * unit, 3)),
-        Slot("k_stick", "log", spread(12 * unit, 120 * unit, 3), power=-1.0),
+        Slot("k_slip", "log", spread(4 * unit, 14 * unit, 2)),
+        Slot("k_stick", "log", spread(20 * unit, 80 * unit, 2), power=-1.0),
         Slot("moment_limit", "log", spread(1e-5 * unit, 1e-3 * unit, 4), power=-1.0),
+        Slot("sharpness", "log", (1.5,), low=0.7, high=30.0, power=0.0),
     )
 
 

@@ -19,7 +19,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 PATTERNS = 3
 """Ways in which the beam bends about a crack that are followed."""
-PLACES = 20
+PLACES = 12
 """Places along the beam at which a drag is taken."""
 
 
@@ -40,9 +40,9 @@ class Element:
     Attributes:
         law: how its force follows the motion.
         x_m: its place from the clamp, m; of a drag, anywhere.
-        numbers: of the law. Cubic: (k3 in N/m^3,). Friction: (stiffness of the slider in N m/rad, limit in N m). Play:
-            (stiffness in N m/rad, half the gap in rad). Crack: (share of EI lost while open, half width in m). Drag:
-            (force per length and squared velocity in N s^2/m^3,).
+        numbers: of the law. Cubic: (k3 in N/m^3,). Friction: (stiffness of the slider in N m/rad, limit in N m), and
+            how sharply it yields, if it is not ideal. Play: (stiffness in N m/rad, half the gap in rad). Crack: (share
+            of EI lost while open, half width in m). Drag: (force per length and squared velocity in N s^2/m^3,).
     """
 
     law: Law

@@ -17,8 +17,10 @@ PER_PERIOD = 36
 """Steps a period of a sine, where there may be as many."""
 HIT_STEPS = 8
 """Steps a sample of a hit."""
-LEAST, MOST = 4, 8
-"""Steps a sample of a sine."""
+LEAST = {Law.CUBIC: 2, Law.DRAG: 1}
+"""Steps a sample of a sine at least, where a law is smooth; 4 otherwise."""
+MOST = 8
+"""Steps a sample of a sine at most."""
 SWIFT = 1.25
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
 where its own oscillation is stepped over."""
@@ -74,7 +76,7 @@ def in_sine(
     cosine: bool,
 ) -> Added:
     """What it adds to a sine block that began `history_s` before, rising for `ramp_s` from rest."""
-    every = int(np.clip(np.ceil(PER_PERIOD * frequency_hz * dt), LEAST, MOST))
+    every = int(np.clip(np.ceil(PER_PERIOD * frequency_hz * dt), LEAST.get(own.law, 4), MOST))
     h = dt / every
     skip = round(history_s / h)
     t = (np.arange(skip + (n - 1) * every + 1) - skip) * h
@@ -116,7 +118,7 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
     out, count = np.zeros((2, len(poles), n)), len(shapes)
     pushed = np.zeros((n, count))
     if own.law in (Law.CUBIC, Law.FRICTION, Law.PLAY):
-        numbers, row = np.array((*own.numbers, 0.0)[:2]), pushed[:, 0].copy()
+        numbers, row = np.array((*own.numbers, 0.0, 0.0)[:3]), pushed[:, 0].copy()
         seen, stiff, straight = _split(shapes[0]), float(static[0, 0]), float(direct[1])
         stepping.step_one(
             int(own.law), numbers, decay, alpha, beta, seen, drive, stiff, straight, force, every, skip, out, row

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CUBIC, PLAY, CRACK = 0, 2, 3
+YIELDS = 0.75
+"""Share of the yielding that stops when the motion turns round."""
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -59,6 +61,25 @@ def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) 
 
 
 @_compiled
+def hysteresis(
+    stiffness: float, limit: float, sharpness: float, free: float, d: float, last: float, pull: float
+) -> float:
+    """Pull of a joint that yields little by little, from where it last stood and pulled (Bouc-Wen, midpoint rule)."""
+    found = pull
+    for _ in range(8):
+        middle = min(max(0.5 * (pull + found), -limit), limit)
+        with_it = middle * (free - d * found - last) > 0
+        share = 1.0 if with_it else 1.0 - 2.0 * YIELDS
+        slope = stiffness * (1.0 - share * (abs(middle) / limit) ** sharpness)
+        new = (pull + slope * (free - last)) / (1.0 + slope * d)
+        done = abs(new - found) <= 1e-8 * limit
+        found = new
+        if done:
+            break
+    return min(max(found, -limit), limit)
+
+
+@_compiled
 def weighted(weights: Array, shapes: Array) -> Array:
     """(2, p) product of two rows of complex numbers."""
     real = weights[0] * shapes[0] - weights[1] * shapes[1]
@@ -89,7 +110,7 @@ def step_one(
 
     Args:
         law: CUBIC, PLAY, or anything else for friction.
-        numbers: (2,) of the law.
+        numbers: (3,) of the law.
         decay: (2, p) exp(pole dt).
         alpha: (2, p) weight of the force at the start of a step.
         beta: (2, p) weight at its end.
@@ -128,7 +149,11 @@ def step_one(
         elif law == PLAY:
             g = play(numbers[0], numbers[1], 2.0 * free, d)
         else:
-            g, stuck = slider(numbers[0], numbers[1], 2.0 * free, d, stuck)
+            if numbers[2] == 0.0:
+                g, stuck = slider(numbers[0], numbers[1], 2.0 * free, d, stuck)
+            else:
+                g = -hysteresis(numbers[0], numbers[1], numbers[2], 2.0 * free, d, stuck, -g)
+                stuck = 2.0 * free + d * g
         for k in range(p):
             z[0, k] += late[0, k] * g
             z[1, k] += late[1, k] * g
@@ -200,25 +225,42 @@ def step_many(
         pushed: (samples, m) force of the element.
     """
     p, m = decay.shape[1], seen.shape[0]
-    x, z, acting, heading = np.zeros((2, p)), np.zeros((2, p)), np.zeros((2, p)), np.zeros((2, p))
+    x, z, acting = np.zeros((2, p)), np.zeros((2, p)), np.zeros((2, p))
     late_f, early_f = weighted(beta, drive), weighted(alpha, drive)
     g, found = np.zeros(m), np.empty(m + 1)
+    # A drag changes little in a step: its motion is felt as if the force stayed.
+    ahead = 0.0 if law == CRACK else 1.0
     before = 0.0
     sample = 0
     for n in range(force.shape[0]):
         f = force[n]
-        x[:] = weighted(decay, x) + early_f * before + late_f * f
-        z[:] = weighted(decay, z) + weighted(alpha, acting)
-        if law != CRACK:
-            # A drag changes little in a step: its motion is felt as if the force stayed.
-            heading[:] = weighted(beta, acting)
-            z += heading
+        for k in range(p):
+            r, i, a, b = decay[0, k], decay[1, k], acting[0, k], acting[1, k]
+            xr = r * x[0, k] - i * x[1, k] + early_f[0, k] * before + late_f[0, k] * f
+            xi = r * x[1, k] + i * x[0, k] + early_f[1, k] * before + late_f[1, k] * f
+            cr, ci = alpha[0, k] + ahead * beta[0, k], alpha[1, k] + ahead * beta[1, k]
+            zr = r * z[0, k] - i * z[1, k] + cr * a - ci * b
+            zi = r * z[1, k] + i * z[0, k] + cr * b + ci * a
+            x[0, k], x[1, k], z[0, k], z[1, k] = xr, xi, zr, zi
         motions(felt, direct, f, x, z, found)
         answered(law, numbers, opened, found, g)
-        acting[:] = 0.0
+        # What was felt ahead of the new force is taken back.
+        for k in range(p):
+            br, bi = beta[0, k], beta[1, k]
+            a, b = ahead * acting[0, k], ahead * acting[1, k]
+            z[0, k] -= br * a - bi * b
+            z[1, k] -= br * b + bi * a
+            acting[0, k], acting[1, k] = 0.0, 0.0
         for j in range(m):
-            acting += g[j] * seen[j]
-        z += weighted(beta, acting) - heading
+            push = g[j]
+            if push != 0.0:
+                for k in range(p):
+                    acting[0, k] += push * seen[j, 0, k]
+                    acting[1, k] += push * seen[j, 1, k]
+        for k in range(p):
+            br, bi = beta[0, k], beta[1, k]
+            z[0, k] += br * acting[0, k] - bi * acting[1, k]
+            z[1, k] += br * acting[1, k] + bi * acting[0, k]
         before = f
         if n >= skip and (n - skip) % every == 0 and sample < pushed.shape[0]:
             pushed[sample] = g
