@@ -53,10 +53,18 @@ def test_a_slider_that_gives_way_at_once_leaves_the_softer_root() -> None:
     assert off(sine(bench, 1.0), sine(twin(1 / 8, None), 1.0)) < 1e-6
 
 
+def test_a_joint_that_yields_all_at_once_is_an_ideal_slider() -> None:
+    ideal = twin(1 / 8, Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05)))
+    sharp, round_ = (twin(1 / 8, Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05, n))) for n in (100.0, 1.5))
+    assert off(sine(sharp, 2.0), sine(ideal, 2.0)) < 0.02
+    assert off(sine(round_, 2.0), sine(ideal, 2.0)) > 2 * off(sine(sharp, 2.0), sine(ideal, 2.0))
+
+
 @pytest.mark.parametrize(
     "element",
     [
         Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05)),
+        Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05, 1.5)),
         Element(Law.PLAY, 0.0, (12 * UNIT, 1e-4)),
         Element(Law.CUBIC, 0.7, (1e11,)),
         Element(Law.DRAG, 0.0, (200.0,)),

@@ -20,7 +20,7 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
-from modallab.gap.search.fitting import Bench
+from modallab.gap.search.fitting import NEAR, Bench
 from modallab.gap.search.round import Level
 from modallab.twin.candidate import Candidate
 
@@ -31,7 +31,11 @@ BLOCKS = 12
 LOOKED = 0.1
 """Relative error that is forgiven in it."""
 RIVAL = 6.0
-"""What leaves so many times more than the best in a look is no rival, and is not fitted on all data."""
+"""What leaves so many times more than the best is no rival, and is not fitted on."""
+LONGER = 3
+"""Effects that are fitted on few records to the end."""
+PLACES = 6
+"""Places along the beam at which an effect that has one is begun from."""
 OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""
 
@@ -40,14 +44,22 @@ def nonlinear_level(bench: Bench, base: Fit) -> Level:
     """One round of the effects that depend on the size of the motion, on a beam without any other effect."""
     few = _worst(bench.data, base)
     listed = [c for c in of_motion(bench.data.rig) if bench.allowed(c.effect)]
-    looks: list[Fit] = []
+    begun: list[list[Fit]] = []
     for i, candidate in enumerate(listed):
-        report(i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        looks.append(_look(bench, few, base, candidate))
-    looks.sort(key=lambda f: f.cost)
+        report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
+        begun.append(_begun(bench, few, candidate))
+    begun.sort(key=lambda fits: fits[0].cost)
+    hopeful = [fits for fits in begun if fits[0].cost < RIVAL * begun[0][0].cost][:LONGER]
+    report(0.5, "the likeliest of them")
+    looks = sorted((min((_fitted(f) for f in fits[:2]), key=_cost) for fits in hopeful), key=_cost)
+    report(0.7, f"{looks[0].problem.candidates[0].effect.replace('_', ' ')}, on all records")
     fits = [_on_all(bench, f) for f in looks[:2] if f.cost < RIVAL * looks[0].cost]
     rest = tuple((f.problem.candidates, f.cost) for f in looks[len(fits) :])
-    return Level(base, tuple(sorted(fits, key=lambda f: f.cost)), rest)
+    return Level(base, tuple(sorted(fits, key=_cost)), rest)
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost
 
 
 def _worst(data: Reduced, base: Fit) -> Reduced:
@@ -83,24 +95,38 @@ def _blocks(d: SineData, at: list[int]) -> SineData:
     return replace(d, pieces=tuple(d.pieces[j] for j in at), source=source, rows=kept)
 
 
-def _look(bench: Bench, few: Reduced, base: Fit, candidate: Candidate) -> Fit:
-    """The effect from the best of its starts, fitted on few records."""
-    begins = [u for own in product(*(slot.starts for slot in candidate.slots)) for u in _begins(bench, candidate, own)]
+def _begun(bench: Bench, few: Reduced, candidate: Candidate) -> list[Fit]:
+    """The effect after a few steps on few records from the best of its starts, best first."""
     problem = Problem(few, bench.free, (candidate,), LOOKED)
+    begins = [
+        (dict(zip((s.name for s in candidate.slots), own, strict=True)).get("x"), u)
+        for own in product(*(slot.starts for slot in candidate.slots))
+        for u in _begins(bench, candidate, own)
+    ]
 
-    def cost(u: Array) -> float:
+    def cost(begin: tuple[float | None, Array]) -> float:
+        u = begin[1]
         return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
+
+    def first(u: Array) -> Fit:
+        return minimise(replace(problem, held=_beam(u)), u, 2, 3e-2)
 
     with ThreadPoolExecutor(WORKERS) as workers:
         costs = list(workers.map(cost, begins))
-    return min((_fitted(problem, begins[i]) for i in np.argsort(costs)[:2]), key=lambda f: f.cost)
+    # A place is seldom left again: several are begun from.
+    likely: dict[float | None, list[int]] = {}
+    for i in np.argsort(costs):
+        likely.setdefault(begins[i][0], []).append(int(i))
+    chosen = next(iter(likely.values()))[:2] if len(likely) == 1 else [best[0] for best in likely.values()][:PLACES]
+    return sorted((first(begins[i][1]) for i in chosen), key=_cost)
 
 
-def _fitted(problem: Problem, u: Array) -> Fit:
-    for floor in (LOOKED, LOOKED / 5):
+def _fitted(fit: Fit) -> Fit:
+    """The same with ever less forgiven."""
+    for floor, steps in ((LOOKED / 3, 2), (LOOKED / 10, 2), (LOOKED / 20, 3)):
         # The beam that the poles show stays, as firmly as more is forgiven.
-        u = minimise(replace(problem, floor=floor, held=_beam(u)), u, 4, 3e-2).u
-    return minimise(replace(problem, floor=LOOKED / 20), u, 3, 3e-2)
+        fit = minimise(replace(fit.problem, floor=floor, held=_beam(fit.u)), fit.u, steps, 3e-2)
+    return fit
 
 
 def _beam(u: Array) -> tuple[float, float, float]:
@@ -125,8 +151,9 @@ def _begins(bench: Bench, candidate: Candidate, values: tuple[float, ...]) -> It
 
 def _linear(bench: Bench, candidate: Candidate, own: Array) -> Iterator[tuple[Candidate, Array]]:
     """Linear effects with nearly the same poles."""
-    yield candidate, own
     names = [s.name for s in candidate.slots]
+    if "EI_loss_open" not in names:
+        yield candidate, own
     for soft, stiff in (("k_slip", "k_stick"), ("k_within", "k_contact")):
         if soft in names:
             held = own.copy()
@@ -149,4 +176,6 @@ def _on_all(bench: Bench, fit: Fit) -> Fit:
         fit = minimise(replace(exact, floor=floor, held=_beam(fit.u)), fit.u, 2, 3e-2)
         stages.append(_seen(exact, fit))
     best = min(stages, key=lambda f: f.cost)
-    return min(best, minimise(exact, best.u, 5, 1e-2), key=lambda f: f.cost)
+    best = min(best, minimise(exact, best.u, 5, 1e-2), key=lambda f: f.cost)
+    # Where the law is exact, what is left to go lies along a valley: a place and a stiffness do nearly the same.
+    return minimise(exact, best.u, 6, 1e-3) if best.gap < NEAR * bench.flat else best

@@ -17,7 +17,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("EI_loss_open", "share", (0.2, 0.6, 0.8), high=0.97), along_beam())
+    return (Slot("EI_loss_open", "share", (0.4, 0.8), high=0.97), along_beam())
 
 
 MODEL = EffectModel(

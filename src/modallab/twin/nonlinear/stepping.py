@@ -66,17 +66,20 @@ def hysteresis(
 ) -> float:
     """Pull of a joint that yields little by little, from where it last stood and pulled (Bouc-Wen, midpoint rule)."""
     found = pull
-    for _ in range(8):
-        middle = min(max(0.5 * (pull + found), -limit), limit)
-        with_it = middle * (free - d * found - last) > 0
-        share = 1.0 if with_it else 1.0 - 2.0 * YIELDS
-        slope = stiffness * (1.0 - share * (abs(middle) / limit) ** sharpness)
-        new = (pull + slope * (free - last)) / (1.0 + slope * d)
+    for _ in range(12):
+        middle = 0.5 * (pull + found)
+        moved = free - d * found - last
+        share = 1.0 if middle * moved > 0 else 1.0 - 2.0 * YIELDS
+        used = (abs(middle) / limit) ** sharpness
+        slope = stiffness * (1.0 - share * used)
+        steeper = 0.5 * sharpness * stiffness * share * used * moved / middle if used > 0 else 0.0
+        new = found - (found - pull - slope * moved) / (1.0 + slope * d + steeper)
+        new = min(max(new, -limit), limit)
         done = abs(new - found) <= 1e-8 * limit
         found = new
         if done:
             break
-    return min(max(found, -limit), limit)
+    return found
 
 
 @_compiled
