@@ -1,30 +1,55 @@
-# Two commands do everything on a fresh machine with Python 3.11+ and make: `make demo` and `make test`.
+# On a fresh machine with Python 3.11+ and make: `make demo` shows what it does, `make test` checks it.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# What is imported is compiled then; compiling all of it takes longer than copying it.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt
+LINKS ?= $(HOME)/.local/bin
 # One BLAS thread a process: the matrices are small, and two processes share two cores.
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test check clean
+.PHONY: demo test check command service clean
 demo: $(VENV)/.ready
 	$(BIN)/modallab demo --out demo
 
 test: check
 	$(BIN)/pytest -n auto --dist worksteal
 
-check: $(VENV)/.ready
+check: $(VENV)/.tools
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 	$(BIN)/basedpyright
 	$(BIN)/python docs/reference/check_words.py
 
+# Puts the command on the path of every terminal, not only of one that has activated .venv.
+command: $(VENV)/.ready
+	@mkdir -p $(LINKS)
+	@ln -sf $(abspath $(BIN))/modallab $(LINKS)/modallab
+	@echo "modallab is now $(LINKS)/modallab"
+	@case ":$$PATH:" in *":$(LINKS):"*) ;; *) echo "  what to do: add $(LINKS) to PATH, or run: . .venv/bin/activate";; esac
+
+# What the service needs to compute models and diagnoses, and to make a certificate of its own.
+service: $(VENV)/.ready
+	@echo "installing what the service computes with ..."
+	$(INSTALL) -e '.[jobs,tls]'
+
 $(VENV)/.ready: pyproject.toml constraints.txt
-	$(PYTHON) -c 'import sys; sys.exit("modallab needs Python 3.11 or newer, this is " + sys.version) if sys.version_info < (3, 11) else None'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
-	touch $@
+	@$(PYTHON) -c 'import sys; sys.exit("modallab needs Python 3.11 or newer, this is " + sys.version.split()[0]) if sys.version_info < (3, 11) else None'
+	@echo "1 of 3: making an environment in $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@echo "2 of 3: fetching and installing about 50 packages, nearly 400 MB; usually less than a minute ..."
+	@$(INSTALL) -e .
+	@echo "3 of 3: looking whether it starts ..."
+	@$(BIN)/modallab --version
+	@echo "installed. To use the command in this terminal: . $(VENV)/bin/activate"
+	@touch $@
+
+$(VENV)/.tools: $(VENV)/.ready
+	@echo "installing the development tools, about 650 MB; this takes some minutes ..."
+	@$(INSTALL) -e '.[dev]'
+	@touch $@
 
 clean:
 	rm -rf $(VENV) demo dist .pytest_cache .ruff_cache .hypothesis

@@ -20,6 +20,7 @@ from modallab.core.errors import (
     SamplesLostError,
     UnsupportedError,
 )
+from modallab.core.extras import remedy
 from modallab.core.rig import Channel, Rig
 from modallab_drivers.order import require, require_count
 
@@ -42,7 +43,9 @@ def open_bench(url: str, rig: Rig) -> Bench:
         import opendaq
     except ImportError as error:
         raise DeviceGoneError(
-            "openDAQ is not installed", where=url, remedy="install the package opendaq on a platform that has it"
+            "openDAQ is not installed",
+            where=url,
+            remedy=f"{remedy('opendaq')}, on Linux or Windows with an x86-64 processor",
         ) from error
     return OpenDaqBench(url, rig, opendaq)
 

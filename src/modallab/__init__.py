@@ -1,3 +1,48 @@
-"""modallab: drives a modal test bench, identifies its modal model, and diagnoses the sim-to-real gap."""
+"""modallab: drives a modal test bench, identifies its modal model, and diagnoses the sim-to-real gap.
+
+`import modallab as ml` is for people at a notebook: `ml.simulate`, `ml.load`, `ml.frf`, `ml.identify`, `ml.diagnose`.
+"""
+
+from typing import TYPE_CHECKING
+
+from modallab.core.lazy import lazily
+
+if TYPE_CHECKING:
+    from modallab.notebook.gap import GapFound, diagnose
+    from modallab.notebook.measured import MeasuredFrf, frf
+    from modallab.notebook.model import Model, identify
+    from modallab.notebook.recording import Recording, load
+    from modallab.notebook.simulate import simulate
+    from modallab.notebook.twin import DiagnosedTwin
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "DiagnosedTwin",
+    "GapFound",
+    "MeasuredFrf",
+    "Model",
+    "Recording",
+    "__version__",
+    "diagnose",
+    "frf",
+    "identify",
+    "load",
+    "simulate",
+]
+
+__getattr__ = lazily(
+    __name__,
+    {
+        "notebook.gap": ("GapFound", "diagnose"),
+        "notebook.measured": ("MeasuredFrf", "frf"),
+        "notebook.model": ("Model", "identify"),
+        "notebook.recording": ("Recording", "load"),
+        "notebook.simulate": ("simulate",),
+        "notebook.twin": ("DiagnosedTwin",),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

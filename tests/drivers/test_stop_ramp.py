@@ -3,6 +3,7 @@
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,25 @@ def test_a_stop_at_a_random_moment_is_no_step(paced: NiServer, rig: Rig, way: st
     assert found.jump == 0.0
     assert found.per_ms <= MOST_PER_MS
     assert found.took_s < 0.3
+
+
+@pytest.mark.parametrize("apart_s", [0.001, 0.004, 0.012])
+def test_two_who_stop_it_one_after_the_other_make_no_step(paced: NiServer, rig: Rig, apart_s: float) -> None:
+    """The second must not take a task that is stopped for one that has fallen."""
+    burst = Burst(110.0, LEVEL_V, 0.1, 20.0)
+    bench = playing(paced, rig, burst, 0.3)
+    handles = [handle for handle in (open_output(paced.url, rig), open_output(paced.url, rig)) if handle is not None]
+    with ThreadPoolExecutor(2) as two:
+        first = two.submit(handles[0].zero)
+        time.sleep(apart_s)
+        two.submit(handles[1].zero).result()
+        first.result()
+    found = traced(paced, burst)
+    for handle in handles:
+        handle.close()
+    bench.close()
+    assert (found.end_v, found.jump) == (0.0, 0.0)
+    assert found.per_ms <= MOST_PER_MS
 
 
 def wave_like_noise(rng: np.random.Generator) -> Waveform:

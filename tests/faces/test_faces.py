@@ -84,4 +84,4 @@ def test_the_faces_import_nothing_heavy() -> None:
 def test_every_stage_that_is_called_from_python_has_a_face() -> None:
     stages = {m.name for m in iter_modules(modallab.__path__) if m.ispkg}
     without = stages - set(FACES)
-    assert without == {"acquisition", "bench", "blind", "cli", "client", "core", "service", "signals"}
+    assert without == {"acquisition", "bench", "blind", "cli", "client", "core", "notebook", "service", "signals"}

@@ -119,6 +119,14 @@ def test_the_gap_is_stated_in_percent_too(sound: Diagnosis) -> None:
     assert "%" in in_percent(sound.gap)
 
 
+def test_what_is_left_beyond_noise_is_stated(sound: Diagnosis) -> None:
+    left = sound.gap.discrepancy
+    assert left is not None
+    assert left.median < 0.001
+    assert left.worst < 0.01
+    assert "Beyond noise" in in_percent(sound.gap)
+
+
 def test_the_diagnosed_twin_is_the_one_that_was_fitted(sound: Diagnosis, campaign: Campaign) -> None:
     read = Diagnosis.model_validate_json(sound.model_dump_json())
     twin = diagnosed_twin(read, campaign.rig, of_others=False)

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Self
 
@@ -30,23 +30,38 @@ class ServiceProcess:
     ) -> None:
         self.data = data
         self._log = (data.parent.parent / f"{data.parent.name}-{data.name}.log").open("a+")
-        command = [str(COMMAND), "serve", "--data", str(data), "--port", "0", "--stop-port", "0"]
-        command += ["--bench", bench] if bench else []
+        self._options = [*(["--bench", bench] if bench else []), *options]
+        self._env = os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {})
+        self._apart = start_new_session
         self.said: list[str] = []
+        self._start("0")
+
+    def kill_and_restart(self, between: Callable[[], object] = lambda: None) -> None:
+        """End it as a power cut would, and start it again where it was; `between` is called while it is gone."""
+        self.process.kill()
+        self.process.wait()
+        self.client.close()
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+        between()
+        self._start(self.url.rpartition(":")[2])
+
+    def _start(self, port: str) -> None:
+        command = [str(COMMAND), "serve", "--data", str(self.data), "--port", port, "--stop-port", "0"]
         self.process = subprocess.Popen(
-            [*command, *options],
+            [*command, *self._options],
             stdout=subprocess.PIPE,
             stderr=self._log,
             text=True,
-            start_new_session=start_new_session,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"} | dict(env or {}),
+            start_new_session=self._apart,
+            env=self._env,
         )
         try:
             self.url = self._said(r"serves at (https?://\S+)/,")
             self.stop_url = self._said(r"POST (https?://\S+)")
             self._said(r"(rig):")
-            self.token = (data / "token").read_text().strip()
-            ca = data / "tls" / "cert.pem"
+            self.token = (self.data / "token").read_text().strip()
+            ca = self.data / "tls" / "cert.pem"
             self.client = Client(self.url, self.token, "tester", timeout_s=120.0, ca=ca if ca.exists() else None)
             self.rig = self._ready()
         except BaseException:

@@ -76,9 +76,24 @@ def test_real_constants_are_proportional_and_a_travelling_wave_is_not():
     assert "degrees" in found.words
 
 
-def test_phases_that_are_not_known_are_no_verdict_against():
+def test_phases_that_are_not_known_are_no_verdict_at_all():
     wave = (PHI[:, :, None] * PHI[:, None, [0, 3]]) * np.exp(1j * np.linspace(0, 0.4, 6))[:, None]
-    assert proportional_damping(model(wave, sigma=2.0)).holds
+    with pytest.raises(DataError, match="cannot be said from these data"):
+        proportional_damping(model(wave, sigma=2.0))
+
+
+def test_noise_that_would_hide_any_change_is_no_verdict():
+    one = measured()
+    drowned = replace(one, variance=np.full(one.values.shape, np.mean(np.abs(one.values) ** 2)))
+    for verdict in (lambda: linearity(drowned, drowned), lambda: reciprocity(drowned)):
+        with pytest.raises(DataError, match="cannot be said from these data"):
+            verdict()
+
+
+def test_a_power_flow_that_noise_hides_is_no_verdict():
+    one = measured()
+    with pytest.raises(DataError, match="cannot be said from these data"):
+        driving_point(replace(one, variance=np.full(one.values.shape, 1e6 * np.mean(np.abs(one.values) ** 2))))
 
 
 def test_only_what_is_not_known_across_a_constant_hides_its_phase():

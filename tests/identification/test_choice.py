@@ -66,3 +66,13 @@ def test_confidence_grows_with_the_strength_and_falls_with_the_misfit():
     weak, strong = confidence(np.array([6.0, 600.0]), least_strength(fit, 1.0))
     assert 0 < weak < 0.5 < strong < 1
     assert strength(fit).max() > 100
+
+
+def test_a_picked_mode_stays_what_it_is_among_all():
+    system, rig, signals = recorded()
+    every = identify_impact(signals, rig, Options())[0]
+    one = identify_impact(signals, rig, Options(pick_hz=(float(system.frequency_hz[1]),)))[0]
+    at = int(np.argmin(np.abs(every.frequency_hz - system.frequency_hz[1])))
+    assert one.n_modes == 1
+    assert abs(one.frequency_hz[0] - every.frequency_hz[at]) < every.frequency_sigma_hz[at]
+    assert abs(one.damping_ratio[0] - every.damping_ratio[at]) < every.damping_sigma[at]

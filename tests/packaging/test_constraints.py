@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections import deque
 from importlib.metadata import requires
+from itertools import chain
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -20,8 +21,8 @@ def _pins() -> dict[str, Version]:
 
 def _direct() -> list[Requirement]:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    listed = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
-    return [Requirement(text) for text in listed]
+    listed = chain(project["dependencies"], *project["optional-dependencies"].values())
+    return [need for text in listed if (need := Requirement(text)).name != project["name"]]
 
 
 def test_every_pin_is_of_one_version_and_names_no_index() -> None:

@@ -1,12 +1,13 @@
-"""The service and a browser, for all tests of the page."""
+"""One service and one browser for all tests of the page."""
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
-from page_browser import BENCH, Watched, browsing, chromium
+from page_browser import BENCH, PICTURES, SHOWN_BENCH, Watched, browsing, chromium
 from playwright.sync_api import Browser
 from service_process import ServiceProcess
+
+Open = Callable[..., Watched]
 
 
 @pytest.fixture(scope="session")
@@ -17,22 +18,22 @@ def program() -> str:
     return found
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def browser(program: str) -> Iterator[Browser]:
-    """For one test only: as long as it is driven its event loop is the thread's, and other tests need their own."""
+    """Not for longer than a module: as long as it is driven its event loop is the thread's; others need their own."""
     with browsing(program) as started:
         yield started
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def served(program: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess]:
-    folder: Path = tmp_path_factory.mktemp("page") / "data"
-    with ServiceProcess(folder, "--no-jobs", bench=BENCH) as started:
+    bench = SHOWN_BENCH if PICTURES else BENCH
+    with ServiceProcess(tmp_path_factory.mktemp("page") / "data", "--workers", "1", bench=bench) as started:
         yield started
 
 
 @pytest.fixture
-def operator(browser: Browser, served: ServiceProcess) -> Iterator[Callable[..., Watched]]:
+def operator(browser: Browser, served: ServiceProcess) -> Iterator[Open]:
     """Opens the page, logged in; at the end nothing may have gone wrong in any."""
     opened: list[Watched] = []
 

@@ -10,10 +10,10 @@ import pytest
 from recording import INFO, PLAN, begin, noise, small_rig
 
 from modallab.core.errors import DiskFullError, FormatError, StorageError
+from modallab.core.lease import Lease
 from modallab.storage import BlockNote, Store
 from modallab.storage.catalogue import Catalogue
 from modallab.storage.durable import file_system, require_local, require_space
-from modallab.storage.lease import Lease
 from modallab.storage.seal import lookup3, seal
 
 

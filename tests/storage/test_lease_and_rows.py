@@ -10,8 +10,8 @@ from recording import begin
 from sqlalchemy import text
 
 from modallab.core.errors import RowDamagedError, StorageError
+from modallab.core.lease import Lease
 from modallab.storage import Store
-from modallab.storage.lease import Lease
 
 
 def test_one_holds_the_lock_while_others_take_it_and_give_it_back(tmp_path: Path) -> None:

@@ -1,16 +1,23 @@
 """Regenerated against measured: for the true model they are the same, block, filter and all."""
 
 import functools
+import json
 
 import modal_bench as bench
 import numpy as np
 import pytest
 
-from modallab.frf.estimate import group_by_point
+from modallab.core.block import Campaign
+from modallab.frf.estimate import convert, group_by_point, impact_frf
 from modallab.identification.impact import identify_impact
+from modallab.identification.likelihood.hit_blocks import moves_before
 from modallab.identification.options import Options
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.model_file import read_models, write_models
 from modallab.signals.signals import to_signals_of
-from modallab.verification.verify import synthesised, verify_frf, verify_impact
+from modallab.verification.replay import replayed_hit
+from modallab.verification.reservations import unmatched
+from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact
 
 BAND = (2.9, 400.0)
 
@@ -75,3 +82,40 @@ def test_a_synthesised_frf_differentiates_the_receptance(quantity, power):
     f = np.linspace(5.0, 100.0, 20)
     expected = synthesised(model, f, "receptance").values * (2j * np.pi * f) ** power
     np.testing.assert_allclose(synthesised(model, f, quantity).values, expected)
+
+
+NARROW = (60.0, 200.0)
+
+
+@functools.cache
+def of_a_narrow_band():
+    rng = np.random.default_rng(3)
+    system, rig = bench.modes(rng), bench.rig(5)
+    blocks = bench.impact_blocks(system, rng, points=(5, 3), hits=2, noise=1e-4, force_noise=1e-4)
+    campaign = Campaign(rig=rig, blocks=tuple(blocks), source="made")
+    return campaign, identify_campaign(campaign, Options(band_hz=NARROW), "impact")
+
+
+def test_the_frac_of_a_narrow_band_is_that_of_the_written_model(tmp_path):
+    campaign, result = of_a_narrow_band()
+    write_models(tmp_path / "models.json", campaign, result)
+    (model,) = read_models(tmp_path / "models.json")
+    written = json.loads((tmp_path / "models.json").read_text())
+    groups = group_by_point(to_signals_of(campaign.blocks, campaign.rig))
+    moving = any(moves_before(s) for group in groups for s in group)
+    again = [[replayed_hit(model, k, s, "inertance", moving=moving) for s in g] for k, g in enumerate(groups)]
+    sides = [convert(impact_frf(g, campaign.rig, NARROW), "mobility").values for g in (groups, again)]
+    np.testing.assert_allclose(written["models"][0]["frac"], frac(*sides), atol=1e-6)
+    own = synthesised(model, impact_frf(groups, campaign.rig, NARROW).frequency_hz, "mobility").values
+    np.testing.assert_allclose(written["frac_uncut"][0], frac(sides[0], own), atol=1e-6)
+
+
+def test_a_model_that_does_not_repeat_the_records_says_so():
+    _, result = of_a_narrow_band()
+    model = result.identified[0].model
+    assert unmatched(model, np.full((5, 2), 0.95)) == ()
+    poor = np.full((5, 2), 0.95)
+    poor[2, 1] = 0.31
+    (sentence,) = unmatched(model, poor)
+    assert "1 of the 10" in sentence
+    assert "a03 driven at point 3 with 0.31" in sentence

@@ -15,11 +15,13 @@ STOP_STEPS = 25
 """Of 4 % of the level each, where the instrument is fast enough."""
 
 STOP_STEP_S = 0.002
-STOP_S = 0.25
-LATE_STEPS = 3
-"""A stop that takes longer than STOP_S, since the instrument is slow, goes on in steps so many times as large."""
+SLOW_S = 0.01
+SELDOM = 8
+"""Of an instrument whose answers take longer than SLOW_S, only every so many steps one is awaited."""
 
 MOST_ERRORS = 32
+AMPLITUDE_EVERY = 2
+"""Between two looks at the amplitude, at most so many at other settings."""
 LOOK_S = 0.02
 """How long one look at the settings may take: others are waiting for their samples."""
 
@@ -98,7 +100,7 @@ class Instrument:
         """What is no longer as it was set, in words, or empty: at all settings, or at as many as fit into LOOK_S."""
         if at_all:
             self._queue.clear()
-        self._queue = self._queue or deque(sorted(self._wanted, key=_danger))
+        self._queue = self._queue or self._round(at_all=at_all)
         until, answers = time.monotonic() + LOOK_S, dict[str, str]()
         while self._queue and (at_all or not answers or time.monotonic() < until):
             name = self._queue.popleft()
@@ -107,6 +109,14 @@ class Instrument:
                 self._queue.clear()
                 return self._cause(name, found, answers)
         return ""
+
+    def _round(self, *, at_all: bool) -> deque[Name]:
+        names = deque(sorted(self._wanted, key=_danger))
+        if not at_all and "amplitude" in names:
+            # What drives most is asked for most often: of a slow instrument a whole round takes half a second.
+            for place in range(len(names) - 1, 2, -AMPLITUDE_EVERY):
+                names.insert(place, "amplitude")
+        return names
 
     def _cause(self, name: Name, found: str, answers: dict[str, str]) -> str:
         # Without the burst mode a Siglent shows no carrier, and another load changes what is shown of every voltage.
@@ -156,14 +166,16 @@ class Instrument:
 
     def _ramp_down(self, *, answering: bool) -> None:
         lowest, vpp = self.language.lowest_vpp, self._amplitude_now(answering=answering)
-        step, until, left = vpp / STOP_STEPS, time.monotonic() + STOP_S, vpp
+        step, left, unasked, every = vpp / STOP_STEPS, vpp, 0, 1
         while left > lowest:
-            left = max(lowest, left - (step if time.monotonic() < until else LATE_STEPS * step))
+            left, unasked = max(lowest, left - step), unasked + 1
             self.put("amplitude", left)
-            # Each step waits for its answer: else the network would hand over several at once.
-            if answering:
+            # Steps wait for their answers: else the network would hand over several at once.
+            if answering and unasked >= every:
+                asked_s, unasked = time.monotonic(), 0
                 with suppress(ConfigurationError):
                     self._ask("amplitude")
+                every = SELDOM if time.monotonic() - asked_s > SLOW_S else 1
             else:
                 self.line.flush()
             time.sleep(STOP_STEP_S)

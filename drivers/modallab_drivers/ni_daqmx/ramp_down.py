@@ -8,9 +8,11 @@ a file that holds its samples for as long as it plays.
 """
 
 import os
+import re
 import tempfile
 import time
-from contextlib import suppress
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -22,6 +24,7 @@ from numpy.typing import NDArray
 
 from modallab.bench.fall import fall_samples
 from modallab.bench.protocol import Burst
+from modallab.core.lease import Lease
 from modallab_drivers.ni_daqmx.zero_volts import GROUP_BY_CHANNEL, WAIT_S
 from modallab_drivers.order import burst_samples
 
@@ -30,6 +33,8 @@ GENERATED = 0x192B
 OUTPUT_BUFFER = 0x186D
 IDLE = 0x2240
 FALLING = "modallab: falls to 0 V"
+BEGIN_S = 0.25
+"""Whoever has begun to stop a task has by then begun its fall, or is frozen."""
 SHAPED = "modallab-wave"
 """Before the rate and the file of a wave."""
 
@@ -140,17 +145,31 @@ def fall_to_zero(
         ValueError, OSError: what the task plays is not known.
         DaqError: the task is gone, or could not be played: the output is wherever it is.
     """
-    described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
-    if described != FALLING:
-        known = own or read_description(described).wave()
-        if not _holds(interpreter, task, physical):
-            return
-        # One who comes a moment later must not take the fall for the burst.
-        interpreter.set_chan_attribute_string(task, physical, DESCRIPTION, FALLING)
-        wave, rate_hz = known
-        volts = float(wave[min(_stopped_at(interpreter, task, rate_hz), len(wave) - 1)])
-        _play(interpreter, task, fall_samples(volts, float(np.abs(wave).max()), rate_hz), rate_hz)
+    # One who comes a moment later must take neither the fall for the burst, nor what is stopped for what has fallen.
+    with _alone(physical):
+        described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
+        if described != FALLING:
+            wave, rate_hz = own or read_description(described).wave()
+            if not _holds(interpreter, task, physical):
+                return
+            interpreter.set_chan_attribute_string(task, physical, DESCRIPTION, FALLING)
+            volts = float(wave[min(_stopped_at(interpreter, task, rate_hz), len(wave) - 1)])
+            _play(interpreter, task, fall_samples(volts, float(np.abs(wave).max()), rate_hz), rate_hz)
     interpreter.wait_until_task_done(task, WAIT_S)
+
+
+@contextmanager
+def _alone(physical: str) -> Generator[None]:
+    """Keeps others of this machine from the same output, but never for long: a fall must come."""
+    lease = Lease(Path(tempfile.gettempdir()) / f"modallab-{re.sub('[^A-Za-z0-9]', '-', physical)}.lock")
+    until = time.monotonic() + BEGIN_S
+    with suppress(OSError):
+        while not lease.acquire() and time.monotonic() < until:
+            time.sleep(0.002)
+    try:
+        yield
+    finally:
+        lease.release()
 
 
 def _holds(interpreter: Any, task: Any, physical: str) -> bool:

@@ -30,7 +30,8 @@ class Settings:
         reaction_s: between which times after the prompt the operator strikes.
         operator: port on which a script says when and where the hammer strikes; 0: the bench strikes when asked.
         speed: with `pace`, how many times faster than real time reads go.
-        effects: what else is wrong with the bench; the parameter `effect` may occur many times.
+        effects: what else is wrong with the bench; the parameter `effect` may occur many times, and is `none` alone
+            where nothing is. None: what the revisions of the rig know.
         tolerances: how well it is put together: "none" is ideally, "usual" as in a lab, "stated" as its rig file says.
     """
 
@@ -45,7 +46,7 @@ class Settings:
     reaction_s: tuple[float, float] = REACTION_S
     operator: int = 0
     speed: float = 1.0
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[Effect, ...] | None = None
     tolerances: str = "none"
 
 
@@ -79,16 +80,17 @@ def _read(pairs: list[tuple[str, str]]) -> tuple[dict[str, object], list[str]]:
     values: dict[str, object] = {}
     effects: list[Effect] = []
     problems: list[str] = []
+    named = [text for name, text in pairs if name == "effect"]
     for name, text in pairs:
         if name == "effect":
-            effect, wrong = read_effect(text)
+            effect, wrong = (None, []) if named == ["none"] else read_effect(text)
             problems += wrong
             effects += [effect] if effect else []
         elif name in values:
             problems.append(f"parameter {name!r} occurs twice; allowed: once")
         else:
             values[name] = _value(name, text, problems)
-    if effects:
+    if named:
         values["effects"] = tuple(effects)
     return values, problems
 

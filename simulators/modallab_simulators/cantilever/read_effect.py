@@ -66,7 +66,10 @@ def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict
         text = given.pop("x", "")
         x = _number(text)
         if x is None or not 0 < x <= 1:
-            problems.append(f"{kind.name}: x is {text!r}; allowed: above 0 to 1, a share of the length from the clamp")
+            problems.append(
+                f"{kind.name}: x is {repr(text) if text else 'missing'}; allowed: above 0 to 1, a share of the length"
+                " from the clamp"
+            )
             return {}
         return {"x": x}
     text = given.pop("channel", "")
@@ -74,7 +77,7 @@ def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict
     needed = 2 if kind.place == "pair" else 1
     if len(channels) != needed or None in channels or len(set(channels)) != needed:
         form = "two accelerometers, such as a03:a07" if needed == 2 else "one accelerometer, such as a03"
-        problems.append(f"{kind.name}: channel is {text!r}; allowed: {form}")
+        problems.append(f"{kind.name}: channel is {repr(text) if text else 'missing'}; allowed: {form}")
         return {}
     numbers = tuple(c for c in channels if c is not None)
     return {"channel": numbers if needed == 2 else numbers[0]}

@@ -48,12 +48,14 @@ _CIRCUMSTANCES = Circumstances(one_clock=True, straight_ramp=True, modes=15, dri
 """One card drives and converts; fifteen modes reach well past the band, as those of the twin do."""
 
 _REPEATS = 6
+_STARTS = 1000
+"""More than one session has."""
 _N_PER_V = 2.0
 _MASS_SHARE = 1 / 6
 
 
 def make_trial(
-    rig: Rig, seed: int, effects: Sequence[Effect] = (), tolerances: str = "none"
+    rig: Rig, seed: int, effects: Sequence[Effect] = (), tolerances: str = "none", session: int = 0
 ) -> tuple[Campaign, dict[str, object]]:
     """Measure a campaign on the simulated bench of a rig, rigidly clamped, with some effects.
 
@@ -63,6 +65,7 @@ def make_trial(
             only: forces and noise are the same.
         effects: of the catalogue, or of this bench's own.
         tolerances: how well the bench is put together, as in its address.
+        session: another one is another campaign on the same bench, with hits and noise of its own.
 
     Returns:
         the campaign, and its truth: seed, effects (effect, family, parameters, place) and the true beam.
@@ -71,7 +74,7 @@ def make_trial(
         ConfigurationError: the rig lacks what the plan needs, or has no place for an effect.
     """
     rig = rigidly_clamped(rig)
-    operator = Operator(rig, seed, effects, tolerances=tolerances)
+    operator = Operator(rig, seed, effects, tolerances=tolerances, session=session)
     campaign = Campaign(rig, tuple(operator.blocks()), source=f"simulated trial, seed {seed}")
     return campaign, _truth(operator.truth, effects)
 
@@ -110,6 +113,7 @@ class Operator:
         stretch: how much longer than meant all takes that excites, see `Circumstances`.
         order: place in time of the first record.
         tolerances: how well the bench is put together, as in its address.
+        session: the how manieth on this bench.
     """
 
     def __init__(
@@ -120,7 +124,9 @@ class Operator:
         stretch: float = 1.0,
         order: int = 0,
         tolerances: str = "none",
+        session: int = 0,
     ) -> None:
+        self._first_start = session * _STARTS
         self._rig, self._session = rig, replace(_CIRCUMSTANCES, stretch=stretch)
         self._effects = inject(effects, rig).effects
         played = tuple(_timed(e) for e in effects if part_of(e.effect).on_campaign is None)
@@ -175,7 +181,7 @@ class Operator:
                 yield replace(block, level=level, frequency_hz=round(f, 3))
 
     def _bench(self, test: Test, settings: Settings, number: int) -> tuple[CantileverBench, Delivery]:
-        session = replace(self._session, first_start=number * _REPEATS)
+        session = replace(self._session, first_start=self._first_start + number * _REPEATS)
         bench = CantileverBench("sim://cantilever", self._rig, settings, session)
         delivery = bench.configure(Request(test, RATES_HZ[test]))
         bench.rest_until(self._order * RECORD_S)

@@ -150,7 +150,8 @@ def draw_truth(settings: Settings, rig: Rig, circumstances: Circumstances = EVER
             remedy="choose a longer or thinner beam",
         )
     clock = 0.0 if circumstances.one_clock else draw_clock(settings.seed)
-    effects = inject(settings.effects, rig)
+    # What an address names is all there is; else the simulation carries what the rig file's revisions know.
+    effects = inject(rig.known_effects if settings.effects is None else settings.effects, rig)
     if settings.tolerances != "none":
         stated = Tolerance.usual() if settings.tolerances == "usual" else rig.tolerance
         built = as_built(effects.altered, rig, stated, settings.seed, circumstances.drift_s)

@@ -33,6 +33,8 @@ class Trial:
         length_m: of the beam.
         seconds: how long it took.
         withheld: names that were taken out of the candidates.
+        seen_closed: share of the reducible gap closed in a later campaign, once applied; None where it was not seen.
+        shut: whether that campaign had no gap left; None where it was not looked at.
     """
 
     name: str
@@ -41,6 +43,8 @@ class Trial:
     length_m: float
     seconds: float = 0.0
     withheld: frozenset[str] = frozenset()
+    seen_closed: float | None = None
+    shut: bool | None = None
 
     @property
     def names(self) -> frozenset[str]:
@@ -51,6 +55,20 @@ class Trial:
     def knowable(self) -> bool:
         """Whether every effect of the truth has a model."""
         return len(self.names) == len(self.truth)
+
+    @property
+    def right(self) -> bool:
+        """Whether the verdict is the right one and names all true effects and no other."""
+        verdict = self.diagnosis.verdict
+        if not self.truth:
+            return verdict == "no_gap"
+        return self.said == self.names if self.knowable else verdict == "unknown"
+
+    @property
+    def shrink_error(self) -> float | None:
+        """By how much the shrinkage that was predicted differs from what a later campaign showed."""
+        predicted = self.diagnosis.shrink.closed
+        return None if predicted is None or self.seen_closed is None else abs(predicted - self.seen_closed)
 
     @property
     def said(self) -> frozenset[str]:
@@ -88,6 +106,8 @@ def score(trials: Sequence[Trial]) -> list[Figure]:
         _share("false alarms", empty, lambda t: t.diagnosis.verdict != "no_gap", expected=False),
         _share("unknown flagged", strange, lambda t: t.diagnosis.verdict == "unknown"),
         _median("gap closed on held-out records", _closed(t for t in singles if t.said == t.names)),
+        _median("shrinkage predicted less seen, median", [e for t in trials if (e := t.shrink_error) is not None]),
+        _share("gap shut in a later campaign", [t for t in present if t.shut is not None and t.right], _shut),
         _median("seconds a diagnosis", [t.seconds for t in trials]),
     ]
 
@@ -130,6 +150,10 @@ def _share(name: str, trials: Iterable[Trial], test: Callable[[Trial], bool], ex
 
 def _median(name: str, values: Sequence[float]) -> Figure:
     return Figure(name, float(np.median(values)) if values else float("nan"), len(values))
+
+
+def _shut(trial: Trial) -> bool:
+    return bool(trial.shut)
 
 
 def _stage_right(trial: Trial) -> bool:

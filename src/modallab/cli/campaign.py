@@ -11,13 +11,13 @@ from rich.console import Console
 
 from modallab.cli.bench_mode.keys import KeyMap, listening
 from modallab.cli.bench_mode.operator import Operator
-from modallab.cli.gap import read_plans
 from modallab.cli.identify import print_remarks, result_table, show_joined
 from modallab.core.block import Campaign
 from modallab.core.errors import RigError
 from modallab.core.plan import Plan
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
+from modallab.formats.plan_file import read_plans
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
 from modallab.pipelines.identify import identify_campaign

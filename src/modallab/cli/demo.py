@@ -2,17 +2,17 @@
 
 import argparse
 from pathlib import Path
-from urllib.parse import quote
 
-from rich.console import Console
-
-from modallab.cli import serve
+from modallab.bench.simulated import simulated_bench
+from modallab.cli import effects, serve
 from modallab.cli.demo_rig import demo_rig
 from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
+from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.plan import ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
+from modallab.formats.atomic import make_folder
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.rig.rig_file import write_rig
 from modallab.identification.options import Options
@@ -20,6 +20,7 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.report import report_content
 from modallab.reporting.report import write_report
+from modallab.reporting.waiting import waiting
 from modallab.service.campaigns.local_session import record_campaign
 from modallab.storage import Store
 from modallab.storage.campaigns import rejected_blocks
@@ -30,34 +31,38 @@ DEMO_POINTS = (10, 6, 3)
 
 def run(arguments: argparse.Namespace) -> int:
     """Run both tests, identify, verify, and leave everything in one folder; or show the bench on the page."""
+    for asked in arguments.effect or ():
+        name, _, word = asked.rpartition(",")
+        if word == "help":
+            return effects.run(argparse.Namespace(names=[name] if name else []))
     return _on_the_page(arguments) if arguments.serve else _at_the_terminal(arguments)
 
 
 def _on_the_page(arguments: argparse.Namespace) -> int:
     # In real time, so that a hit can be seen; twice as fast, since nobody waits ten minutes for a demonstration.
-    bench = f"{_bench(arguments)}&pace=1&speed=2&zeta=0.02"
+    bench = f"{_bench(arguments, demo_rig())}&pace=1&speed=2&zeta=0.02"
     options = dict.fromkeys((*serve.OPTIONS, "rig"), None)
     data = arguments.out / "served"
     return serve.run(argparse.Namespace(**options | {"data": data}, bench=bench, open=True))
 
 
-def _bench(arguments: argparse.Namespace) -> str:
-    effects = "".join(f"&effect={quote(effect, safe=',=')}" for effect in arguments.effect or ())
-    built = "&tolerances=stated" if arguments.as_built else ""
-    return f"sim://cantilever?seed={arguments.seed}{built}{effects}"
+def _bench(arguments: argparse.Namespace, rig: Rig) -> str:
+    built = "stated" if arguments.as_built else "none"
+    return simulated_bench(rig, arguments.seed, arguments.effect or (), built)
 
 
 def _at_the_terminal(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
-    folder.mkdir(parents=True, exist_ok=True)
     rig = _as_built(demo_rig()) if arguments.as_built else demo_rig()
-    console = Console()
-    url = _bench(arguments)
+    url = _bench(arguments, rig)
+    make_folder(folder)
+    console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
     with Display(console) as display:
         campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
     console.print("identifying ...")
-    result = identify_campaign(campaign, Options())
+    with waiting("identifying", progress=arguments.says):
+        result = identify_campaign(campaign, Options())
     write_rig(rig, folder / "rig.yaml")
     write_campaign(campaign, folder / "campaign.h5")
     write_models(folder / "models.json", campaign, result)

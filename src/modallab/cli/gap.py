@@ -2,29 +2,30 @@
 
 import argparse
 from pathlib import Path
-from typing import Any, cast
 
-import h5py
-import yaml
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.saying import console_of, write_json
+from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.errors import FormatError, PlanError
-from modallab.core.plan import Plan
-from modallab.core.progress import heard_by
-from modallab.core.versions import PREDICTION
-from modallab.formats.atomic import replacing
+from modallab.core.errors import FormatError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.plan_file import read_plans
+from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import in_percent, sentence
+from modallab.gap.simulations.compare import compare
+from modallab.gap.simulations.said import sentence_of
 from modallab.reporting.gap_report import write_gap_report
+from modallab.reporting.simulation_report import write_simulation_report
+from modallab.reporting.waiting import waiting
 
-_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
+_DIAGNOSE = "write one with modallab gap diagnose CAMPAIGN --json FILE"
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -36,8 +37,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnose(arguments: argparse.Namespace) -> int:
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
-    console = Console()
-    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
+    console = console_of(arguments)
+    if arguments.simulation is not None:
+        return _compare(console, campaign, arguments)
+    with waiting("reading the records", progress=arguments.says):
         diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
@@ -45,10 +48,24 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):
         console.print(f"  {line}", markup=False)
     if arguments.json is not None:
-        with replacing(arguments.json) as draft:
-            draft.write_text(diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        write_json(arguments.json, diagnosis.model_dump(mode="json"))
     if arguments.report is not None:
         write_gap_report(arguments.report, diagnosis, campaign)
+        console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
+    records = read_prediction(arguments.simulation, campaign.rig)
+    known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
+    with waiting("reading the records", progress=arguments.says):
+        found = compare(campaign, records, known, arguments.hold_out)
+    for line in (sentence_of(found), *(f"  {note}" for note in found.notes)):
+        console.print(line, markup=False)
+    if arguments.json is not None:
+        write_json(arguments.json, found.model_dump(mode="json"))
+    if arguments.report is not None:
+        write_simulation_report(arguments.report, found)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 
@@ -58,14 +75,7 @@ def _predict(arguments: argparse.Namespace) -> int:
     read_campaign(arguments.campaign)
     other = read_campaign(arguments.on)
     records = predict(diagnosis, other)
-    responses = other.rig.responses
-    with replacing(arguments.out) as draft, h5py.File(draft, "w") as target:
-        target.attrs["format_version"] = PREDICTION
-        target.attrs["channels"] = [c.name for c in responses]
-        target.attrs["units"] = [c.unit for c in responses]
-        target.attrs["directions"] = [c.direction for c in responses]
-        for name, values in records.items():
-            target.create_dataset(name, data=values)
+    write_prediction(arguments.out, other.rig, records)
     Console().print(f"predicted {len(records)} records: {arguments.out}", markup=False)
     if arguments.as_campaign is not None:
         write_campaign(predicted_campaign(diagnosis, other), arguments.as_campaign)
@@ -80,14 +90,20 @@ def read_diagnosis(path: Path) -> Diagnosis:
         FormatError: it cannot be read, or is no diagnosis.
     """
     try:
-        return Diagnosis.model_validate_json(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if '"models"' in text and '"verdict"' not in text:
+            raise FormatError("holds modal models, not a diagnosis", where=str(path), remedy=_DIAGNOSE)
+        return Diagnosis.model_validate_json(text)
     except OSError as error:
         raise FormatError(f"cannot be read: {error.strerror}", where=str(path), remedy="name a diagnosis") from error
+    except UnicodeDecodeError as error:
+        raise FormatError("is no diagnosis, and no text at all", where=str(path), remedy=_DIAGNOSE) from error
     except ValidationError as error:
+        first = ".".join(map(str, error.errors()[0]["loc"])) or "the whole of it"
         raise FormatError(
-            f"is no diagnosis: {error.error_count()} fields are wrong, the first {error.errors()[0]['loc']}",
+            f"is no diagnosis: {error.error_count()} fields are missing or wrong, the first is {first}",
             where=str(path),
-            remedy="write it with `modallab gap diagnose --json`",
+            remedy=_DIAGNOSE,
         ) from error
 
 
@@ -109,22 +125,3 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     for line in advice(found, plans):
         console.print(line, markup=False)
     return 0
-
-
-def read_plans(path: Path) -> list[Plan]:
-    """The tests of a plan file: one test, or a list of them.
-
-    Raises:
-        PlanError: it cannot be read, or a test of it is not valid.
-    """
-    try:
-        content: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError) as error:
-        raise PlanError(f"cannot be read: {error}", where=str(path), remedy="name a YAML file with a plan") from error
-    if isinstance(content, dict) and "tests" in content:
-        content = cast("dict[str, Any]", content)["tests"]
-    listed = cast("list[Any]", content) if isinstance(content, list) else [content]
-    try:
-        return [_PLAN.validate_python(entry) for entry in listed]
-    except ValidationError as error:
-        raise PlanError(str(error), where=str(path), remedy="mend the fields above") from error

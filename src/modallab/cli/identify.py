@@ -7,17 +7,20 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.saying import OUT, console_of, write_json
 from modallab.core.block import Campaign
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.identification.options import Options
+from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
 from modallab.pipelines.identify import Result, identify_campaign
-from modallab.pipelines.model_file import write_models
+from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
 from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
+from modallab.reporting.waiting import waiting
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -28,24 +31,28 @@ def run(arguments: argparse.Namespace) -> int:
     options = Options(
         method=arguments.method,
         band_hz=band,
+        max_order=arguments.order,
         pick_hz=tuple(arguments.pick or ()),
         drop_hz=tuple(arguments.drop or ()),
         refine=arguments.refine,
     )
-    console = Console()
+    console = console_of(arguments)
     if len(campaigns) > 1:
-        joined = identify_setups(campaigns, options)
+        with waiting("identifying", progress=arguments.says):
+            joined = identify_setups(campaigns, options)
         show_joined(console, joined, arguments.report)
         if arguments.json is not None:
-            write_models(arguments.json, joined.campaign, joined.result)
+            write_json(arguments.json, model_document(joined.campaign, joined.result))
         return 0
     (campaign,) = campaigns
-    result = identify_campaign(campaign, options, arguments.test)
+    with waiting("identifying", progress=arguments.says):
+        result = identify_campaign(campaign, options, arguments.test)
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
-        write_models(arguments.json, campaign, result)
-        console.print(f"models: {arguments.json}", markup=False)
+        write_json(arguments.json, model_document(campaign, result))
+        if arguments.json != OUT:
+            console.print(f"models: {arguments.json}", markup=False)
     if arguments.report is not None:
         write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
         console.print(f"report: {arguments.report}", markup=False)
@@ -102,6 +109,9 @@ def print_remarks(console: Console, result: Result) -> None:
             for verdict in item.assessment.verdicts:
                 holds = "holds" if verdict.holds else "DOES NOT HOLD"
                 console.print(f"{item.source}: {verdict.assumption} {holds}: {verdict.words}", markup=False)
+            for assumption, why in item.assessment.unjudged:
+                if why.startswith(CANNOT_BE_SAID):
+                    console.print(f"{item.source}: {assumption} {why}", markup=False)
         for note in (*item.model.notes, item.model.shapes_unavailable):
             if note:
                 console.print(f"{item.source}: {note}", markup=False)

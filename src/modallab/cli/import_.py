@@ -4,15 +4,16 @@ import argparse
 from collections import Counter
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
+from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import StorageError
 from modallab.formats.campaign.campaign_hdf5 import campaign_file, write_campaign
 from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
+from modallab.reporting.waiting import waiting
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -22,9 +23,10 @@ def run(arguments: argparse.Namespace) -> int:
     options = ImportOptions(
         test=arguments.test, rate_hz=arguments.rate, drive_point=arguments.drive_point, volts=arguments.volts
     )
-    campaign = import_sources(arguments.sources, read_rig(arguments.rig), options)
+    with waiting("reading", progress=arguments.says):
+        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options)
     write_campaign(campaign, out)
-    console = Console()
+    console = console_of(arguments)
     console.print(_contents(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():
         console.print(f"note: {note}", markup=False, highlight=False)

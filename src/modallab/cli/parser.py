@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
+from modallab.cli.gap_commands import add_gap_commands
+from modallab.cli.options import JSON_HELP, add_saying
 from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
@@ -25,7 +27,7 @@ def build_parser(version: str) -> argparse.ArgumentParser:
     _add_demo(commands)
     _add_import(commands)
     _add_identify(commands)
-    _add_gap(commands)
+    add_gap_commands(commands)
     _add_rig(commands)
     _add_devices(commands)
     _add_campaign(commands)
@@ -48,6 +50,7 @@ def _add_demo(commands: _Commands) -> None:
     demo.add_argument(
         "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
     )
+    add_saying(demo)
     demo.set_defaults(module="demo")
 
 
@@ -60,6 +63,7 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
+    add_saying(command)
     command.set_defaults(module="import_")
 
 
@@ -77,40 +81,13 @@ def _add_identify(commands: _Commands) -> None:
     )
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
+    command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the models as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
+    add_saying(command)
     command.set_defaults(module="identify")
-
-
-def _add_gap(commands: _Commands) -> None:
-    gap = commands.add_parser("gap", help="say where simulation and bench differ, why, and how far that shrinks")
-    actions = gap.add_subparsers(metavar="ACTION", required=True, dest="action")
-    command = actions.add_parser("diagnose", help="diagnose a campaign")
-    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5")
-    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument(
-        "--hold-out",
-        default="mixed",
-        metavar="RULE",
-        help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
-    )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the diagnosis as JSON")
-    command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
-    command = actions.add_parser("predict", help="what another campaign on the same rig would read, from its forces")
-    command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
-    command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
-    command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
-    command.add_argument("--out", type=Path, required=True, metavar="PREDICTED.h5")
-    command.add_argument("--as-campaign", type=Path, metavar="CAMPAIGN.h5", help="also as a campaign modallab reads")
-    command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
-    command.add_argument("rig", type=Path, metavar="RIG.yaml")
-    command.add_argument("plan", type=Path, metavar="PLAN.yaml")
-    gap.set_defaults(module="gap")
-    command = actions.add_parser("effects", help="what may be wrong with a bench, as the catalogue has it")
-    command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
-    command.set_defaults(module="effects")
 
 
 def _add_rig(commands: _Commands) -> None:

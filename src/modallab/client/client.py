@@ -27,6 +27,7 @@ from modallab.core.plan import Plan
 
 ENDED = ("done", "failed", "aborted")
 ORDERS: dict[JobKind, str] = {"identify": "models", "diagnose": "diagnoses", "report": "reports"}
+"""Kinds that are ordered of a campaign; an estimate is ordered of a run."""
 
 
 class Client(ArchiveCalls, QueueCalls, UserCalls):
@@ -161,6 +162,10 @@ class Client(ArchiveCalls, QueueCalls, UserCalls):
     def order(self, campaign: str, kind: JobKind, **parameters: JsonValue) -> JobView:
         """Order the model, the diagnosis or the report of a campaign."""
         return self._post(JobView, f"/campaigns/{campaign}/{ORDERS[kind]}", JobNew(parameters=parameters))
+
+    def blind_trials(self, **parameters: JsonValue) -> JobView:
+        """Order blind trials of the diagnosis on simulated benches."""
+        return self._post(JobView, "/blind-trials", JobNew(parameters=parameters))
 
     def jobs(self, campaign: str, kind: JobKind | None = None) -> tuple[JobView, ...]:
         """The jobs of a campaign, the newest first."""

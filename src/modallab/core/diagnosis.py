@@ -24,6 +24,20 @@ class Percent(Frozen):
     away: float | None
 
 
+class Discrepancy(Frozen):
+    """The model's own error: what no number and no effect explains of a record beyond its noise, over its response.
+
+    Attributes:
+        median: over the records.
+        worst: of all records.
+        record: which that is.
+    """
+
+    median: float
+    worst: float
+    record: str
+
+
 Division = Literal["test", "channel", "band", "mode"]
 
 
@@ -83,6 +97,7 @@ class Gap(Frozen):
         share_nominal: of the response, of the twin as the rig file has it.
         share_before: the same without effects, nuisances fitted.
         share_after: the same with the effects judged present.
+        discrepancy: what then is left; None where no record stands out of its noise.
     """
 
     before: float
@@ -100,6 +115,7 @@ class Gap(Frozen):
     share_nominal: Percent | None = None
     share_before: Percent | None = None
     share_after: Percent | None = None
+    discrepancy: Discrepancy | None = None
 
 
 class Where(Frozen):

@@ -11,17 +11,28 @@ from importlib.metadata import entry_points
 from types import MappingProxyType
 from typing import Literal, cast, get_args
 
-from pydantic import Field
-
+from modallab.core.effect import Effect, Place
 from modallab.core.errors import FormatError
-from modallab.core.frozen import Frozen
 from modallab.core.rig import Beam
 from modallab.core.units import Test
 
 Stage = Literal["structure", "sensor", "acquisition", "excitation"]
 PlaceKind = Literal["none", "all", "x", "root", "shaker", "channel", "force", "pair", "base", "hit", "impact"]
 Scale = Literal["one", "EI/L", "EI/L^3", "m", "sqrt(EI m/L^3)", "L"]
-Place = float | int | str | tuple[int, ...]
+
+__all__ = [
+    "GROUP",
+    "STAGES",
+    "Effect",
+    "EffectKind",
+    "Parameter",
+    "Place",
+    "PlaceKind",
+    "Scale",
+    "Stage",
+    "catalogue",
+    "kind_of",
+]
 
 GROUP = "modallab.effects"
 """Entry points to functions without arguments that return entries of the catalogue."""
@@ -108,19 +119,6 @@ class EffectKind:
             f"{self.name} has no parameter {name!r}",
             remedy=f"use {', '.join(p.name for p in self.parameters) or 'none: it has no parameters'}",
         )
-
-
-class Effect(Frozen):
-    """An effect with its numbers: what the twin adds, what a diagnosis names."""
-
-    effect: str
-    parameters: dict[str, float] = Field(default_factory=dict[str, float])
-    place: dict[str, Place] = Field(default_factory=dict[str, Place])
-
-    @property
-    def kind(self) -> EffectKind:
-        """Its entry in the catalogue."""
-        return kind_of(self.effect)
 
 
 def kind_of(name: str) -> EffectKind:

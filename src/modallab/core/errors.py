@@ -51,6 +51,13 @@ def _rebuild(kind: type[ModallabError], what: str, remedy: str, where: str) -> M
     return kind(what, remedy=remedy, where=where)
 
 
+class MissingPackageError(ModallabError):
+    """A package that only some work needs is not installed; the remedy says how to install it."""
+
+    code = "package"
+    http = Http(501, "A package is missing", "Install it where the service runs, as the answer says.")
+
+
 class RigError(ModallabError):
     """The rig file is not valid, or lacks what this step needs."""
 

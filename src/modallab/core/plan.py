@@ -54,6 +54,18 @@ class SetUp(Frozen):
     points: dict[str, PositiveInt] = Field(default_factory=dict)
 
 
+class Precision(Frozen):
+    """How well the modes are to be known: then a test has enough, however many hits are still to come.
+
+    Attributes:
+        frequency_ratio: standard deviation of every natural frequency, relative to it.
+        damping_ratio: standard deviation of every damping ratio, relative to it.
+    """
+
+    frequency_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.0001
+    damping_ratio: Annotated[float, Field(gt=0, lt=1)] = 0.01
+
+
 class ImpactPlan(Frozen):
     """An impact test: a number of good hits at each point.
 
@@ -78,6 +90,7 @@ class ImpactPlan(Frozen):
         acceptance: when a hit counts.
         setups: where sensors stand, once a set-up; none: as in the rig file.
         operator_decides: of which hits the operator is asked whether they count.
+        precision: when the modes are known well enough, which is said to the operator; None: the hits alone count.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {"max_refusals": "max_rejections"}
@@ -97,6 +110,7 @@ class ImpactPlan(Frozen):
     acceptance: HitAcceptance = HitAcceptance()
     setups: tuple[SetUp, ...] = Field(default=(), exclude_if=unstated)
     operator_decides: Literal["never", "rejected", "every"] = Field(default="never", exclude_if=lambda v: v == "never")
+    precision: Precision | None = Field(default=None, exclude_if=unstated)
 
 
 class KnownMode(Frozen):

@@ -13,6 +13,7 @@ from pydantic import (
     model_validator,
 )
 
+from modallab.core.effect import Effect, Revision
 from modallab.core.errors import RigError
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.hardware import Calibration, Excitation, Synchronisation
@@ -300,6 +301,7 @@ class Rig(Frozen):
         excitation: what drives the shaker; None: nothing is said of it.
         history: calibrations, the oldest first.
         synchronisation: how several devices sample as one; None: there is one.
+        revisions: effects that the simulation of this bench has been given, the oldest first.
     """
 
     format_version: Literal[2] = RIG
@@ -319,6 +321,7 @@ class Rig(Frozen):
     excitation: Excitation | None = None
     history: tuple[Calibration, ...] = ()
     synchronisation: Synchronisation | None = Field(default=None, exclude_if=unstated)
+    revisions: tuple[Revision, ...] = Field(default=(), exclude_if=unstated)
 
     @model_validator(mode="before")
     @classmethod
@@ -339,6 +342,11 @@ class Rig(Frozen):
     def responses(self) -> tuple[Channel, ...]:
         """All channels but the force, in rig order."""
         return tuple(c for c in self.channels if c.quantity != "force")
+
+    @property
+    def known_effects(self) -> tuple[Effect, ...]:
+        """What the simulation of this bench carries: the effects of all its revisions."""
+        return tuple(effect for revision in self.revisions for effect in revision.effects)
 
     def x_of(self, point: int) -> float:
         """Distance of a point from the clamp, in m.

@@ -10,11 +10,11 @@ from modallab.core.frf import Frf
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Verification:
-    """Measured against regenerated mobility, both through the same block, mean removal and filter.
+    """Measured against regenerated mobility, both through the same block.
 
     Attributes:
         measured: mobility from the test's blocks.
-        regenerated: mobility of the model's response to the measured force, cut and treated as the blocks were.
+        regenerated: mobility of the model's response to the measured force, cut as the blocks were.
         untruncated: the model's own mobility on a fine grid, with no block at all.
         frac: (outputs, inputs) FRAC of measured against regenerated.
     """

@@ -31,6 +31,21 @@ def replacing(path: Path) -> Generator[Path]:
             raise
 
 
+def make_folder(path: Path) -> None:
+    """A folder for results, and those above it; git takes no notice of one that is made here.
+
+    Raises:
+        StorageError: it is a file, or cannot be made.
+    """
+    if path.is_dir():
+        return
+    with _disk_errors(path):
+        if path.exists():
+            raise StorageError("is a file", where=str(path), remedy="name a folder for the results")
+        path.mkdir(parents=True)
+        (path / ".gitignore").write_text("*\n", encoding="utf-8")
+
+
 def _flush(path: Path) -> None:
     with path.open("rb+") as written:
         os.fsync(written.fileno())

@@ -7,6 +7,7 @@ from pathlib import Path
 from modallab.core.array_checks import identical_channels
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
+from modallab.core.progress import counted
 from modallab.core.rig import Rig
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.error_list import Collected
@@ -30,7 +31,7 @@ def import_sources(paths: Sequence[Path], rig: Rig, options: ImportOptions | Non
     options = options or ImportOptions()
     options.check(rig)
     errors, parts = Collected(), list[Campaign]()
-    for path in map(Path, paths):
+    for path in counted(map(Path, paths), len(paths), "files"):
         with errors:
             parts.append(_checked(_read(path, rig, options)))
     errors.done()

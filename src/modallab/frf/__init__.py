@@ -1,6 +1,9 @@
 """Every frequency response function begins as scaled, mean-free blocks: steps A, B and C of the paper."""
 
-from typing import TYPE_CHECKING
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from modallab.core.lazy import lazily
 
@@ -25,6 +28,18 @@ __all__ = [
     "without_mass",
     "without_mass_in",
 ]
+
+
+class _Callable(ModuleType):
+    """This package once it is imported, under a name that it shares with a function: `modallab.frf(f, H)`."""
+
+    def __call__(self, f: Any, H: Any, inputs: Any = None, outputs: Any = None, quantity: Any = "inertance") -> Any:
+        """As `modallab.notebook.measured.frf`: FRFs from arrays."""
+        return import_module("modallab.notebook.measured").frf(f, H, inputs, outputs, quantity)
+
+
+# Importing it puts it in the place of the function, for whoever writes `import modallab as ml; ml.frf(...)`.
+sys.modules[__name__].__class__ = _Callable
 
 __getattr__ = lazily(
     __name__,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import CandidateSet, Diagnosis, Found, Gap, Percent, Shrink, Verdict
+from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
@@ -18,13 +18,13 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import left
+from modallab.gap.model.share import discrepancies, left
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
-from modallab.gap.report.inspected import harm, inspected, shown
+from modallab.gap.report.inspected import harm, inspected, known_already, shown
 from modallab.gap.report.locate import depends_on_size, locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
@@ -80,7 +80,7 @@ def diagnose(
     location = None if choice.flat else locate(bench, prepared, choice.base)
     nonlinear = location is not None and location.nonlinear
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
-    seen = [f for f in shows if not _harmless(prepared, f)]
+    seen = [f for f in shows if not _harmless(prepared, f) and not known_already(f, campaign.rig)]
     # Effects the records show but whose names must not be used.
     withheld = [name for name in shown(prepared) if not allowed(name)]
     ranked = probabilities(choice)
@@ -126,6 +126,11 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
             f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
             for f in shows
             if _harmless(prepared, f)
+        ),
+        *(
+            f"As the rig's revisions know: {f.effect.replace('_', ' ')}."
+            for f in shows
+            if known_already(f, prepared.campaign.rig)
         ),
     ]
 
@@ -202,6 +207,7 @@ def _gap(campaign: Campaign, prepared: Prepared, choice: Choice, data: Reduced) 
         share_nominal=_percent(choice.fit.problem.free.build(np.zeros(choice.fit.problem.free.size)), data, hz),
         share_before=_percent(twin, data, hz),
         share_after=_percent(fitted, data, hz),
+        discrepancy=_discrepancy(fitted, data),
     )
 
 
@@ -212,6 +218,14 @@ def _resonances_hz(prepared: Prepared) -> list[float]:
 def _percent(twin: Twin, data: Reduced, resonances_hz: list[float]) -> Percent:
     at, away = left(data, forward(twin, data), np.array(resonances_hz))
     return Percent(at_resonance=at, away=away)
+
+
+def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
+    found = discrepancies(data, forward(twin, data))
+    if not found:
+        return None
+    worst = max(found, key=lambda name: found[name])
+    return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
 
 
 def _shrink(

@@ -1,7 +1,7 @@
 """The first poles of an identification, by whichever estimator is asked for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,10 +52,31 @@ def estimate_poles(
     if max_order is not None and max_order < 1:
         raise IdentificationError(f"order {max_order} holds no mode", remedy="ask for an order of at least 2")
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=used.grid == "even")
+    frf = of_few_inputs(frf)
     if used.poles is not None:
         return PoleEstimate(used.poles(frf))
     assert used.order is not None
     return _of_orders(frf, used.order, max_order, tolerance)
+
+
+def of_few_inputs(frf: Frf) -> Frf:
+    """The FRFs with outputs and inputs exchanged where there are more inputs than outputs: the poles are the same.
+
+    An order shared among many inputs is too low for the modes there are.
+    """
+    n_out, n_in, _ = frf.values.shape
+    if n_in <= n_out:
+        return frf
+    return replace(
+        frf,
+        values=np.ascontiguousarray(frf.values.transpose(1, 0, 2)),
+        outputs=tuple(f"input {k + 1}" for k in range(n_in)),
+        output_points=frf.input_points,
+        input_points=frf.output_points,
+        averages=(),
+        coherence=None,
+        variance=None,
+    )
 
 
 def _of_orders(frf: Frf, order: Order, max_order: int | None, tolerance: Tolerance | None) -> PoleEstimate:

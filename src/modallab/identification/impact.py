@@ -20,7 +20,7 @@ from modallab.identification.model.modal_model import model_of_fit, without_sigm
 from modallab.identification.options import Options
 from modallab.identification.readings import floor_of_block, half_power_readings
 from modallab.identification.selection.confidence import least_strength, strength
-from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
 from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
@@ -125,7 +125,7 @@ def _searched(
     keep = chosen(fit, band, options, first=True)
     if np.any(keep):
         with part(0.5, 0.8, "search"):
-            fit = again(unknown, fit, keep, band)
+            fit = again(unknown, fit, in_fit(fit, keep, band, options), band)
         keep = chosen(fit, band, options, first=False)
     with part(0.8, 1.0, "poles that stand for errors"):
         return _without_errors(unknown, fit, keep, signals, band, options)

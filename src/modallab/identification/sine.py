@@ -29,7 +29,7 @@ from modallab.identification.likelihood.sine_block import tone
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import floor_of_steps, half_power_readings
-from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
 from modallab.identification.start.missed_modes import with_missing
 from modallab.identification.start.refine_start import polished
 from modallab.identification.start.stabilisation import Tolerance
@@ -79,8 +79,8 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
         return without_sigma(model), fit
     inside = fit.point.parameters.omega < 2 * np.pi * band[1]
     if np.any(keep) and not (np.array_equal(keep, inside) and fit.refined.settled):
-        at = fit.point.parameters
-        fit = _refined(used, rig, -at.zeta[keep] * at.omega[keep] + 1j * at.omega[keep], band)
+        at, stay = fit.point.parameters, in_fit(fit, keep, band, options)
+        fit = _refined(used, rig, -at.zeta[stay] * at.omega[stay] + 1j * at.omega[stay], band)
         keep = chosen(fit, band, options, first=False)
     if not np.any(keep):
         raise IdentificationError(

@@ -17,16 +17,17 @@ from modallab.frf.broadband import broadband_frf, driven_band, of_one_level
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.joined import joined_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.frf_model import identify_frf
+from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
+from modallab.signals.drive_kind import check_kind
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
-from modallab.verification.reservations import doubts
+from modallab.verification.reservations import doubts, unmatched
 from modallab.verification.verify import verify_frf, verify_impact, verify_sine
 
 Source = Test | Literal["frf"]
@@ -116,8 +117,10 @@ def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple
 def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
     """The blocks in SI units without those that ran into the converter's full scale, and a note on these.
 
+    Those whose force is not that of the test they are labelled as are left out as well.
+
     Raises:
-        DataError: damaged samples, or no block is left.
+        DataError: damaged samples, no block is left, or most are of another kind of test.
     """
     force = campaign.rig.force_channel.name
     for block in blocks:
@@ -131,7 +134,8 @@ def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals]
             remedy="lower the drive or the preamplifiers' gain and record again",
         )
     note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
-    return to_signals_of(clean, campaign.rig), note
+    kept, remarks = check_kind(to_signals_of(clean, campaign.rig))
+    return kept, (*note, *remarks)
 
 
 def _with_scale(found: Identified, rig: Rig) -> Identified:
@@ -142,8 +146,13 @@ def _with_notes(model: ModalModel, notes: tuple[str, ...]) -> ModalModel:
     return model.model_copy(update={"notes": (*notes, *model.notes)})
 
 
-def _with_doubts(model: ModalModel, assessment: Assessment) -> ModalModel:
-    return model.model_copy(update={"notes": (*model.notes, *doubts(model, assessment.confidence))})
+def _judged(
+    source: Source, model: ModalModel, verification: Verification, assessment: Assessment, index: int = 0
+) -> Identified:
+    """With what is to be doubted of it among its notes."""
+    doubted = (*doubts(model, assessment.confidence), *unmatched(model, verification.frac))
+    noted = model.model_copy(update={"notes": (*model.notes, *doubted)})
+    return Identified(source, noted, verification, assessment, index)
 
 
 def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
@@ -157,8 +166,8 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
         model, fit = identify_impact(signals, campaign.rig, options)
     report(0.9, "assessment")
     assessment = assess_impact(model, fit, groups, campaign.rig)
-    annotated = _with_doubts(_with_notes(model, notes), assessment)
-    return Identified("impact", annotated, verify_impact(model, fit, groups, campaign.rig), assessment)
+    verification = verify_impact(model, fit, groups, campaign.rig)
+    return _judged("impact", _with_notes(model, notes), verification, assessment)
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
@@ -172,8 +181,8 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
         model, fit = identify_sine(signals, campaign.rig, options)
     report(0.9, "assessment")
     assessment = assess_sine(model, fit, signals, campaign.rig)
-    annotated = _with_doubts(_with_notes(model, notes), assessment)
-    return Identified("sine", annotated, verify_sine(model, fit, signals, campaign.rig), assessment)
+    verification = verify_sine(model, fit, signals, campaign.rig)
+    return _judged("sine", _with_notes(model, notes), verification, assessment)
 
 
 def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
@@ -188,15 +197,14 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
     found, fit = identify_frf(frf, campaign.rig, options)
     model = found.model_copy(update={"test": test})
     assessment = assess_broadband(model, fit, every, frf, campaign.rig)
-    annotated = _with_doubts(_with_notes(model, notes), assessment)
-    return Identified(test, annotated, verify_frf(model, frf), assessment)
+    return _judged(test, _with_notes(model, notes), verify_frf(model, frf), assessment)
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     frf = campaign.frfs[index]
     own_model = options.own_model
     if own_model is not None:
-        return Identified("frf", own_model(frf, None), None, index=index)
+        return Identified("frf", own_model(in_band(frf, options.band_hz), None), None, index=index)
     model, fit = identify_frf(frf, campaign.rig, options)
     assessment = assess_frf(model, fit, frf)
-    return Identified("frf", _with_doubts(model, assessment), verify_frf(model, frf), assessment, index)
+    return _judged("frf", model, verify_frf(model, frf), assessment, index)

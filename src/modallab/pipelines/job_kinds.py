@@ -1,12 +1,15 @@
-"""The kinds of job the project knows: identify, report, diagnose. Each is a few lines over the task itself."""
+"""The kinds of job: identify, report, diagnose, estimate, blind. Each is a few lines over the task itself."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import JsonValue
 
+from modallab.blind.page import render as render_blind
+from modallab.blind.run import blind
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
@@ -14,11 +17,19 @@ from modallab.core.frozen import Frozen
 from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.gap.diagnosis import diagnose
+from modallab.identification.options import Options
 from modallab.jobs import Computed, Kind, Notify
 from modallab.pipelines.curves import curves_of
 from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.model_file import model_document
-from modallab.pipelines.parameters import DiagnoseParameters, IdentifyParameters, ReportParameters, parse_parameters
+from modallab.pipelines.parameters import (
+    BlindParameters,
+    DiagnoseParameters,
+    EstimateParameters,
+    IdentifyParameters,
+    ReportParameters,
+    parse_parameters,
+)
 from modallab.pipelines.report import report_content
 from modallab.reporting.gap_report import render as render_gap
 from modallab.reporting.report import render
@@ -34,31 +45,51 @@ Revision = Callable[[tuple[str, ...]], str]
 Payload = tuple[Campaign, Any]
 
 
-def kinds(campaigns: Campaigns, folder: Path, revision: Revision = lambda _: "") -> tuple[Kind, ...]:
+def kinds(
+    campaigns: Campaigns, folder: Path, revision: Revision = lambda _: "", so_far: Campaigns | None = None
+) -> tuple[Kind, ...]:
     """All kinds of job.
 
     Args:
         campaigns: the recordings that a job's inputs name; `campaigns_of(store)` for runs.
+        so_far: the same of runs that are still on; `campaigns_of(store, ended=False)`.
         folder: the data folder, where results are kept.
         revision: of what a job's inputs hold; `store.revision` for runs.
     """
 
     def kind(name: str, compute: Callable[[Any, Notify], Computed], limit_s: float) -> Kind:
-        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign, Frozen]:
-            return campaigns(inputs), parse_parameters(name, parameters)
+        def load(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> tuple[Campaign | None, Frozen]:
+            # Blind trials are made, not read.
+            return campaigns(inputs) if inputs else None, parse_parameters(name, parameters)
 
         def keep(attempt: str, computed: Computed) -> JsonValue:
             return {"document": computed.result, "files": _keep(folder, attempt, computed.blobs)}
 
         return Kind(name, load, compute, keep, limit_s, revision)
 
-    return kind("identify", _identify, 3600.0), kind("report", _report, 3600.0), kind("diagnose", _diagnose, 4 * 3600.0)
+    # While a run goes on its blocks change all the time, and an estimate is of those that are there when it begins.
+    estimate = Kind(
+        "estimate",
+        lambda parameters, inputs: ((so_far or campaigns)(inputs), parse_parameters("estimate", parameters)),
+        _estimate,
+        lambda _attempt, computed: {"document": computed.result, "files": {}},
+        600.0,
+    )
+    return (
+        kind("identify", _identify, 3600.0),
+        kind("report", _report, 3600.0),
+        kind("diagnose", _diagnose, 4 * 3600.0),
+        estimate,
+        kind("blind", _blind, 24 * 3600.0),
+    )
 
 
-def campaigns_of(store: Store) -> Campaigns:
-    """Runs of a data folder, by name, as one campaign."""
+def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
+    """Runs of a data folder, by name, as one campaign; unless `ended` is False none of them may be on."""
 
     def load(inputs: tuple[str, ...]) -> Campaign:
+        if not ended:
+            return campaign_of(store, inputs)
         active = [run for run in inputs if store.catalogue.run(run).state not in ENDED]
         if active:
             raise StorageError(
@@ -75,6 +106,15 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
         found = identify_campaign(campaign, parameters.options(), parameters.test)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
+
+
+def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> Computed:
+    campaign, _ = payload
+    with heard_by(notify):
+        model = identify_campaign(campaign, Options(), None).identified[-1].model
+    names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
+    found = json.loads(model.model_dump_json(include=set(names)))
+    return Computed(_plain({name: found[name] for name in names} | {"blocks": len(campaign.blocks)}))
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
@@ -94,7 +134,14 @@ def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> C
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
 
 
-def _plain(document: dict[str, object]) -> JsonValue:
+def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
+    _, parameters = payload
+    with heard_by(notify), TemporaryDirectory() as folder:
+        found = blind(Path(folder), parameters)
+    return Computed(json.loads(found.model_dump_json()), {"blind.html": render_blind(found).encode()})
+
+
+def _plain(document: Mapping[str, object]) -> JsonValue:
     # Tuples become lists here rather than in the database, so that a result is the same before and after.
     return json.loads(json.dumps(document, allow_nan=False))
 

@@ -18,6 +18,7 @@ from modallab.formats.atomic import replacing
 from modallab.pipelines.identify import Identified, Result
 from modallab.verification.assessment import Assessment
 from modallab.verification.comparison import compare
+from modallab.verification.verify import frac, synthesised
 
 
 def write_models(path: Path, campaign: Campaign, result: Result) -> None:
@@ -62,6 +63,7 @@ def model_document(campaign: Campaign, result: Result) -> dict[str, object]:
         "models": [_model(item) for item in result.identified],
         # Beside the models, not in them: what reads a model today reads it unchanged.
         "assessments": [None if i.assessment is None else _assessment(i.assessment) for i in result.identified],
+        "frac_uncut": [_frac_uncut(item) for item in result.identified],
         "comparisons": _comparisons(result),
         "without_model": [{"test": item.source, "error": str(item.error)} for item in result.unidentified],
     }
@@ -91,6 +93,15 @@ def _model(item: Identified) -> dict[str, object]:
     content = item.model.model_dump(mode="json")
     content["frac"] = None if item.verification is None else item.verification.frac.tolist()
     return content
+
+
+def _frac_uncut(item: Identified) -> list[list[float]] | None:
+    """FRAC of the measured FRFs against the model's own: lower where blocks end before the ring-down does."""
+    if item.verification is None:
+        return None
+    measured = item.verification.measured
+    own = synthesised(item.model, measured.frequency_hz, measured.quantity)
+    return frac(measured.values, own.values).tolist()
 
 
 def _assessment(found: Assessment) -> dict[str, object]:

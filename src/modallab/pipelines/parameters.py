@@ -7,6 +7,7 @@ from typing import Annotated, Self
 from pydantic import AfterValidator, Field, JsonValue, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from modallab.blind.request import BlindRequest
 from modallab.core.errors import IdentificationError, JobError
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Test
@@ -78,10 +79,26 @@ class DiagnoseParameters(Frozen):
     hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
 
 
+class EstimateParameters(Frozen):
+    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at anew."""
+
+    as_of: Annotated[str, Field(pattern="^[0-9a-f]{0,64}$")] = ""
+
+
+class BlindParameters(BlindRequest):
+    """As `modallab gap blind`; a job computes them one after another, so that there may be fewer."""
+
+    trials: Annotated[int, Field(ge=0, le=200)] = 6
+    none: Annotated[int, Field(ge=0, le=200)] = 2
+    pairs: Annotated[int, Field(ge=0, le=200)] = 0
+
+
 PARAMETERS: dict[str, type[Frozen]] = {
     "identify": IdentifyParameters,
     "report": ReportParameters,
     "diagnose": DiagnoseParameters,
+    "estimate": EstimateParameters,
+    "blind": BlindParameters,
 }
 """Kind -> its parameters."""
 

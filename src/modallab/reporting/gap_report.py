@@ -1,17 +1,18 @@
 """The report of a diagnosis: one HTML file that a person understands at once."""
 
-from importlib.resources import files
 from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import BudgetRow, Diagnosis
 from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
-from modallab.gap.report.summary import in_percent, sentence
-from modallab.reporting.figures import style
+from modallab.gap.report.summary import in_percent, place_in_words, sentence
+from modallab.gap.revisions.history import history
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture, budget_bars, pair_bars, shrink_bar
-from modallab.reporting.markup import Markup, table, tag, trusted
+from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import plate
 from modallab.twin.effects import model_of
 
@@ -32,9 +33,9 @@ def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> No
 
 def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
     """The whole page as text."""
-    title = f"The gap of {campaign.rig.name}"
-    main = tag(
-        "main",
+    return page(
+        f"The gap of {campaign.rig.name}",
+        (sentence(diagnosis), in_percent(diagnosis.gap)),
         _place(diagnosis, campaign),
         _effects(diagnosis),
         _shrink(diagnosis),
@@ -42,38 +43,9 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         _budget(diagnosis),
         _evidence(diagnosis),
         _split(diagnosis),
+        _revisions(campaign),
         _next(diagnosis),
     )
-    percent = in_percent(diagnosis.gap)
-    head = tag(
-        "header",
-        tag("h1", title),
-        tag("p", sentence(diagnosis), class_="lead"),
-        tag("p", percent) if percent else None,
-    )
-    return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{tag("body", head, main)}</html>\n'
-
-
-def _head(title: str) -> Markup:
-    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
-    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
-    colours = f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"
-    return tag(
-        "head",
-        tag("meta", charset="utf-8"),
-        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="color-scheme", content="light dark"),
-        tag("title", title),
-        tag("style", trusted(colours + sheet)),
-    )
-
-
-def _section(heading: str, *parts: str | None) -> Markup:
-    return tag("section", tag("h2", heading), *parts)
-
-
-def _plate(picture: Markup, caption: str) -> Markup:
-    return tag("figure", tag("div", picture, class_="scroll"), tag("figcaption", caption), class_="plate")
 
 
 def _place(diagnosis: Diagnosis, campaign: Campaign) -> Markup:
@@ -85,7 +57,7 @@ def _place(diagnosis: Diagnosis, campaign: Campaign) -> Markup:
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
         said = f"Stage: {where.stage}{at}. Channels: {channels}. Seen in: {' and '.join(where.tests) or 'no test'}."
     why = tag("ul", *(tag("li", w) for w in where.why)) if where.why else None
-    return _section("Where it lies", _plate(bench_picture(campaign.rig, where), said), why)
+    return section("Where it lies", captioned(bench_picture(campaign.rig, where), said), why)
 
 
 def _effects(diagnosis: Diagnosis) -> Markup | None:
@@ -106,9 +78,9 @@ def _effects(diagnosis: Diagnosis) -> Markup | None:
                 ]
             )
         if not kind.parameters:
-            rows.append([model_of(found.effect).spoken, str(found.place), "", "", f"{found.probability:.2f}"])
+            rows.append([model_of(found.effect).spoken, place_in_words(found), "", "", f"{found.probability:.2f}"])
     head = ["effect", "parameter", "value", "95 % interval", "probability"]
-    return _section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
+    return section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
 
 
 def _shrink(diagnosis: Diagnosis) -> Markup | None:
@@ -119,7 +91,7 @@ def _shrink(diagnosis: Diagnosis) -> Markup | None:
         f"Share of the reducible gap that the effect closes on {len(shrink.held_out)} records no fit has seen: from "
         f"{shrink.before:.3g} to {shrink.after:.3g} noise units. The whisker is the 95 % interval by bootstrap."
     )
-    return _section("How far it shrinks", _plate(shrink_bar(shrink), said))
+    return section("How far it shrinks", captioned(shrink_bar(shrink), said))
 
 
 def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
@@ -130,7 +102,7 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
         "Measured; simulated before, as the rig file has the bench; simulated after, with all that was found; and what "
         "is left between the last and the measurement. The channel, the hits and the sine are those that are off most."
     )
-    return _section("What was measured, and what was simulated", plate(figure, "curves", said, said))
+    return section("What was measured, and what was simulated", plate(figure, "curves", said, said))
 
 
 def _mostly(row: BudgetRow) -> str:
@@ -154,13 +126,13 @@ def _budget(diagnosis: Diagnosis) -> Markup | None:
         "Shares of the squares of measured less simulated as the rig file has the bench, the response of each record "
         "counting alike. A negative share works against the others; parts below half a percent are left out."
     )
-    picture = _plate(budget_bars(budget), said)
+    picture = captioned(budget_bars(budget), said)
     usual = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
     stands = (
         tag("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {usual}.") if usual else None
     )
     first = tag("ul", *(tag("li", line) for line in budget.calibrate)) if budget.calibrate else None
-    return _section(
+    return section(
         "Where it comes from", picture, first, table("Budget of the gap", head, rows, numeric=(1, 2)), stands
     )
 
@@ -173,7 +145,7 @@ def _evidence(diagnosis: Diagnosis) -> Markup | None:
         for c in diagnosis.candidates
     ]
     head = ["explanation", "gap it leaves (noise units)", "probability"]
-    return _section("The candidates", table("Explanations that were fitted to the end", head, rows, numeric=(1, 2)))
+    return section("The candidates", table("Explanations that were fitted to the end", head, rows, numeric=(1, 2)))
 
 
 def _split(diagnosis: Diagnosis) -> Markup:
@@ -184,9 +156,9 @@ def _split(diagnosis: Diagnosis) -> Markup:
     )
     bands = [[f"{k} Hz", f"{v:.1%}"] for k, v in gap.by_band.items()]
     tests = [[k, f"{v:.3g}"] for k, v in {**gap.by_test, **gap.by_level, **gap.by_order}.items()]
-    return _section(
+    return section(
         "The residual, before and after",
-        _plate(picture, said),
+        captioned(picture, said),
         tag(
             "div",
             table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
@@ -196,6 +168,10 @@ def _split(diagnosis: Diagnosis) -> Markup:
     )
 
 
+def _revisions(campaign: Campaign) -> Markup | None:
+    return revisions_section(history(campaign.rig)) if campaign.rig.revisions else None
+
+
 def _next(diagnosis: Diagnosis) -> Markup:
     notes = tag("ul", *(tag("li", n) for n in diagnosis.notes)) if diagnosis.notes else None
-    return _section("What to do next", tag("p", diagnosis.next_experiment), notes)
+    return section("What to do next", tag("p", diagnosis.next_experiment), notes)

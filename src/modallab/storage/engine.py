@@ -18,6 +18,7 @@ from sqlalchemy.exc import (
 )
 
 from modallab.core.errors import DatabaseLostError, DiskFullError, RowDamagedError, StorageError
+from modallab.core.extras import remedy
 from modallab.storage.durable import failure
 
 LOG = logging.getLogger(__name__)
@@ -72,9 +73,7 @@ def _postgresql(url: str) -> Engine:
             url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True, connect_args=PATIENCE
         )
     except (ImportError, NoSuchModuleError) as error:
-        raise StorageError(
-            f"no driver for PostgreSQL: {error}", where="database", remedy="pip install 'modallab[postgresql]'"
-        ) from error
+        raise StorageError(f"no driver for PostgreSQL: {error}", where="database", remedy=remedy("psycopg")) from error
     except (ArgumentError, ValueError) as error:
         raise StorageError(
             "the address cannot be understood",

@@ -181,4 +181,19 @@ SET_ASIDE = Table(
 )
 """Campaigns and runs that are archived or deleted."""
 
-append_only(EVENTS, AUDIT, VERDICTS)
+RIG_REVISIONS = Table(
+    "rig_revisions",
+    METADATA,
+    Column("seq", _SEQUENCE, primary_key=True, autoincrement=True),
+    Column("rig", String(64), nullable=False, index=True),
+    Column("description", Text, nullable=False),
+    Column("rig_hash", String(64), nullable=False),
+    Column("from_file", Boolean, nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("operator", Text, nullable=False),
+    Column("utc", String(32), nullable=False),
+    sqlite_autoincrement=True,
+)
+"""What each rig was believed to be, the oldest first."""
+
+append_only(EVENTS, AUDIT, VERDICTS, RIG_REVISIONS)

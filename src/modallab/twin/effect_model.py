@@ -36,6 +36,8 @@ class Search:
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
         replaces: tolerance of the rig file that is the same quantity, and must not be free beside it; "" for none.
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
+        inexact: relative deviation by which its size may be off, however well it fits: what it is on a bench is never
+            quite what it is here.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
     """
@@ -48,6 +50,7 @@ class Search:
     replaces_gain: bool = False
     replaces: str = ""
     is_clock: bool = False
+    inexact: float = 0.0
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 

@@ -48,8 +48,23 @@ class Hits:
         """(k,) j omega of the lines."""
         return 2j * np.pi * self.lines / (self.n * self.dt)
 
-    def kernel(self, poles: Complex) -> tuple[Complex, Complex]:
-        """(p, k) of the forced part and of the tail, per unit residue and unit force."""
+    @property
+    def shares(self) -> Complex:
+        """(hits, k) what each hit counts of the answer on each line; together 1."""
+        whole = np.zeros((len(self.pulses), self.n))
+        for row, pulse, start in zip(whole, self.pulses, self.first, strict=True):
+            row[start : start + len(pulse)] = pulse[: self.n - start]
+        return np.fft.rfft(whole)[:, self.lines.astype(int)] * self.weights
+
+    def kernel(self, poles: Complex, ratios: Array | None = None) -> tuple[Complex, Complex]:
+        """(p, k) of the forced part and of the tail, per unit residue and unit force.
+
+        Args:
+            poles: (p,) of the beam.
+            ratios: (hits,) factor on the poles at each hit, where the beam is another from one to the next.
+        """
+        if ratios is not None:
+            return self._one_by_one(poles, ratios)
         s = self.s
         forced = s**2 / (s - poles[:, None])
         times = (self.first[:, None] + np.arange(self.pulses.shape[1])) * self.dt
@@ -60,6 +75,18 @@ class Hits:
         tail = np.zeros_like(forced)
         shape = -(p**2 * np.exp(p * self.n * self.dt))[:, None] / (1 - decay[:, None] * np.exp(-s * self.dt))
         tail[kept] = shape * (laplace @ self.weights)
+        return forced, tail
+
+    def _one_by_one(self, poles: Complex, ratios: Array) -> tuple[Complex, Complex]:
+        forced = np.zeros((len(poles), len(self.lines)), dtype=np.complex128)
+        tail = np.zeros_like(forced)
+        for j, share in enumerate(self.shares):
+            own = slice(j, j + 1)
+            one = replace(self, pulses=self.pulses[own], first=self.first[own], weights=self.weights[own])
+            own_forced, own_tail = one.kernel(poles * ratios[j])
+            # A residue goes with the inverse of the frequency.
+            forced += own_forced * share / ratios[j]
+            tail += own_tail / ratios[j]
         return forced, tail
 
 

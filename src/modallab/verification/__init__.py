@@ -7,7 +7,7 @@ from modallab.core.lazy import lazily
 if TYPE_CHECKING:
     from modallab.verification.assessment import Assessment, assessed
     from modallab.verification.comparison import Comparison, compare
-    from modallab.verification.reservations import doubts, seen_by_one
+    from modallab.verification.reservations import doubts, seen_by_one, unmatched
     from modallab.verification.verify import frac, synthesised, verify_frf, verify_impact, verify_sine
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "frac",
     "seen_by_one",
     "synthesised",
+    "unmatched",
     "verify_frf",
     "verify_impact",
     "verify_sine",
@@ -29,7 +30,7 @@ __getattr__ = lazily(
     {
         "assessment": ("Assessment", "assessed"),
         "comparison": ("Comparison", "compare"),
-        "reservations": ("doubts", "seen_by_one"),
+        "reservations": ("doubts", "seen_by_one", "unmatched"),
         "verify": ("frac", "synthesised", "verify_frf", "verify_impact", "verify_sine"),
     },
 )

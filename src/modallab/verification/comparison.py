@@ -36,11 +36,7 @@ def compare(one: ModalModel, other: ModalModel) -> Comparison:
     Raises:
         DataError: fewer than two points are known to both, or no mode is shared.
     """
-    points = tuple(sorted({p for p in one.output_points if p is not None} & set(other.output_points)))
-    if len(points) < 2:
-        raise DataError(
-            f"the models share {len(points)} points", remedy="compare models of sensors at two known points at least"
-        )
+    points = _common_points(one, other)
     found = nearest(one.frequency_hz, other.frequency_hz)
     pairs = tuple((i, j) for i, j in enumerate(found) if j is not None)
     if not pairs:
@@ -48,6 +44,25 @@ def compare(one: ModalModel, other: ModalModel) -> Comparison:
     a = _shapes(one, points)[[i for i, _ in pairs]]
     b = _shapes(other, points)[[j for _, j in pairs]]
     return Comparison(pairs, points, np.diag(mac(a, b)).copy(), comac(a, b))
+
+
+def common_shapes(one: ModalModel, other: ModalModel) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """(modes, points) of each over the points that both have, for a MAC; any scale.
+
+    Raises:
+        DataError: fewer than two points are known to both.
+    """
+    points = _common_points(one, other)
+    return _shapes(one, points), _shapes(other, points)
+
+
+def _common_points(one: ModalModel, other: ModalModel) -> tuple[int, ...]:
+    points = tuple(sorted({p for p in one.output_points if p is not None} & set(other.output_points)))
+    if len(points) < 2:
+        raise DataError(
+            f"the models share {len(points)} points", remedy="compare models of sensors at two known points at least"
+        )
+    return points
 
 
 def _shapes(model: ModalModel, points: tuple[int, ...]) -> NDArray[np.complex128]:

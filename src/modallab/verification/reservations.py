@@ -13,6 +13,8 @@ ALONE = 0.98
 """Share of a mode's squared constants from which one sensor has it to itself."""
 SIGMAS = 5.0
 LEAST_OUTPUTS = 4
+LEAST_FRAC = 0.9
+"""A FRF with a lower FRAC is not what the model says."""
 
 
 def doubts(model: ModalModel, confidence: NDArray[np.float64]) -> tuple[str, ...]:
@@ -45,6 +47,28 @@ def seen_by_one(model: ModalModel) -> NDArray[np.int64]:
         if each[o] > ALONE * each.sum() and driven:
             found[r] = o
     return found
+
+
+def unmatched(model: ModalModel, frac: NDArray[np.float64]) -> tuple[str, ...]:
+    """A warning where the model does not repeat what was measured.
+
+    Args:
+        model: the modes.
+        frac: (outputs, inputs), NaN where it could not be formed.
+    """
+    poor = ~(frac >= LEAST_FRAC)
+    if not poor.any():
+        return ()
+    known = np.nan_to_num(frac, nan=0.0)
+    o, k = np.unravel_index(int(np.argmin(known)), known.shape)
+    point = model.input_points[k]
+    driven = "" if point is None else f" driven at point {point}"
+    worst = f"the worst is {model.outputs[o]}{driven} with {known[o, k]:.2g}"
+    return (
+        f"WARNING: the model does not repeat {poor.sum()} of the {frac.size} measured FRFs (FRAC below "
+        f"{LEAST_FRAC:g}); {worst}. Do not use it there: look at these FRFs and "
+        "their records, the band, and modes that were left out.",
+    )
 
 
 def _weak(model: ModalModel, modes: NDArray[np.int64]) -> str:

@@ -11,40 +11,43 @@ from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.verification import Verification
-from modallab.frf.estimate import convert, impact_frf
+from modallab.frf.estimate import convert, impact_frf, output_quantity
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.likelihood.excitation import HitExcitation
 from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.sine_block import ToneExcitation, tone
+from modallab.identification.likelihood.hit_blocks import moves_before
 from modallab.identification.model.modal_model import receptance
-from modallab.signals.bandpass import bandpass, remove_mean
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
+from modallab.verification.replay import replayed_hit, replayed_sine
 
 FINE_LINES = 2000
 
 
 def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals]], rig: Rig) -> Verification:
-    """Both sides through the same block, mean removal, band-pass and H1.
+    """H1 of the blocks, and of the model's own answers to the measured forces, cut as the blocks were.
+
+    Lines are chosen, nothing is filtered: at the lines of its DFT a block is what the model says it is, whatever lies
+    outside the band.
 
     Args:
-        model: the identified model.
-        fit: the fit it came from.
-        groups: the hits by point, in the order of the fit.
+        model: the identified model: what is written of it is what is held against the records.
+        fit: the fit it came from, which says which records are its own.
+        groups: the hits by point, in the order of the model's inputs.
         rig: channels and points.
 
     Raises:
-        DataError: records that cannot be, or not those of the fit.
+        DataError: records that cannot be, or not those of the model.
     """
     flat = [s for group in groups for s in group]
     check_test(flat)
     _require_blocks(fit, flat)
-    made = iter([_replayed(fit, i, s) for i, s in enumerate(flat)])
-    regenerated = [[next(made) for _ in group] for group in groups]
-    band = model.band_hz
-    measured_frf = convert(impact_frf(_treated(groups, band), rig, band), "mobility")
-    regenerated_frf = convert(impact_frf(_treated(regenerated, band), rig, band), "mobility")
-    return _verification(measured_frf, regenerated_frf, model)
+    moving = any(moves_before(s) for s in flat)
+    regenerated = [
+        [replayed_hit(model, k, s, output_quantity(rig), moving=moving) for s in group]
+        for k, group in enumerate(groups)
+    ]
+    measured = convert(impact_frf(groups, rig, model.band_hz), "mobility")
+    return _verification(measured, convert(impact_frf(regenerated, rig, model.band_hz), "mobility"), model)
 
 
 def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
@@ -54,6 +57,8 @@ def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
         raise DataError(found, remedy="give the records that the model was identified from, in their order")
     for s, block in zip(signals, blocks, strict=True):
         grid, fitted = block.excitation.grid, len(block.response)
+        if grid.n == 0:
+            raise DataError("the fit is of FRFs: it has no time records", remedy="compare it with FRFs by verify_frf")
         if (len(s.responses), s.force.size, 1 / s.rate_hz) != (fitted, grid.n, grid.dt):
             found = f"{len(s.responses)} outputs of {s.force.size} samples {1 / s.rate_hz:g} s apart"
             raise DataError(
@@ -63,52 +68,25 @@ def _require_blocks(fit: Fit, signals: Sequence[Signals]) -> None:
             )
 
 
-def _replayed(fit: Fit, block: int, signals: Signals) -> Signals:
-    """The block as the model would have answered the measured force."""
-    excitation = fit.problem.blocks[block].excitation
-    n, rate = signals.force.size, signals.rate_hz
-    every = np.arange(1, (n + 1) // 2)
-    if not isinstance(excitation, HitExcitation | ToneExcitation):
-        raise DataError("the fit is of FRFs: it has no time records", remedy="compare it with FRFs by verify_frf")
-    grid = replace(excitation.grid, omega=2 * np.pi * every * rate / n)
-    if isinstance(excitation, ToneExcitation):
-        whole = tone(grid, excitation.frequency_hz, excitation.amplitude, excitation.settled)
-    else:
-        whole = replace(excitation, grid=grid)
-    spectrum = np.zeros((signals.responses.shape[0], n // 2 + 1), complex)
-    spectrum[:, every] = fit.regenerated(block, whole)
-    return replace(signals, responses=np.fft.irfft(spectrum, n))
-
-
-def _treated(groups: Sequence[Sequence[Signals]], band: tuple[float, float]) -> list[list[Signals]]:
-    """Mean removed and band-passed, force and responses alike: step A."""
-    return [[replace(s, responses=_filtered(s.responses, s.rate_hz, band)) for s in group] for group in groups]
-
-
-def _filtered(values: NDArray[np.float64], rate_hz: float, band: tuple[float, float]) -> NDArray[np.float64]:
-    return bandpass(remove_mean(values), rate_hz, band)
-
-
 def verify_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Verification:
     """Both sides by the same sine fit of the same block, the decay in it included.
 
     Args:
         model: the identified model.
-        fit: the fit it came from.
+        fit: the fit it came from, which says which records are its own.
         signals: the blocks of the test; those outside the model's band are left out, as the fit left them out.
         rig: channels and points.
 
     Raises:
-        DataError: records that cannot be, or not those of the fit.
+        DataError: records that cannot be, or not those of the model.
     """
     check_test(signals)
     low, high = model.band_hz
     chosen = [s for s in signals if low <= s.tone.frequency_hz <= high]
     _require_blocks(fit, chosen)
-    regenerated = [_replayed(fit, i, s) for i, s in enumerate(chosen)]
-    measured_frf = convert(stepped_frf(chosen, rig), "mobility")
-    regenerated_frf = convert(stepped_frf(regenerated, rig), "mobility")
-    return _verification(measured_frf, regenerated_frf, model)
+    regenerated = [replayed_sine(model, s, output_quantity(rig)) for s in chosen]
+    measured = convert(stepped_frf(chosen, rig), "mobility")
+    return _verification(measured, convert(stepped_frf(regenerated, rig), "mobility"), model)
 
 
 def verify_frf(model: ModalModel, frf: Frf) -> Verification:

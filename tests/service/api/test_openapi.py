@@ -29,7 +29,8 @@ def test_codes_and_statuses_are_those_that_clients_know() -> None:
         "conflict": 409, "database-lost": 503, "data": 422, "disk_full": 507, "error": 500,
         "foreign-host": 403, "foreign-origin": 403, "format": 422, "idempotency-key": 422, "identification": 422,
         "illegal-transition": 409, "job": 422, "job-unknown": 404, "lease-held": 409, "lease-needed": 403,
-        "no-page": 404, "not-allowed": 405, "not-found": 404, "not-valid": 422, "plan": 422, "precondition-needed": 428,
+        "no-page": 404, "package": 501, "not-allowed": 405, "not-found": 404, "not-valid": 422, "plan": 422,
+        "precondition-needed": 428,
         "rig": 422, "rig-unavailable": 503, "role-needed": 403, "safety": 409, "service": 409, "storage": 500,
         "token-needed": 401, "too-large": 413, "tripped": 409, "unexpected": 500,
     }  # fmt: skip

@@ -107,6 +107,18 @@ def test_who_asks_for_a_report_that_is_not_there_learns_how_its_job_stands(lab: 
         assert ("is cancelled" in gone["detail"], gone["remedy"]) == (True, "order it again")
 
 
+def test_blind_trials_are_ordered_without_a_campaign(lab: Lab) -> None:
+    with lab.client() as client:
+        ordered = client.post(f"{API}/blind-trials", json={"parameters": {"trials": 1, "none": 0, "seed": 9}})
+        assert (ordered.status_code, ordered.json()["kind"], ordered.json()["inputs"]) == (202, "blind", [])
+        assert client.get(ordered.headers["location"]).json()["id"] == ordered.json()["id"]
+        client.delete(ordered.headers["location"])
+        none = client.post(f"{API}/blind-trials", json={"parameters": {"trials": 0, "none": 0}})
+        assert "no trial is asked for" in none.json()["detail"]
+        of_runs = client.post(f"{API}/blind-trials", json={"runs": ["a"]})
+        assert "not read from runs" in of_runs.json()["detail"]
+
+
 def test_who_types_the_address_alone_or_opens_a_problem_s_page_can_read_on(lab: Lab) -> None:
     with lab.client(token=None) as client:
         assert client.get("/").headers["location"] == "/page/"

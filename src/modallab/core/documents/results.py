@@ -8,7 +8,7 @@ from modallab.core.frf import FrfQuantity
 from modallab.core.frozen import ComplexArray, Frozen, RealArray
 
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
-JobKind = Literal["identify", "diagnose", "report"]
+JobKind = Literal["identify", "diagnose", "report", "estimate", "blind"]
 
 
 class JobView(Frozen):
@@ -16,7 +16,7 @@ class JobView(Frozen):
 
     Attributes:
         id: made by the service.
-        kind: identify, diagnose or report.
+        kind: identify, diagnose, report, blind, or estimate: the modes so far of a run that is on.
         state: `done`, `failed` and `cancelled` are for good.
         parameters: what was asked for.
         inputs: runs it works on.

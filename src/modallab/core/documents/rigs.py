@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from modallab.core.frozen import Frozen, Truth
+from modallab.core.rig import Rig
 
 RigState = Literal["starting", "idle", "running", "unavailable"]
 
@@ -66,6 +67,36 @@ class RigView(Frozen):
     trip: Trip | None = None
     lease: LeaseHolder | None = None
     error: str = ""
+
+
+class RigRevision(Frozen):
+    """What a rig was believed to be from some time on.
+
+    Attributes:
+        number: from 1.
+        rig_hash: SHA-256 of the description's JSON, as every run on it carries it.
+        reason: why it was revised.
+        operator: who revised it; "" where it came with the rig file.
+        utc: since when.
+    """
+
+    number: int
+    rig_hash: str
+    reason: str
+    operator: str
+    utc: str
+
+
+class RigRevisionNew(Frozen):
+    """Another description of what stands on the bench.
+
+    Attributes:
+        description: all of it, under the name that the rig has.
+        reason: kept in the record of who did what.
+    """
+
+    description: Rig
+    reason: Annotated[str, Field(max_length=400)] = ""
 
 
 class LeaseNew(Frozen):

@@ -133,6 +133,7 @@ class RunView(Frozen):
         archived_utc: when it, or its campaign, was archived; "" if it is not.
         deleted_utc: when it, or its campaign, was deleted; "" if it is not.
         purge_utc: until when it can be restored; from then on its samples are deleted.
+        rig_hash: SHA-256 of the rig's JSON as it was then.
     """
 
     id: str
@@ -155,6 +156,7 @@ class RunView(Frozen):
     archived_utc: str = ""
     deleted_utc: str = ""
     purge_utc: str = ""
+    rig_hash: str = ""
 
 
 class BlockView(Frozen):

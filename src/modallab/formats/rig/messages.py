@@ -7,6 +7,7 @@ from typing import Any, cast
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from modallab.core.effect import Revision
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Excitation, Synchronisation
 from modallab.core.metrology import Certificate
@@ -25,6 +26,7 @@ SECTIONS: dict[str, type[Frozen]] = {
     "excitation": Excitation,
     "history": Calibration,
     "synchronisation": Synchronisation,
+    "revisions": Revision,
 }
 """The document that stands at each place of a rig file."""
 

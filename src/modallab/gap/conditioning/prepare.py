@@ -26,6 +26,7 @@ from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import check_block
 from modallab.signals.conversion import Conversion, in_volts
+from modallab.signals.drive_kind import check_kind, is_hit
 from modallab.signals.full_scale import overloaded
 from modallab.signals.hit import find_hit
 from modallab.signals.signals import to_signals
@@ -164,6 +165,7 @@ def usable(campaign: Campaign) -> tuple[Block, ...]:
         and (_has_hit(b, rig) if b.test == "impact" else bool(b.frequency_hz))
     ]
     if not found:
+        check_kind([to_signals(b, rig) for b in campaign.blocks if b.test == "impact"])
         raise DataError(
             f"none of {len(campaign.blocks)} records has a force, a drive point and all channels of the rig",
             where=campaign.source,
@@ -178,7 +180,7 @@ def _has_hit(block: Block, rig: Rig) -> bool:
         find_hit(force)
     except DataError:
         return False
-    return True
+    return is_hit(force)
 
 
 def _ratio(campaign: Campaign, blocks: Sequence[Block], noise_v: Array) -> float:

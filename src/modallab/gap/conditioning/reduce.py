@@ -73,6 +73,7 @@ class Piece:
         drive_x_m: place of the force from the clamp, m.
         level: of the drive; None for hits.
         records: names of its records.
+        orders: place in time of each; empty where they are taken together.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Piece:
     drive_x_m: float
     level: str | None
     records: tuple[str, ...]
+    orders: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -218,6 +220,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         rig.x_of(first.drive_point or 0),
         None,
         tuple(b.name for b in blocks),
+        tuple(float(b.order) for b in blocks),
     )
     source = Hits(lines, n, dt, pulses, starts, conj)
     return ImpactData(piece, source, _rows(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))

@@ -78,12 +78,15 @@ def distinguishability(rig: Rig, plans: Sequence[Plan]) -> Distinguishability:
     return of_data(planned(with_tolerances(rig), plans), hits)
 
 
-def of_data(data: Reduced, hits: Collection[tuple[float, int]] = ()) -> Distinguishability:
+def of_data(
+    data: Reduced, hits: Collection[tuple[float, int]] = (), names: Collection[str] | None = None
+) -> Distinguishability:
     """The distinguishability of reduced data, around the nominal bench.
 
     Args:
         data: of the nominal bench.
         hits: place in m and number of the hits at each drive point.
+        names: effects that are looked at; None for all.
     """
     rig = data.rig
     free = nuisances(rig, 450.0, hits)
@@ -97,6 +100,8 @@ def of_data(data: Reduced, hits: Collection[tuple[float, int]] = ()) -> Distingu
     strength: dict[str, list[float]] = {}
     left: dict[str, list[float]] = {}
     for candidate, values in _signatures(rig, data):
+        if names is not None and candidate.effect not in names:
+            continue
         u = np.concatenate([zero, values])
         r = Problem(data, free, (candidate,)).residual(u) - r0
         padded = np.concatenate([r, np.zeros(free.size)])
@@ -106,13 +111,13 @@ def of_data(data: Reduced, hits: Collection[tuple[float, int]] = ()) -> Distingu
             found.setdefault(candidate.effect, []).append(rest / max(float(np.linalg.norm(rest)), 1e-300))
             strength.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) / whole)
             left.setdefault(candidate.effect, []).append(float(np.linalg.norm(rest)) * _plainly(candidate))
-    names = tuple(found)
-    cosine = np.eye(len(names))
-    for i, a in enumerate(names):
-        for j, b in enumerate(names[:i]):
+    listed = tuple(found)
+    cosine = np.eye(len(listed))
+    for i, a in enumerate(listed):
+        for j, b in enumerate(listed[:i]):
             cosine[i, j] = cosine[j, i] = min(1.0, float(np.max(np.abs(np.array(found[a]) @ np.array(found[b]).T))))
-    strengths, lefts = (np.array([f(of[name]) for name in names]) for f, of in ((max, strength), (np.mean, left)))
-    return Distinguishability(names, cosine, strengths, lefts)
+    strengths, lefts = (np.array([f(of[name]) for name in listed]) for f, of in ((max, strength), (np.mean, left)))
+    return Distinguishability(listed, cosine, strengths, lefts)
 
 
 def _signatures(rig: Rig, data: Reduced) -> list[tuple[Candidate, Array]]:

@@ -1,6 +1,6 @@
 """A diagnosis at work: what the accelerometers of another campaign on the same rig would read."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import as_volts, usable
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
@@ -18,6 +19,8 @@ from modallab.signals.conversion import unit_per_si, volts_per_si
 from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
+Records = Mapping[str, Array]
+"""Record -> (channels, n) of the response channels, each in its own unit and direction."""
 
 
 def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
@@ -37,7 +40,7 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
     twin = diagnosed_twin(diagnosis, rig)
     twin = replace(twin, chain=twin.chain.as_delivered(rig, lags_s(rig)))
     blocks = usable(other)
-    ratio = _clock(other, blocks)
+    ratio = clock_of(other, blocks)
     last = float(max(1, *(b.order for b in other.blocks)))
     rows = [c.index for c in rig.responses]
     cut = {int(f.place["channel"]): float(f.place["level_v"]) for f in diagnosis.effects if "level_v" in f.place}
@@ -49,7 +52,8 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
     return found
 
 
-def _clock(campaign: Campaign, blocks: Sequence[Block]) -> float:
+def clock_of(campaign: Campaign, blocks: Sequence[Block]) -> float:
+    """Seen frequency of the sines over what was set, where they differ beyond doubt; else 1."""
     rig = campaign.rig
     sines = [to_signals(b, rig) for b in blocks if b.test == "sine"]
     if not sines:
@@ -65,7 +69,16 @@ def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:
     Raises:
         DataError: as `predict`.
     """
-    rig, records = other.rig, predict(diagnosis, other)
+    return with_records(other, predict(diagnosis, other))
+
+
+def with_records(other: Campaign, records: Records) -> Campaign:
+    """A campaign with the forces as measured, beside them what was predicted; without the records that were not.
+
+    Raises:
+        DataError: records of another shape than the campaign's.
+    """
+    rig = other.rig
     rows = [c.index for c in rig.responses]
     blocks = tuple(_with_rows(b, rig, rows, records[b.name]) for b in other.blocks if b.name in records)
     return replace(other, blocks=blocks, source=f"predicted from {other.source}")
@@ -73,6 +86,11 @@ def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:
 
 def _with_rows(block: Block, rig: Rig, rows: Sequence[int], values: Array) -> Block:
     samples = (block.samples * block.scale[:, None]).astype(np.float64)
+    if values.shape != (len(rows), samples.shape[1]):
+        raise DataError(
+            f"{block.name} was predicted as {values.shape}, it is {(len(rows), samples.shape[1])}",
+            remedy="give one row for each response channel and as many samples as the record has",
+        )
     samples[rows] = values
     units = list(block.units)
     for row in rows:

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 S = TypeVar("S", Hits, Sines)
 
+APART = 0.003
+"""Drift from which hits at one point are no longer alike: their mean then answers as no beam does."""
+
 
 def forward(twin: Twin, data: Reduced) -> list[Complex]:
     """What the twin says the reduced data are: (channels, rows) for each drive point, then for the sine test."""
@@ -38,7 +41,7 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
     total = np.zeros(d.rows.y.shape, dtype=np.complex128)
     forced_sum = impact_residual(twin, modes, d, data)[:, None] * source.s**2
     for pole, r in ((poles, residue), (poles.conj(), residue.conj())):
-        forced, tail = source.kernel(pole)
+        forced, tail = source.kernel(pole, hit_ratios(twin, d, data))
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, data.channels, pole)) @ tail
     if twin.element is not None:
@@ -49,17 +52,27 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
 
 def impact_residue(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> tuple[Complex, Complex]:
     """(p,) poles and (channels, p) displacement residues of hits at one point, drift included."""
-    tau = d.piece.order / data.last_order
-    scale = np.sqrt(max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau))))
+    scale = float(drift_scale(twin, d.piece.order, data))
     drive = modes.at(twin.struck_x_m(d.piece.drive_x_m))[0] * twin.hit_gain(d.piece.drive_x_m)
     return modes.poles * scale, _outputs(twin.chain, modes, data) * drive / scale
 
 
+def drift_scale(twin: Twin, order: float | Array, data: Reduced) -> Array:
+    """Factor that a drift has put on all frequencies at a place in time, in records."""
+    return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(order / data.last_order)))
+
+
+def hit_ratios(twin: Twin, d: ImpactData, data: Reduced) -> Array | None:
+    """(hits,) frequencies at each hit over those at their mean place in time; None where a mean hit says it all."""
+    if abs(twin.ei_drift) < APART or not d.piece.orders:
+        return None
+    return drift_scale(twin, np.array(d.piece.orders), data) / drift_scale(twin, d.piece.order, data)
+
+
 def impact_residual(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Array:
     """(channels,) static displacement per N of hits at one point that the modes left out add, drift included."""
-    tau = d.piece.order / data.last_order
     drive = twin.struck_x_m(d.piece.drive_x_m)
-    softer = max(1e-3, 1 + twin.ei_drift * float(twin.drifted(tau)))
+    softer = float(drift_scale(twin, d.piece.order, data)) ** 2
     share = twin.residual_compliance / softer * twin.hit_gain(d.piece.drive_x_m)
     return share * modes.remainder(_sensor_positions(twin.chain, modes, data), drive)
 
@@ -85,8 +98,7 @@ def sine_drift(twin: Twin, d: SineData, data: Reduced) -> Array | None:
     """(blocks,) factor on the frequencies at each block; None without a drift."""
     if not twin.ei_drift:
         return None
-    tau = np.array([p.order for p in d.pieces]) / data.last_order
-    return np.sqrt(np.maximum(1e-3, 1 + twin.ei_drift * twin.drifted(tau)))
+    return drift_scale(twin, np.array([p.order for p in d.pieces]), data)
 
 
 def sine_residue(twin: Twin, modes: Modes, d: SineData, data: Reduced, scale: Array | None) -> tuple[Complex, Complex]:

@@ -17,6 +17,7 @@ from modallab.core.errors import RigError
 from modallab.core.rig import Beam, Rig
 from modallab.gap.model.tolerances import Deviation, applied, deviations, held, held_one, sensors_x_m
 from modallab.twin.bench import Chain, Twin
+from modallab.twin.effects import with_known
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
 
 Array = NDArray[np.float64]
@@ -84,12 +85,16 @@ class Nuisances:
         return u
 
     def build(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
-        """The twin without effects.
+        """The twin without other effects than those that the rig's revisions know.
 
         Args:
             u: (size,) the free numbers.
             replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
         """
+        return with_known(self.bare(u, replaced), self.rig)
+
+    def bare(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
+        """The same without these either."""
         tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
         nominal, chain, x_of = _nominal(self)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from modallab.core.units import Test
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.gap.model.forward import (
+    hit_ratios,
     impact_residual,
     impact_residue,
     on_clock,
@@ -163,10 +164,10 @@ def _unit(chain: Chain, data: Reduced) -> Callable[[Complex], Complex]:
 
 def _of_hits(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> _Part:
     source, unit = on_clock(d.source, twin), _unit(twin.chain, data)
-    on_lines = unit(source.s)
+    on_lines, ratios = unit(source.s), hit_ratios(twin, d, data)
 
     def kernel(poles: Complex) -> Complex:
-        forced, tail = source.kernel(poles)
+        forced, tail = source.kernel(poles, ratios)
         return on_lines[:, None] * forced + unit(poles)[:, :, None] * tail
 
     def numbers(t: Twin, m: Modes) -> tuple[Complex, Complex, Array]:

@@ -21,6 +21,8 @@ NODE = 0.03
 """Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
 DROWNED = 2500.0
 """A record whose squares are fewer times its noise's says nothing of a percent."""
+CHANCE = 3.0
+"""Deviations of a sum of squares of noise up to which noise may have left what exceeds it."""
 HALF_WIDTHS = 3.0
 """Half-power half-widths about a frequency that count as at resonance, at this damping ratio:"""
 DAMPING = 0.006
@@ -90,6 +92,24 @@ def left(data: Reduced, answers: Sequence[Complex], resonances_hz: Array) -> tup
                 side.append(float(np.sum(off[:, lines])) / whole)
     at, away = (float(np.sqrt(max(float(np.median(side)), 0.0))) if side else None for side in sides)
     return at, away
+
+
+def discrepancies(data: Reduced, answers: Sequence[Complex]) -> dict[str, float]:
+    """Record -> what a twin leaves of it besides noise, as a share of its response; 0 where noise may have left it.
+
+    Records that drown in noise are left out.
+    """
+    found: dict[str, float] = {}
+    for r in records(data):
+        used = np.isfinite(r.noise)
+        noise = np.where(used, r.noise, 0.0)
+        own = float(np.sum(np.where(used, np.abs(r.y) ** 2, 0.0)))
+        left = float(np.sum(np.where(used, np.abs(r.y - answers[r.at][:, r.lines]) ** 2, 0.0) - noise))
+        # The square of a complex Gaussian number scatters by as much as it is.
+        sure = left > CHANCE * float(np.sqrt(np.sum(noise**2)))
+        if own > DROWNED * float(np.sum(noise)):
+            found[r.name] = float(np.sqrt(left / own)) if sure else 0.0
+    return found
 
 
 def apart(data: Reduced, one: Sequence[Complex], other: Sequence[Complex]) -> float:

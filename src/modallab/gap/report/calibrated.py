@@ -14,7 +14,7 @@ from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
 from modallab.gap.model.tolerances import Deviation, applied, with_tolerances
 from modallab.twin.bench import Chain, Twin
-from modallab.twin.effects import apply
+from modallab.twin.effects import apply, with_known
 from modallab.twin.structure import MODES, Structure
 
 
@@ -23,7 +23,7 @@ def calibrated(fit: Fit, data: Reduced) -> Calibrated:
     free, u = fit.problem.free, with_own_hits(fit, data)
     first = free.first_deviation
     bare = replace(free, deviations=())
-    twin = bare.build(np.delete(u[: free.size], np.arange(first, first + len(free.deviations))))
+    twin = bare.bare(np.delete(u[: free.size], np.arange(first, first + len(free.deviations))))
     replaced = fit.problem.replaced
     kept = [
         Departure(tolerance=d.tolerance, at=d.at, sigma=d.sigma, sign=d.sign, u=float(v))
@@ -74,6 +74,7 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
     if numbers.departures:
         twin = applied(twin, rig, _departures(numbers.departures, OF_HITS if of_others else ()))
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
+    twin = with_known(twin, rig)
     for found in diagnosis.effects:
         twin = apply(twin, found.as_effect(), rig)
     return twin if of_others else replace(twin, drift_curve=tuple(numbers.drift_curve))

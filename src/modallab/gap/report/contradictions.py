@@ -63,7 +63,7 @@ def common_shift(seen: Array, model: Array) -> tuple[float, float]:
 def _gains(choice: Choice, prepared: Prepared) -> list[str]:
     fit, rig = choice.fit, prepared.campaign.rig
     free = fit.problem.free
-    factors = free.build(fit.u[: free.size]).chain.gain
+    factors = free.bare(fit.u[: free.size]).chain.gain
     return [
         f"{rig.channels[channel].name} reads {factor - 1:+.1%} against its sensitivity, "
         f"{abs(np.log(factor)) / free.tolerance:.1f} deviations of the rig file's tolerance: calibrate it."

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 SURE = 0.98
 """Probability of an effect that the records show as such."""
+ALIKE = 1.5
+"""Factor within which what no force predicts is of the size that it was before: it differs from record to record."""
 PLAIN = 6.0
 """A channel shows the base's motion on a line where its power gain is within this factor of a rigid beam's."""
 RINGS = 3.0
@@ -52,6 +54,16 @@ def shown(prepared: Prepared) -> list[str]:
 def inspected(prepared: Prepared, twin: Twin) -> list[Found]:
     """The effects seen on the records, with their numbers."""
     return [found for name in shown(prepared) for found in INSPECTIONS[name].read(prepared, twin)]
+
+
+def known_already(found: Found, rig: Rig) -> bool:
+    """Whether the revisions of the rig hold an effect seen on the records, at its place and of about its size."""
+    return any(
+        known.effect == found.effect
+        and known.place.get("channel") == found.place.get("channel")
+        and all(1 / ALIKE < value / found.parameters[name] < ALIKE for name, value in known.parameters.items())
+        for known in rig.known_effects
+    )
 
 
 def harm(prepared: Prepared, found: Found) -> float:

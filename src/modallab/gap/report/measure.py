@@ -64,12 +64,22 @@ class Squares:
 
 def residuals(twin: Twin, data: Reduced) -> list[Complex]:
     """(channels, rows) of each part of the data, in noise units."""
-    return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), forward(twin, data), strict=True)]
+    return whitened(forward(twin, data), data)
+
+
+def whitened(answers: Sequence[Complex], data: Reduced) -> list[Complex]:
+    """The same of any answers, in the order of `forward`."""
+    return [rows.whiten(rows.y - y) for rows, y in zip(all_rows(data), answers, strict=True)]
 
 
 def squares(twin: Twin, data: Reduced) -> Squares:
     """The residuals of a twin as squares."""
-    parts = residuals(twin, data)
+    return squares_of(forward(twin, data), data)
+
+
+def squares_of(answers: Sequence[Complex], data: Reduced) -> Squares:
+    """The residuals of any answers as squares."""
+    parts = whitened(answers, data)
     total: list[float] = []
     count: list[float] = []
     records: list[str] = []

@@ -82,10 +82,22 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
     resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
     needed = CLOSED_RESAMPLED if resampled else CLOSED
     explained = bool(fit.problem.candidates) and (
-        fit.gap <= AT_FLOOR * bench.flat / 1.1 or excess(fit) <= (1 - needed) * excess(base)
+        fit.gap <= AT_FLOOR * bench.flat / 1.1
+        or excess(fit) <= (1 - needed) * excess(base)
+        or (held is not None and _closes(base, fit, held, needed))
     )
     choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held)
+
+
+def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
+    """Whether a fit leaves nothing that matters of the response, and closes as much of that as must be of the gap.
+
+    In noise units what is left is mostly that of the resonances with the best signal; where samples were interpolated
+    it is a few images of them, thousands of times below the response and far above the noise.
+    """
+    before, after = (unexplained(held, forward(twin_of(f, held), held)) for f in (base, fit))
+    return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
 
 
 def _that_matters(choice: Choice, held: Reduced) -> Choice:

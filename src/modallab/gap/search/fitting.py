@@ -83,13 +83,10 @@ def _first(bench: Bench) -> list[Array]:
 
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
-    """A short fit brought to its end on all data; where thinned data have led it astray, on all data from the start."""
-    there = completed(bench, annealed(bench, fit, floor))
-    return there if there.gap <= bench.flat else min(there, thorough(bench, fit, floor), key=lambda f: f.cost)
+    """A short fit brought to its end on all data, with ever less forgiven.
 
-
-def thorough(bench: Bench, fit: Fit, floor: float) -> Fit:
-    """The same on all data from the start."""
+    Thinned data are mostly those about resonances: where the model is a little wrong there, they lead a fit astray.
+    """
     return completed(bench, annealed(replace(bench, thin=bench.data), fit, floor))
 
 

@@ -12,6 +12,7 @@ from modallab.gap.model.fit import Fit, all_hz, all_rows
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess
+from modallab.twin.effects import search_of
 from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
@@ -32,7 +33,7 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
     100:2008).
 
     What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
-    are believed no better.
+    are believed no better. So is what an effect declares of its own model (`Search.inexact`).
     """
     fit = choice.fit
     deviation = deviations(fit)
@@ -41,11 +42,12 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
     at = fit.problem.free.size
     for candidate in fit.problem.candidates:
         own: dict[str, tuple[float, float]] = {}
+        off = float(np.hypot(share, search_of(candidate.effect).inexact))
         for slot in candidate.slots:
             u = float(fit.u[at])
             value = slot.value(u)
             low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
-            model = 1.96 * share * abs(value - slot.none) if slot.name != "x" else 0.0
+            model = 1.96 * off * abs(value - slot.none) if slot.name != "x" else 0.0
             own[slot.name] = (
                 max(value - float(np.hypot(value - min(low, high), model)), slot.low),
                 min(value + float(np.hypot(max(low, high) - value, model)), slot.high),

@@ -22,10 +22,10 @@ from modallab.gap.search.fitting import (
     annealed,
     at_poles,
     completed,
+    finish,
     misfit,
     on_all,
     short,
-    thorough,
 )
 from modallab.gap.search.screen import Begin, Screen
 from modallab.twin.candidate import Candidate
@@ -113,7 +113,7 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
         there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
     there = completed(bench, there)
     if bench.flat < there.gap < PROMISING * before:
-        there = min(there, thorough(bench, fit, floor), key=_cost)
+        there = min(there, finish(bench, fit, floor), key=_cost)
     return there
 
 

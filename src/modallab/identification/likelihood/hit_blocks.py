@@ -60,7 +60,7 @@ def line_blocks(groups: Groups, rig: Rig, band: tuple[float, float]) -> tuple[Hi
     grid = Grid(2 * np.pi * chosen * rate / n, n, 1 / rate, DERIVATIVES[output_quantity(rig)])
     flat = [s for group in groups for s in group]
     of_block = [index for index, group in enumerate(groups) for _ in group]
-    ringing = [s.block.name for s in flat if _rings_before(s)]
+    ringing = [s.block.name for s in flat if moves_before(s)]
     found = [s.hit for s in flat]
     wide = _with_tails(found, n)
     by_sample = wide is not None
@@ -114,7 +114,7 @@ def _ringing_notes(ringing: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def _rings_before(signals: Signals) -> bool:
+def moves_before(signals: Signals) -> bool:
     """Whether the outputs move before the hit: their neighbouring samples are correlated, as those of noise are not."""
     stop = signals.hit.first
     if stop < 32:

@@ -46,8 +46,10 @@ def _priors(problem: Problem, point: Point) -> tuple[Real, Real]:
     """Weight and distance from the prior's centre, per parameter."""
     at, n_blocks = point.parameters, len(problem.blocks)
     centre, sigma = problem.zeta_prior.T
-    weights = [np.stack([np.zeros_like(sigma), sigma**-2.0], axis=1).ravel()]
-    pulls = [np.stack([np.zeros_like(sigma), at.zeta - centre], axis=1).ravel()]
+    free = np.stack([np.zeros_like(sigma), np.full_like(sigma, np.inf)], axis=1)
+    middle, width = (free if problem.omega_prior is None else problem.omega_prior).T
+    weights = [np.stack([width**-2.0, sigma**-2.0], axis=1).ravel()]
+    pulls = [np.stack([at.omega - middle, at.zeta - centre], axis=1).ravel()]
     local_weight, local_pull = [], []
     if problem.state_sigma is not None:
         local_weight.append(np.repeat(problem.state_sigma**-2.0, 2, axis=1))

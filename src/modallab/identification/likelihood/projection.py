@@ -55,6 +55,7 @@ class Problem:
         zeta_prior: (modes, 2) centre and sigma of a prior on zeta, sigma inf for none.
         force_sigma: (blocks, width) prior of the error of each sample of the hit; None if none is searched.
         fixed: (modes,) poles that stay where they are; None where all move.
+        omega_prior: (modes, 2) centre and sigma of a prior on omega, rad/s; None for none.
     """
 
     blocks: Sequence[LineBlock]
@@ -65,6 +66,7 @@ class Problem:
     zeta_prior: Real
     force_sigma: Real | None = None
     fixed: NDArray[np.bool_] | None = None
+    omega_prior: Real | None = None
 
     @property
     def n_local(self) -> int:
@@ -141,6 +143,9 @@ def energy(rows: Real) -> Real:
 def _prior_cost(problem: Problem, parameters: Parameters) -> float:
     centre, sigma = problem.zeta_prior.T
     cost = float(np.sum(((parameters.zeta - centre) / sigma) ** 2))
+    if problem.omega_prior is not None:
+        middle, width = problem.omega_prior.T
+        cost += float(np.sum(((parameters.omega - middle) / width) ** 2))
     if problem.state_sigma is not None:
         cost += float(np.sum(np.abs(parameters.state / problem.state_sigma) ** 2))
     if problem.drive_sigma is not None:

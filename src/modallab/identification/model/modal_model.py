@@ -1,5 +1,7 @@
 """The modal model of a fit, in the paper's form."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +12,52 @@ from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, find_estimator
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.likelihood.rows import unstack
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
+
+FOLDED = tuple(range(9))
+"""Powers of s that stand for a mode above the band; the odd ones for its damping."""
+FOLDED_LINES = 400
+"""Frequencies at which they are made to."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Seen:
+    """What a model takes of a fit beside its poles.
+
+    Attributes:
+        constants: (modes, outputs, inputs) modal constants.
+        sigma_of_parts: (modes, outputs, inputs) as `Fit.modal_constants` has it.
+        terms: (powers, outputs, inputs) residual terms.
+        feigned: (modes,) share of a mode's constants that misfit or scatter can pass off as another mode's.
+    """
+
+    constants: NDArray[np.complex128]
+    sigma_of_parts: NDArray[np.complex128]
+    terms: NDArray[np.float64]
+    feigned: NDArray[np.float64]
+
+
+def _of_fit(fit: Fit) -> Seen:
+    constants, sigma = fit.modal_constants
+    return Seen(constants, sigma, residuals(fit), _feigned(fit, constants))
+
+
+def _feigned(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """(modes,) the misfit of FRFs within each mode's width, over the height of its peak; 0 of blocks.
+
+    Where one pole does not explain all FRFs of a mode, what is left takes the place of a second shape.
+    """
+    at = fit.point.parameters
+    if fit.channels is None:
+        return np.zeros(at.omega.size)
+    grid = fit.problem.blocks[0].excitation.grid
+    left = np.sum(np.abs(unstack(fit.point.groups[0].residual)) ** 2, axis=0)
+    height = np.linalg.norm(constants.reshape(at.omega.size, -1), axis=1) * at.omega ** (grid.p - 2) / (2 * at.zeta)
+    near = np.abs(grid.omega - at.omega[:, None]) <= np.maximum(at.zeta * at.omega, np.diff(grid.omega).max())[:, None]
+    lines = np.maximum(near.sum(axis=1), 1)
+    return np.asarray(np.sqrt(near @ left / lines) / np.maximum(height, np.finfo(float).tiny), np.float64)
 
 
 def model_of_fit(
@@ -23,6 +69,7 @@ def model_of_fit(
     readings: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
     method: str = USUAL,
+    seen: Seen | None = None,
 ) -> ModalModel:
     """The model of the kept modes; the others are folded into the residual terms.
 
@@ -35,15 +82,23 @@ def model_of_fit(
         readings: half-power readings and their floor, each (kept modes,) by rising frequency.
         notes: what was found on the way.
         method: the estimator that gave the start.
+        seen: of points that disagree, what is not that of the fit.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
-    constants, of_parts = fit.modal_constants
+    used = seen or _of_fit(fit)
+    constants, of_parts = used.constants, used.sigma_of_parts
     output_points = tuple(c.point for c in rig.responses)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
-    split = split_repeated(constants[ascending], np.abs(of_parts[ascending]), output_points, fit.input_points)
+    split = split_repeated(
+        constants[ascending],
+        np.abs(of_parts[ascending]),
+        output_points,
+        fit.input_points,
+        used.feigned[ascending],
+    )
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
-    powers, terms = _residual_terms(fit, keep, constants)
+    powers, terms = _residual_terms(fit, keep, (constants, used.terms), band_hz)
     return ModalModel(
         method=method,
         test=test,
@@ -79,22 +134,37 @@ def _repeated_notes(split: Split, frequency_hz: NDArray[np.float64]) -> tuple[st
 
 
 def _residual_terms(
-    fit: Fit, keep: NDArray[np.bool_], constants: NDArray[np.complex128]
+    fit: Fit,
+    keep: NDArray[np.bool_],
+    seen: tuple[NDArray[np.complex128], NDArray[np.float64]],
+    band_hz: tuple[float, float],
 ) -> tuple[tuple[int, ...], NDArray[np.float64]]:
-    """The fit's residual terms, with each mode left out (above the band) added as a series in s.
-
-    A / (omega^2 + s^2) = A / omega^2 (1 - s^2 / omega^2 + s^4 / omega^4 - ...), damping left out.
-    """
-    at = fit.point.parameters
-    powers = sorted({*fit.problem.powers, *((0, 2, 4, 6, 8) if not np.all(keep) else ())})
+    """The fit's residual terms, with each mode left out (above the kept ones) added as a sum of powers of s."""
+    at, (constants, own) = fit.point.parameters, seen
+    powers = sorted({*fit.problem.powers, *(FOLDED if not np.all(keep) else ())})
     terms = np.zeros((len(powers), *constants.shape[1:]))
-    for power, term in zip(fit.problem.powers, residuals(fit), strict=True):
+    for power, term in zip(fit.problem.powers, own, strict=True):
         terms[powers.index(power)] += term
-    out_of_band = ~keep & (at.omega > np.max(at.omega[keep], initial=0.0))
-    for omega, constant in zip(at.omega[out_of_band], constants[out_of_band].real, strict=True):
-        for half, power in enumerate((0, 2, 4, 6, 8)):
-            terms[powers.index(power)] += (-1) ** half * constant / omega ** (2 + power)
+    poles = poles_of(at.omega, at.zeta)
+    for r in np.flatnonzero(~keep & (at.omega > np.max(at.omega[keep], initial=0.0))):
+        residue = constants[r] / (2j * poles[r].imag)
+        for power, (along, across) in zip(FOLDED, _as_powers(complex(poles[r]), band_hz), strict=True):
+            terms[powers.index(power)] += along * residue.real + across * residue.imag
     return tuple(powers), terms
+
+
+def _as_powers(pole: complex, band_hz: tuple[float, float]) -> NDArray[np.float64]:
+    """Factors (powers, 2) of the powers of s that stand in the band for a pole pair of residue 1, and of residue j.
+
+    By least squares over the band's mobility: the Taylor series of a pole just above the band hardly converges there.
+    """
+    omega = np.linspace(max(band_hz[0], 1e-3 * band_hz[1]), band_hz[1], FOLDED_LINES) * 2 * np.pi
+    s, top = 1j * omega, float(omega[-1])
+    up, down = s / (s - pole), s / (s - pole.conjugate())
+    columns = np.stack([s * (s / top) ** power for power in FOLDED], axis=1)
+    values = np.stack([up + down, 1j * (up - down)], axis=1)
+    factors = np.linalg.lstsq(np.vstack([columns.real, columns.imag]), np.vstack([values.real, values.imag]))[0]
+    return np.asarray(factors / top ** np.array(FOLDED, dtype=np.float64)[:, None], np.float64)
 
 
 def without_sigma(model: ModalModel) -> ModalModel:

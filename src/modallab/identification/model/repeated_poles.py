@@ -23,7 +23,8 @@ SIGMAS = 5.0
 SHARE = 0.02
 """And is this share of the first at least: less is the residual of the model of the pole."""
 MORE = 2.0
-"""And, where sensors stand at two driven points or more, so many times what is not reciprocal there."""
+"""And so many times what misfit and scatter feign, and, where sensors stand at two driven points or more, what is not
+reciprocal there."""
 ALIKE = 1e3
 """Condition from which the driven points move alike in all modes of a pole, which leaves the plane's division open."""
 
@@ -44,7 +45,11 @@ class Split:
 
 
 def split_repeated(
-    constants: Complex, sigma: Real, output_points: Sequence[int | None], input_points: Sequence[int | None]
+    constants: Complex,
+    sigma: Real,
+    output_points: Sequence[int | None],
+    input_points: Sequence[int | None],
+    feigned: Real | None = None,
 ) -> Split:
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
@@ -59,6 +64,7 @@ def split_repeated(
         sigma: (poles, outputs, inputs) of the complex numbers.
         output_points: point of each output.
         input_points: point of each input.
+        feigned: (poles,) share of the first rank that misfit and scatter between set-ups can pass off as a second.
 
     Raises:
         DataError: constants that are not finite, or do not fit sigma or points.
@@ -68,7 +74,8 @@ def split_repeated(
     parts: list[Complex] = []
     for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
         driven = _driven(output_points, input_points)
-        rank = _reciprocal_rank(a, _rank(a, s), driven)
+        share = SHARE if feigned is None else max(SHARE, MORE * float(feigned[r]))
+        rank = _reciprocal_rank(a, _rank(a, s, share), driven)
         found = [a] if rank == 1 else _parts(a, rank, driven)
         pole += [r] * len(found)
         parts += found
@@ -76,13 +83,13 @@ def split_repeated(
     return Split(index, np.array(parts).reshape(-1, *constants.shape[1:]), sigma[index])
 
 
-def _rank(a: Complex, sigma: Real) -> int:
+def _rank(a: Complex, sigma: Real, share: float) -> int:
     """How many singular values stand above noise, whose largest is about sigma (sqrt(rows) + sqrt(columns))."""
     if min(a.shape) < 2 or not np.isfinite(sigma).all():
         return 1
     values = np.linalg.svd(a, compute_uv=False)
     noise = float(np.sqrt(np.mean(sigma**2))) * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
-    return max(1, int(np.sum((values > noise) & (values > SHARE * values[0]))))
+    return max(1, int(np.sum((values > noise) & (values > share * values[0]))))
 
 
 def _reciprocal_rank(a: Complex, rank: int, driven: list[tuple[int, int]]) -> int:

@@ -23,6 +23,13 @@ CHANGE_LIMIT = 0.05
 """Share by which two FRFs of one structure may differ: mounting, position and direction of a sensor do as much."""
 PHASE_LIMIT_RAD = 0.1
 SIGMAS = 3.0
+MOST_CHANGE = 0.5
+"""A limit on the change beyond this no structure would ever fail: noise this large leaves the assumption open."""
+MOST_PHASE_RAD = 0.5
+"""The same of the phases, of which the mean deviation is 0.8 where they say nothing at all."""
+LEAST_LINES = 0.2
+"""Share of a driving point's lines that must stand above their noise, or its power flow is not known."""
+CANNOT_BE_SAID = "cannot be said from these data"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +47,7 @@ def linearity(low: Frf, high: Frf) -> Verdict:
     """FRFs of two drive levels: for a linear structure they are one.
 
     Raises:
-        DataError: the two are not FRFs of the same outputs, inputs and lines.
+        DataError: the two are not FRFs of the same outputs, inputs and lines, or noise leaves it open.
     """
     return _unchanged("linearity", low, high, "The FRFs of the two levels")
 
@@ -79,7 +86,7 @@ def proportional_damping(model: ModalModel) -> Verdict:
     """The modal constants' mean phase deviation from a line, the worst mode: zero for proportional damping.
 
     Raises:
-        DataError: fewer than two outputs, or no mode.
+        DataError: fewer than two outputs, no mode, or noise that leaves it open.
     """
     modes, outputs, _ = model.modal_constants.shape
     if modes == 0 or outputs < 2:
@@ -98,8 +105,11 @@ def proportional_damping(model: ModalModel) -> Verdict:
     limits = np.maximum(PHASE_LIMIT_RAD, SIGMAS * noise)
     worst = int(np.argmax(deviation - limits))
     value, limit = float(deviation[worst]), float(limits[worst])
+    _require_a_limit(
+        value, limit, MOST_PHASE_RAD, f"noise alone turns the points of a mode by {np.degrees(limit):.2g} degrees"
+    )
     words = (
-        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) stand off one phase by "
+        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move out of phase by "
         f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
     )
     return Verdict("proportional damping", value <= limit, value, limit, words)
@@ -117,7 +127,7 @@ def driving_point(frf: Frf) -> Verdict:
     A turned sensor, a sensor on another spot or a delay between the channels does that; noise alone rarely.
 
     Raises:
-        DataError: no sensor at a driven point; or no FRF.
+        DataError: no sensor at a driven point, noise that leaves it open, or no FRF.
     """
     mobility = convert(frf, "mobility")
     pairs = [
@@ -128,13 +138,20 @@ def driving_point(frf: Frf) -> Verdict:
     if not pairs:
         raise DataError("no sensor stands at a driven point", remedy="put one there")
     shares: list[float] = []
+    known: list[float] = []
     for o, i in pairs:
         value = mobility.values[o, i]
         variance = np.zeros(value.size) if mobility.variance is None else mobility.variance[o, i]
-        low = value.real < -np.maximum(SIGMAS * np.sqrt(variance / 2), 1e-3 * np.abs(value).max())
-        shares.append(float(np.mean(low)))
+        least = np.maximum(SIGMAS * np.sqrt(variance / 2), 1e-3 * np.abs(value).max())
+        shares.append(float(np.mean(value.real < -least)))
+        known.append(float(np.mean(np.abs(value) > least)))
     worst = max(shares)
-    words = f"Power flows out of a driving point at {100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % may."
+    if worst <= CHANGE_LIMIT and max(known) < LEAST_LINES:
+        raise _unsaid(f"{100 * max(known):.2g} % of the driving point's lines stand out of the noise")
+    words = (
+        "A driving-point mobility has a negative real part, as no passive structure has, at "
+        f"{100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % are allowed."
+    )
     return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
 
 
@@ -180,5 +197,18 @@ def _expected(frf: Frf, a: tuple[int, int], b: tuple[int, int]) -> float:
 
 def _verdict(assumption: Assumption, value: float, noise: float, subject: str) -> Verdict:
     limit = max(CHANGE_LIMIT, SIGMAS * noise)
+    _require_a_limit(
+        value, limit, MOST_CHANGE, f"noise alone makes the FRFs differ by {100 * limit:.2g} % of their level"
+    )
     words = f"{subject} differ by {100 * value:.2g} % of their level at worst; {100 * limit:.2g} % are allowed."
     return Verdict(assumption, value <= limit, value, limit, words)
+
+
+def _require_a_limit(value: float, limit: float, most: float, why: str) -> None:
+    """Reject a verdict that could not have come out otherwise."""
+    if value <= limit and not limit <= most:
+        raise _unsaid(why)
+
+
+def _unsaid(why: str) -> DataError:
+    return DataError(f"{CANNOT_BE_SAID}: {why}", remedy="hit or drive harder, or average more blocks")

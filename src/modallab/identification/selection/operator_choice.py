@@ -13,6 +13,8 @@ from modallab.identification.start.stabilisation import OrderPoles
 
 NEAR = 0.02
 """A mode within this share of the frequency that was said is the one that is meant."""
+TWICE = 1e-3
+"""A stable pole this near to a picked one, relative, is the same."""
 FIRST_ZETA = 0.005
 """Where a picked mode's damping begins if no order holds a pole there."""
 
@@ -20,7 +22,9 @@ FIRST_ZETA = 0.005
 def start_poles(
     found: NDArray[np.complex128], orders: Sequence[OrderPoles], options: Options
 ) -> NDArray[np.complex128]:
-    """Where the search begins: at the stable poles, or, where the operator has picked modes, at those alone.
+    """Where the search begins: at the stable poles, and at those that the operator has picked.
+
+    The others stay in the fit, for the picked ones would else move to stand for them too.
 
     Args:
         found: (poles,) the stable ones.
@@ -40,7 +44,15 @@ def start_poles(
             poles.append(complex(use[np.argmin(np.abs(np.abs(use) - choice))]))
         else:
             poles.append(complex(-FIRST_ZETA * choice, choice))
-    return np.array(list(dict.fromkeys(poles)))
+    picked = np.array(list(dict.fromkeys(poles)))
+    apart = np.abs(np.abs(found)[:, None] / np.abs(picked) - 1).min(axis=1) > TWICE
+    others = found[apart & ~np.isin(found, picked)]
+    return np.concatenate([picked, others])
+
+
+def in_fit(fit: Fit, keep: NDArray[np.bool_], band_hz: tuple[float, float], options: Options) -> NDArray[np.bool_]:
+    """(modes,) which poles a further search keeps: the modes, and beside picked ones those that were not picked."""
+    return keep | is_mode(fit, band_hz) if options.pick_hz else keep
 
 
 def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: bool) -> NDArray[np.bool_]:

@@ -13,7 +13,14 @@ from modallab.service.api.problems import documented
 from modallab.service.api.request_context import Cursor, Limit, Operator, ServiceOf
 from modallab.service.api.router import ONCE, PREFIX, make_router
 from modallab.service.context import Service
-from modallab.service.jobs.campaign_jobs import campaign_jobs, job_file, newest_file, order
+from modallab.service.jobs.campaign_jobs import (
+    campaign_jobs,
+    job_file,
+    newest_file,
+    order,
+    order_blind,
+    order_estimate,
+)
 
 router = make_router("jobs")
 NewJob = Annotated[
@@ -68,10 +75,26 @@ def report(campaign: str, service: ServiceOf, operator: Operator, response: Resp
     return _ordered(service, campaign, "report", new, operator, response)
 
 
+@router.post("/blind-trials", status_code=202, dependencies=ONCE, responses=_ORDER)
+def blind_trials(service: ServiceOf, operator: Operator, response: Response, new: NewJob = None) -> JobView:
+    """Order blind trials of the diagnosis on simulated benches. They are of no campaign: `runs` must be left out."""
+    job = order_blind(service, new or JobNew(), operator)
+    response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
+    return _view(job)
+
+
 @router.get("/campaigns/{campaign}/jobs", responses=documented(404))
 def list_campaign_jobs(campaign: str, service: ServiceOf, kind: JobKind | None = None) -> Page[JobView]:
     """The jobs of a campaign, the newest first; without their results."""
     return Page(items=tuple(listed(job) for job in campaign_jobs(service, campaign, kind)))
+
+
+@router.post("/runs/{run}/estimates", status_code=202, dependencies=ONCE, responses=_ORDER)
+def estimate(run: str, service: ServiceOf, operator: Operator, response: Response) -> JobView:
+    """Order the modes of a run as far as it has come, each with its standard deviation; also while it is on."""
+    job = order_estimate(service, run, operator)
+    response.headers["Location"] = f"{PREFIX}/jobs/{job.id}"
+    return _view(job)
 
 
 def _ordered(

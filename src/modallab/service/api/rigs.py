@@ -28,13 +28,13 @@ Reason = Annotated[StopReason | None, Body(openapi_examples={"why": Example(valu
 @router.get("/rigs")
 def list_rigs(service: ServiceOf) -> Page[RigView]:
     """All rigs of this service."""
-    return Page(items=tuple(_view(service, state) for state in service.control.states()))
+    return Page(items=tuple(rig_view(service, state) for state in service.control.states()))
 
 
 @router.get("/rigs/{rig}", responses=documented(404))
 def get_rig(rig: str, service: ServiceOf) -> RigView:
     """How a rig stands."""
-    return _view(service, state_of(service, rig))
+    return rig_view(service, state_of(service, rig))
 
 
 @router.get("/rigs/{rig}/description", responses=documented(404))
@@ -53,14 +53,14 @@ def stop_rig(rig: str, service: ServiceOf, operator: Operator, stop: Reason = No
     """Bring the output to 0 V and latch the rig. Needs no lease. This is not a safety-rated stop."""
     reason = "" if stop is None else stop.reason
     service.control.emergency_stop(state_of(service, rig).id, reason or "asked for by the operator", operator)
-    return _view(service, state_of(service, rig))
+    return rig_view(service, state_of(service, rig))
 
 
 @router.post("/rigs/{rig}/reset", dependencies=ONCE, responses=documented(404, 409))
 def reset_rig(rig: str, service: ServiceOf, lease: LeaseId = None, why: Reason = None) -> RigView:
     """Let a tripped rig be driven again, after someone has looked at it."""
     service.control.reset(state_of(service, rig).id, "" if why is None else why.reason, lease)
-    return _view(service, state_of(service, rig))
+    return rig_view(service, state_of(service, rig))
 
 
 def state_of(service: Service, rig: str) -> ControllerState:
@@ -75,7 +75,8 @@ def state_of(service: Service, rig: str) -> ControllerState:
     return states[rig]
 
 
-def _view(service: Service, state: ControllerState) -> RigView:
+def rig_view(service: Service, state: ControllerState) -> RigView:
+    """How a rig is shown."""
     trip = TripLatch(service.folder, state.bench).read()
     return RigView(
         id=state.id,

@@ -14,6 +14,7 @@ from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import Command, RunNew
 from modallab.core.errors import PlanError
+from modallab.core.lease import Lease
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import Move, moves, require_setups, rig_of, split_setups
@@ -28,7 +29,6 @@ from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
 from modallab.storage import Store, campaign_of
 from modallab.storage.campaigns import campaigns_by_rig
-from modallab.storage.lease import Lease
 
 Moved = Callable[[str, Sequence[Move]], bool]
 """Has sensors moved: gets the set-up's name and what to move, returns once that is done; False to end the session."""

@@ -61,6 +61,7 @@ def run_view(service: Service, run: str) -> RunView:
         blocks=len(blocks),
         accepted=sum(block.note.accepted for block in blocks),
         rate_hz=None if record.rates is None else record.rates.delivered_hz,
+        rig_hash=record.rig_hash,
         **shown(aside),
     )
 

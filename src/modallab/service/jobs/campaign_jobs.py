@@ -1,11 +1,12 @@
 """Work on a campaign: ordered once, remembered with the campaign, and the files it leaves."""
 
 from modallab.core.documents.results import JobKind, JobNew
-from modallab.core.errors import StorageError
+from modallab.core.errors import JobError, StorageError
 from modallab.jobs import Job
 from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
 from modallab.service.errors import ConflictError, NotFoundError
+from modallab.service.records import audit
 from modallab.service.records.set_aside import SetAside
 from modallab.storage.records import ENDED
 
@@ -23,6 +24,38 @@ def order(service: Service, campaign: str, kind: JobKind, new: JobNew, operator:
     parse_parameters(kind, new.parameters)
     job = service.jobs.submit(kind, dict(new.parameters), runs, service.store.revision(runs))
     service.repository.add_job(campaign, job, operator)
+    return job
+
+
+def order_estimate(service: Service, run: str, operator: str) -> Job:
+    """Order the modes of a run as far as it has come.
+
+    Raises:
+        NotFoundError: no such run in a campaign.
+        ConflictError: it has no good block yet, or the campaign is archived or deleted.
+    """
+    entry = service.repository.entry(run)
+    if entry is None:
+        raise NotFoundError(f"there is no run {run!r} in a campaign", remedy="look at the runs of a campaign")
+    SetAside(service.engine).require_present(entry.campaign)
+    if not _counts(service, run):
+        raise ConflictError("it has no good block yet", where=run, remedy="wait for the first one")
+    job = service.jobs.submit("estimate", {"as_of": service.store.revision((run,))}, (run,))
+    service.repository.add_job(entry.campaign, job, operator)
+    return job
+
+
+def order_blind(service: Service, new: JobNew, operator: str) -> Job:
+    """Order blind trials, and keep who did.
+
+    Raises:
+        JobError: runs were named, or parameters that cannot be kept.
+    """
+    if new.runs is not None:
+        raise JobError("blind trials are made, not read from runs", where="runs", remedy="leave `runs` out")
+    parse_parameters("blind", new.parameters)
+    job = service.jobs.submit("blind", dict(new.parameters), ())
+    audit.enter(service.engine, operator, "order-blind", job.id, {"job": job.id, "runs": []})
     return job
 
 

@@ -28,10 +28,10 @@ const power = (_, splits) => splits.map((value) => {
   return exponent >= -2 && exponent <= 3 ? String(Number(value.toPrecision(3))) : `1e${Math.round(exponent)}`;
 });
 
-/** What a chart is asked for in words: name, axes, height, whether its values stand on a logarithmic scale. */
+/** What a chart is asked for in words: name, axes, height, whether its values are logarithmic, or its places whole numbers. */
 export class Chart {
-  constructor({ name, x, y, log = false, height = 260, series = [], range, sync, xRange, hooks, points = false }) {
-    this.options = { name, x, y, log, height, range, sync, xRange, hooks, points };
+  constructor({ name, x, y, log = false, height = 260, series = [], range, sync, xRange, hooks, points = false, whole = false }) {
+    this.options = { name, x, y, log, height, range, sync, xRange, hooks, points, whole };
     this.place = h("div", { class: "chart", role: "img", "aria-label": name });
     this.key = h("ul", { class: "key", "aria-label": `Lines of: ${name}` });
     this.element = h("figure", {}, h("figcaption", {}, name), this.place, this.key);
@@ -59,12 +59,12 @@ export class Chart {
     const width = Math.floor(this.place.clientWidth);
     if (!this.series || !width) return;
     if (this.plot) { this.plot.setSize({ width, height: this.options.height }); return; }
-    const { x, y, log, height, range, sync, xRange, hooks, points } = this.options;
+    const { x, y, log, height, range, sync, xRange, hooks, points, whole } = this.options;
     this.plot = new uPlot({
       width, height, legend: { show: false }, hooks,
       cursor: { drag: { x: true, y: false }, ...(sync && { sync: { key: sync } }) },
       scales: { x: { time: false, ...(xRange && { range: xRange }) }, y: { distr: log ? 3 : 1, ...(range && { range }) } },
-      axes: [axis(x, { size: 34 }), axis(y, { size: 58, ...(log && { values: power, splits: powers }) })],
+      axes: [axis(x, { size: 34, ...(whole && { incrs: [1, 2, 5, 10, 20, 50] }) }), axis(y, { size: 58, ...(log && { values: power, splits: powers }) })],
       series: [{}, ...this.series.map((one) => ({ points: { show: points }, spanGaps: false, ...one }))],
     }, this.data, this.place);
   }

@@ -57,6 +57,8 @@ export function button(text, act, properties = {}) {
 
 /** Say what went wrong, and what to do, until it is closed. */
 export function show(error) {
+  // Who has left a view waits for nothing in it.
+  if (error.name === "AbortError") return;
   const box = document.getElementById("messages");
   const text = error.detail ?? error.message ?? String(error);
   const remedy = error.remedy ? ` To mend it: ${error.remedy}.` : "";

@@ -18,7 +18,7 @@ export async function waitForJob(id, notify = () => {}, signal = undefined) {
       if (job.state === "done") return job;
       if (ENDED.has(job.state)) throw Object.assign(new Error(job.error ?? `the work was ${job.state}`), { detail: job.error ?? `the work was ${job.state}`, remedy: "look at the recordings, and order it again" });
       notify(job);
-      if (own.signal.aborted) throw new Error("nobody waits any more");
+      if (own.signal.aborted) throw new DOMException("the view was left", "AbortError");
       await new Promise((resolve) => { wake = resolve; setTimeout(resolve, LOOK_MS); });
     }
   } finally { own.abort(); }

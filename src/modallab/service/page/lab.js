@@ -50,6 +50,7 @@ export async function look() {
   lab.rigs = lab.rigs.map((rig) => (rig.id === found.id ? found : rig));
   if (lab.rig.id === found.id) {
     const begun = found.run && found.run !== lab.rig.run;
+    if (found.rig_hash !== lab.rig.rig_hash) lab.description = await get(`rigs/${found.id}/description`);
     lab.rig = found;
     if (begun) await nameTest();
   }
@@ -95,7 +96,7 @@ export async function release() {
 }
 
 /** Have a command done under the lease; one that counts no longer is taken anew once. */
-export async function command(path, content) {
+export async function command(path, content = {}) {
   try { return await post(path, content, { lease: await lease() }); } catch (error) {
     if (!["lease-needed", "lease_needed"].includes(error.code)) throw error;
     lab.lease = null;
@@ -103,11 +104,18 @@ export async function command(path, content) {
   }
 }
 
-/** The campaign that runs are recorded into: of today and this rig, made when first needed. */
+/** The campaign that runs are recorded into: of today and this revision of the rig, made when first needed. */
 export async function campaign(name) {
   const label = name || `${lab.description?.name ?? lab.rig.id}, ${new Date().toISOString().slice(0, 10)}`;
-  const found = (await get(`campaigns?rig=${encodeURIComponent(lab.rig.id)}&limit=50`)).items.find((item) => item.name === label);
-  return found ?? post("campaigns", { name: label, rig: lab.rig.id });
+  const later = `${label}, revision `;
+  const { items } = await get(`campaigns?rig=${encodeURIComponent(lab.rig.id)}&limit=50`);
+  const known = items.filter((item) => item.name === label || item.name.startsWith(later));
+  for (const one of known) {
+    const last = one.runs.at(-1);
+    if (!last || (await get(`runs/${last}`)).rig_hash === lab.rig.rig_hash) return one;
+  }
+  const number = known.length ? (await get(`rigs/${lab.rig.id}/revisions`)).items.length : 0;
+  return post("campaigns", { name: number ? `${later}${number}` : label, rig: lab.rig.id });
 }
 
 /** The run that is on, or else the newest of the rig. */

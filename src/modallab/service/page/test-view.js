@@ -3,12 +3,12 @@
 import { button, h, put } from "./dom.js";
 import { campaign, command, lab, newestRun } from "./lab.js";
 import { planForm } from "./forms.js";
-import { post } from "./api.js";
+import { get, post } from "./api.js";
 import { lease, look } from "./lab.js";
 import { followRun } from "./run.js";
 
-/** Show a test: `form` says what is asked for first, `parts(view, signal)` makes what shows a run and returns its `draw`. */
-export async function showTest(view, signal, { test, title, form, parts }) {
+/** Show a test: `form` says what is asked for first, `like` names a run to begin from, `parts(view, signal)` makes what shows a run and returns its `draw`. */
+export async function showTest(view, signal, { test, title, form, parts, like }) {
   const place = h("div");
   put(view, h("h1", {}, title), place);
   let inner = new AbortController();
@@ -18,7 +18,8 @@ export async function showTest(view, signal, { test, title, form, parts }) {
   async function offer() {
     const own = renew();
     const name = h("input", { id: "session", value: "", placeholder: "today's" });
-    const made = await planForm({ ...form, start: form.start(lab.description), signal: own, begin: async (plan) => {
+    const start = like ? (await get(`runs/${like}`)).plan : form.start(lab.description);
+    const made = await planForm({ ...form, start, signal: own, begin: async (plan) => {
       const into = await campaign(name.value.trim());
       const run = await post(`campaigns/${into.id}/runs`, { plan }, { lease: await lease(), headers: { "Idempotency-Key": crypto.randomUUID?.() ?? String(Math.random()).slice(2) + Date.now() } });
       await look();

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError
 
+from modallab.core.extras import require_package
 from modallab.core.settings import Settings
 from modallab.service.errors import ServiceError
 from modallab.storage.address import ADDRESS, database_of, name_database
@@ -125,12 +126,15 @@ def tls_of(settings: Settings) -> "Tls | None":
 
 
 def require_scheduler(settings: Settings) -> None:
-    """Look at the scheduler's address and certificates before anything is started.
+    """Look at the scheduler's address and certificates, and for Dask itself, before anything is started.
 
     Raises:
+        MissingPackageError: jobs are to be computed here, and Dask is not installed.
         JobError: an address that would not be safe, or a file that is not there.
         ServiceError: as `tls_of`.
     """
+    if settings.jobs:
+        require_package("distributed", "computing models and diagnoses in the service (or start it with --no-jobs)")
     if settings.scheduler is None:
         return
     from modallab.jobs.address import Tls, check_address

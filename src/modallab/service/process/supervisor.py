@@ -13,6 +13,7 @@ from typing import Self
 from urllib.parse import urlsplit
 
 from modallab.core.errors import ModallabError
+from modallab.core.lease import Lease
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.jobs import Jobs
@@ -35,7 +36,6 @@ from modallab.service.rigs.controllers import Controllers, rig_ids
 from modallab.service.rigs.diary import Diary, Recovery
 from modallab.service.rigs.queue_runner import QueueRunner
 from modallab.storage import Store
-from modallab.storage.lease import Lease
 
 LOG = logging.getLogger(__name__)
 LOOK_S = 0.1
@@ -96,7 +96,7 @@ class Supervisor:
         ids = rig_ids([rig.name for rig, _ in rigs])
         self.controllers = Controllers(
             [
-                Controller(Bench(i, rig, url, settings.data), diary, after)
+                Controller(Bench(i, diary.revisions.settle(i, rig), url, settings.data), diary, after)
                 for i, (rig, url) in zip(ids, rigs, strict=True)
             ],
             leases,

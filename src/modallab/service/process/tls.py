@@ -8,6 +8,7 @@ from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from modallab.core.extras import require_package
 from modallab.core.settings import LOOPBACK, Settings
 from modallab.service.errors import ServiceError
 
@@ -62,8 +63,10 @@ def self_signed(folder: Path, names: Iterable[str]) -> tuple[Path, Path]:
     """Certificate and key for these names, as PEM files in a folder; made anew if they end soon or lack a name.
 
     Raises:
+        MissingPackageError: the package that makes certificates is not installed.
         ServiceError: they cannot be written.
     """
+    require_package("cryptography", "making a certificate")
     cert, key, names = folder / "cert.pem", folder / "key.pem", frozenset(names)
     if not _good(cert, key, names):
         try:

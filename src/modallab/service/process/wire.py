@@ -15,6 +15,7 @@ from typing import Any
 from modallab.core.documents.queue import ConsentNew, ConsentView
 from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
+from modallab.core.rig import Rig
 from modallab.service.errors import RigUnavailableError
 from modallab.service.rigs.control import Control, ControllerState, StartRun
 
@@ -24,7 +25,7 @@ ANSWER_S = 30.0
 CALLS = frozenset(
     {
         "states", "processes", "start", "command", "emergency_stop", "reset", "give_consent", "withdraw_consent",
-        "consent_view",
+        "consent_view", "revise",
     }
 )  # fmt: skip
 
@@ -95,6 +96,10 @@ class RemoteControl:
     def reset(self, rig: str, reason: str, lease: str | None) -> None:
         """As `Control`."""
         self._call("reset", rig, reason, lease)
+
+    def revise(self, rig: str, description: Rig, reason: str, lease: str | None) -> None:
+        """As `Control`."""
+        self._call("revise", rig, description, reason, lease)
 
     def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
         """As `Control`."""

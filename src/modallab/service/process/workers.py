@@ -118,7 +118,7 @@ def run_jobs(connection: Connection, settings: Settings) -> None:
 
     with Store(settings.data) as store:
         jobs = Jobs(store.catalogue.engine)
-        known = kinds(campaigns_of(store), store.folder, store.revision)
+        known = kinds(campaigns_of(store), store.folder, store.revision, campaigns_of(store, ended=False))
         runner = Runner(jobs, known, settings.scheduler, tls=tls_of(settings), workers=settings.workers)
         # Before the first job is taken: whoever hears of this process' end knows then whose jobs are free.
         reported = Computing(runner.owner, {})

@@ -105,6 +105,14 @@ class Control(Protocol):
         """
         ...
 
+    def revise(self, rig: str, description: Rig, reason: str, lease: str | None) -> None:
+        """Go on with another description of what stands on the bench; the bench is opened anew.
+
+        Raises:
+            LeaseNeededError, NotFoundError, ConflictError, StorageError.
+        """
+        ...
+
     def give_consent(self, rig: str, new: ConsentNew, items: tuple[str, ...], lease: str | None) -> ConsentView:
         """Let these items of a rig's queue begin by themselves.
 

@@ -3,7 +3,7 @@
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -179,6 +179,31 @@ class Controller:
         if self.latch.reset() is None and not unwritten:
             raise NotFoundError("the rig is not tripped", where=self.bench.id, remedy="there is nothing to reset")
         self._diary.reset(self.bench.id, reason, operator)
+
+    def revise(self, rig: Rig, reason: str, operator: str) -> None:
+        """Go on with another description of what stands on the bench, which is opened anew for it.
+
+        Raises:
+            ConflictError: a run is going on, or the description is of another rig.
+            StorageError: it could not be kept.
+        """
+        if rig.name != self.bench.rig.name:
+            raise ConflictError(
+                f"the description is of {rig.name!r}, the rig is {self.bench.rig.name!r}",
+                where=self.bench.id,
+                remedy="send it under the rig's name; another rig is served by a service of its own",
+            )
+        with self._starting:
+            if self._active is not None or not self._requested.empty():
+                raise ConflictError("a run is going on", where=self.bench.id, remedy="wait for its end, or stop it")
+            if rig == self.bench.rig:
+                return
+            self._diary.revisions.add(self.bench.id, rig, reason, operator)
+            self.bench = replace(self.bench, rig=rig)
+            self._is("starting")
+            process = self._process
+        if process is not None:
+            process.ask_to_leave()
 
     def ask_to_close(self) -> None:
         """End what is active as interrupted, bring the output to zero, release the bench; waits for nothing."""

@@ -8,6 +8,7 @@ from modallab.acquisition.process.trip import Trip
 from modallab.core.documents.queue import ConsentNew, ConsentView
 from modallab.core.documents.runs import Command
 from modallab.core.errors import ModallabError
+from modallab.core.rig import Rig
 from modallab.service.errors import LeaseNeededError, NotFoundError
 from modallab.service.records.leases import Leases
 from modallab.service.rigs.consents import Consent, Consents
@@ -113,6 +114,11 @@ class Controllers:
         """Let a tripped rig be driven again. Raises as `Control`."""
         controller = self._controller(rig)
         controller.reset(reason, self._leases.require(rig, lease).operator)
+
+    def revise(self, rig: str, description: Rig, reason: str, lease: str | None) -> None:
+        """Go on with another description. Raises as `Control`."""
+        controller = self._controller(rig)
+        controller.revise(description, reason, self._leases.require(rig, lease).operator)
 
     def replace(self, controller: Controller) -> None:
         """Put a controller in the place of a closed one of the same rig, whose sensors were moved."""

@@ -17,6 +17,7 @@ from modallab.core.events import StateChanged
 from modallab.service.records import audit
 from modallab.service.records.event_log import EventLog, Topic
 from modallab.service.records.repository import CampaignRepository
+from modallab.service.records.rig_revisions import RigRevisions
 from modallab.storage import Store
 from modallab.storage.engine import reading
 from modallab.storage.records import ENDED
@@ -77,6 +78,7 @@ class Diary:
         self.log = log
         self.engine: Engine = store.catalogue.engine
         self.repository = CampaignRepository(self.engine)
+        self.revisions = RigRevisions(self.engine)
         self.ends = Ends()
         self._stops: SimpleQueue[tuple[str, str, str] | None] = SimpleQueue()
         self._writer = Thread(target=self._enter_stops, name="stops", daemon=True)

@@ -72,3 +72,10 @@ def apply(twin: Twin, effect: Effect, rig: Rig) -> Twin:
         able = sorted(name for name, model in models().items() if not isinstance(model.change, NoChange))
         raise FormatError(f"the twin has no model of {effect.effect!r}", remedy=f"use one of {', '.join(able)}")
     return change(twin, effect, rig)
+
+
+def with_known(twin: Twin, rig: Rig) -> Twin:
+    """The twin with the effects that the rig's revisions know."""
+    for effect in rig.known_effects:
+        twin = apply(twin, effect, rig)
+    return twin

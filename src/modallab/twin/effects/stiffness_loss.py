@@ -32,7 +32,10 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     search=Search(
-        rank=50, slots=lambda _: (Slot("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along_beam())
+        rank=50,
+        slots=lambda _: (Slot("EI_loss", "share", (0.05, 0.2, 0.45, 0.7, 0.85), high=0.97), along_beam()),
+        # How a crack's loss spreads along the beam is a convention.
+        inexact=0.004,
     ),
     experiment="Strike on both sides of the place: the shapes bend most at a crack.",
     rivals=(Rival("clamp_rotation", "Strike close to the clamp: the slope there tells a soft root.", rank=30),),

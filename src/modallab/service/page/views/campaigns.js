@@ -8,6 +8,8 @@ import { waitForJob } from "../jobs.js";
 import { clock, number, percent } from "../numbers.js";
 
 const FORMATS = ["hdf5", "uff", "tdms"];
+/** Runs to compare, the last two that were checked, of whichever campaigns. */
+let chosen = [];
 
 export async function show(view, signal) {
   const [list, detail, compared] = [h("div"), h("div"), h("div")];
@@ -23,18 +25,24 @@ export async function show(view, signal) {
   async function open(id) {
     const campaign = await get(`campaigns/${id}`);
     const runs = await all(`campaigns/${id}/runs`);
-    const boxes = runs.map((run) => h("input", { type: "checkbox", value: run.id, "aria-label": `Compare ${run.id}` }));
+    const said = h("span", { class: "muted", role: "status" });
+    const check = (run, checked) => {
+      chosen = [...chosen.filter((one) => one !== run), ...(checked ? [run] : [])].slice(-2);
+      boxes.forEach((box) => { box.checked = chosen.includes(box.value); });
+      said.textContent = chosen.length ? `Chosen: ${chosen.join(" and ")}` : "Check two runs, of this campaign or another.";
+    };
+    const boxes = runs.map((run) => h("input", { type: "checkbox", value: run.id, "aria-label": `Compare ${run.id}`, onchange: ({ target }) => check(run.id, target.checked) }));
     const format = h("select", { "aria-label": "Format of the file" }, FORMATS.map((one) => h("option", {}, one)));
     put(compared);
     put(detail, panel(campaign.name, campaign.note && h("p", {}, campaign.note),
       table("Runs", ["", "Run", "Test", "State", ["Good blocks", "n"], ["Rate", "n"], "By", "Why"], runs.map((run, n) => [boxes[n], run.id, run.test, `${run.state}${run.valid ? "" : ", invalid"}`, `${run.accepted} of ${run.blocks}`, run.rate_hz ? `${number(run.rate_hz, 5)} Hz` : "–", run.operator, run.reason])),
       h("p", { class: "buttons" }, button("Compare two runs", async () => {
-        const two = boxes.filter((box) => box.checked).map((box) => box.value);
-        if (two.length !== 2) throw new Error("Two runs are needed: choose them in the table.");
-        await compare(compared, two, signal);
-      }), h("a", { href: `#/model/${id}` }, "Model"), h("a", { href: `#/gap/${id}` }, "Gap"), format,
+        if (chosen.length !== 2) throw new Error("Two runs are needed: choose them in the table, of this campaign or another.");
+        await compare(compared, chosen, signal);
+      }), said, h("a", { href: `#/model/${id}` }, "Model"), h("a", { href: `#/gap/${id}` }, "Gap"), format,
       button("Export", () => save(`campaigns/${id}/export?to=${format.value}`, id)),
       button("Report", () => report(id)))));
+    check();
     detail.scrollIntoView({ block: "nearest" });
   }
   await fill();

@@ -6,6 +6,7 @@ import { Chart, colour, look } from "../charts.js";
 import { button, h, panel, put, say, sentence, show as showError } from "../dom.js";
 import { GrowingFrf } from "../growing-frf.js";
 import { lab } from "../lab.js";
+import { ModesSoFar } from "../modes-so-far.js";
 import { duration, number, percent, quantity } from "../numbers.js";
 import { play, sound } from "../sound.js";
 import { LiveStrips, drawStrip, stripCanvas, throttled } from "../strips.js";
@@ -19,7 +20,7 @@ const form = {
   start: (description) => ({ points: description.points.map(({ id }) => id).reverse() }),
 };
 
-export const show = (view, signal) => showTest(view, signal, { test: "impact", title: "Impact test", form, parts });
+export const show = (view, signal, [like]) => showTest(view, signal, { like, test: "impact", title: "Impact test", form, parts });
 
 /** The words of the prompt: [large, small, mood]. */
 function prompt(state) {
@@ -73,15 +74,23 @@ function parts(place, signal, id) {
   const undo = button("Undo the last good hit (U)", acts.undo, { "aria-keyshortcuts": "u" });
   const loud = h("input", { type: "checkbox", id: "sound", checked: sound.on, onchange: ({ target }) => { sound.on = target.checked; } });
   const pulse = new Pulse(id, signal);
+  const modes = new ModesSoFar(id, signal, () => count());
   put(place, h("div", { class: "pair" }, prompting, last),
     h("section", { class: "panel", "aria-label": "Beam" }, togo, beam.element, h("p", { class: "buttons" }, accept, undo, common.elements, h("label", {}, loud, " Sound"))),
-    h("div", { class: "pair" }, scope(signal), pulse.element), new GrowingFrf(id, signal).element);
+    h("div", { class: "pair" }, scope(signal), pulse.element), modes.element, new GrowingFrf(id, signal).element);
   addEventListener("keydown", (event) => {
     const act = KEYS[event.key.toLowerCase()];
     if (!act || event.repeat || event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName) && event.target.type !== "checkbox") return;
     event.preventDefault();
     if (state && !state.ended) acts[act]().catch(showError);
   }, { signal });
+
+  function count() {
+    const good = Object.values(state.counts).reduce((sum, one) => sum + one, 0);
+    const total = state.plan.points.length * state.plan.hits;
+    const left = state.ended ? "" : `, ${Math.max(0, total - good)} to go`;
+    say(togo, `${good} of ${total} good hits${left}${modes.enough ? ". Enough: every mode is known as well as the plan asks" : ""}`);
+  }
 
   return (next, event) => {
     state = next;
@@ -94,9 +103,7 @@ function parts(place, signal, id) {
     say(judged, said);
     say(why, reason);
     beam.show(state.phase === "ready" || state.phase === "waiting" ? state.point : null, state.counts, state.plan.hits);
-    const good = Object.values(state.counts).reduce((sum, count) => sum + count, 0);
-    const total = state.plan.points.length * state.plan.hits;
-    say(togo, `${good} of ${total} good hits${state.ended ? "" : `, ${Math.max(0, total - good)} to go`}`);
+    count();
     accept.hidden = state.ended;
     undo.hidden = state.ended;
     accept.disabled = lastBlock(state, false) === undefined || !["rejected", "decide", "ready", "waiting"].includes(state.phase);
@@ -105,6 +112,7 @@ function parts(place, signal, id) {
     if (event && SOUNDS[state.phase] && ["hit_requested", "block", "hit_rejected", "hit_too_early"].includes(event.kind)) play(SOUNDS[state.phase]);
     const n = Math.max(-1, ...state.blocks.keys());
     if (n >= 0) pulse.look(n);
+    modes.look(state);
   };
 }
 

@@ -10,7 +10,7 @@ import { order, runButtons, showTest } from "../test-view.js";
 
 const form = { name: "SinePlan", kind: "sine", first: ["frequencies_hz", "levels_v", "settle_s", "wait_s"], start: () => ({ levels_v: { low: 0.5 } }) };
 
-export const show = (view, signal) => showTest(view, signal, { test: "sine", title: "Sine test", form, parts });
+export const show = (view, signal, [like]) => showTest(view, signal, { like, test: "sine", title: "Sine test", form, parts });
 
 const WORDS = { created: "Preparing", arming: "Preparing", armed: "Ready", acquiring: "Measuring", paused: "Paused", processing: "Finishing", stopping: "Bringing the output to 0 V", done: "Done", failed: "Ended early", aborted: "Stopped" };
 const MOODS = { acquiring: "ready", done: "good", failed: "rejected", aborted: "rejected", paused: "waiting" };

@@ -1,0 +1,150 @@
+"""Trials on the simulated bench, each with one effect, two or none, as their seeds draw them.
+
+Sizes are log-uniform in the gap they open: that which is left once the beam is fitted within the rig file's tolerances,
+as a diagnosis states it, where 1 is the floor. What those tolerances take over opens none.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from math import exp, log, sqrt
+
+import numpy as np
+
+from modallab.blind.request import BlindRequest
+from modallab.blind.trial_bench import TrialBench, trial_bench
+from modallab.blind.trial_rigs import drawn_rig, mounted
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect, catalogue
+from modallab.core.rig import Rig, Tolerance
+from modallab.gap.report.initial_gap import gap_before
+from modallab.twin.effects import models
+
+NONE = "none"
+PAIR = "pair"
+PAIR_GAP = (100.0, 3000.0)
+"""Of two effects at once each is drawn so that alone it would open a gap between these."""
+ROUGH_GAP = (30.0, 3000.0)
+"""Gaps on a bench where a little of everything is wrong."""
+TRIES = 3
+EXCEEDING = 6.0
+"""Deviations of its own tolerance from which an effect on a bench as built is drawn."""
+CLOSE = 0.2
+"""Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
+FURTHER = 2.5
+"""The same by which a size changes at most from one try to the next."""
+
+Truth = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """One trial to be made.
+
+    Attributes:
+        name: of the trial.
+        effect: by its name; "none" for a sound bench, "pair" for two of the catalogue.
+        seed: of everything in the trial.
+        tolerances: how well the bench is put together, "none" (ideally) or "usual".
+    """
+
+    name: str
+    effect: str
+    seed: int
+    tolerances: str = "none"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Made:
+    """A trial: what the operator has, a later campaign on the same bench if it was asked for, and what is true."""
+
+    campaign: Campaign
+    later: Campaign | None
+    truth: Truth
+
+
+def make(draw: Draw, later: bool = True) -> Made:
+    """Measure a trial on the simulated bench, and if asked for once more later.
+
+    Its truth holds the gap that its effect opens, in noise units.
+    """
+    bench, rig = trial_bench(), drawn_rig(draw.seed)
+    if draw.tolerances != "none":
+        rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), draw.seed)
+    effects, more = _effects(bench, rig, draw)
+    campaign, truth = bench.make_trial(rig, draw.seed, effects, draw.tolerances)
+    again = bench.make_trial(rig, draw.seed, effects, draw.tolerances, session=1)[0] if later else None
+    return Made(campaign, again, truth | more)
+
+
+def _effects(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[tuple[Effect, ...], Truth]:
+    if draw.effect == NONE:
+        return (), {}
+    if draw.effect == PAIR:
+        return _pair(bench, rig, draw.seed), {}
+    drawn, more = (_ideal if draw.tolerances == "none" else _rough)(bench, rig, draw)
+    return (drawn,), more
+
+
+def _ideal(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
+    """An effect whose gap, nuisances fitted, is near the one that was drawn."""
+    requested = aim = bench.draw_gap(draw.seed)
+    met: list[tuple[float, float, Effect]] = []
+    for _ in range(TRIES):
+        drawn = bench.draw_effect(rig, draw.seed, draw.effect, aim)
+        gap = gap_before(bench.make_trial(rig, draw.seed, (drawn.effect,))[0])
+        short = log(sqrt((requested**2 - 1) / max(gap**2 - 1, 0.01)))
+        met.append((abs(short), gap, drawn.effect))
+        # Some effects have no size, or none that is large or small enough.
+        if abs(short) < CLOSE or abs(log(drawn.gap / aim)) > CLOSE:
+            break
+        aim *= exp(min(max(short, -FURTHER), FURTHER))
+    _, gap, effect = min(met, key=lambda m: m[0])
+    return effect, {"gap_requested": requested, "gap": gap}
+
+
+def _rough(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
+    """An effect far beyond its own tolerance, drawn by the gap it would open on an ideal bench."""
+    low, high = np.log(ROUGH_GAP)
+    gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
+    drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
+    for _ in range(TRIES):
+        if _exceeds(drawn.effect, rig):
+            break
+        gap *= FURTHER
+        drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
+    return drawn.effect, {"gap": drawn.gap}
+
+
+def _exceeds(effect: Effect, rig: Rig) -> bool:
+    """Whether it is far beyond its own tolerance: what lies within is no gap, and rightly called none."""
+    search = models()[effect.effect].search if effect.effect in models() else None
+    return search is None or search.deviations(effect, rig) > EXCEEDING
+
+
+def _pair(bench: TrialBench, rig: Rig, seed: int) -> tuple[Effect, Effect]:
+    """Two effects of the catalogue, each of a size of its own."""
+    rng = np.random.default_rng([seed, 78])
+    names = rng.choice(sorted(catalogue()), 2, replace=False)
+    low, high = PAIR_GAP
+    sizes = np.exp(rng.uniform(np.log(low), np.log(high), 2))
+    first, second = (
+        bench.draw_effect(rig, seed, str(name), float(size)).effect for name, size in zip(names, sizes, strict=True)
+    )
+    return first, second
+
+
+def drawn(request: BlindRequest) -> list[Draw]:
+    """Trials in an order that says nothing of what is in them: those of one request are always the same."""
+    rng = np.random.default_rng([request.seed, 81])
+    names = list(request.effects or catalogue())
+    first = int(rng.integers(len(names)))
+    inside = [names[(first + k) % len(names)] for k in range(request.trials)]
+    inside += [NONE] * request.none + [PAIR] * request.pairs
+    return [
+        Draw(f"trial_{place:04d}", inside[k], _seed_of(request.seed, k), request.tolerances)
+        for place, k in enumerate(rng.permutation(len(inside)).tolist())
+    ]
+
+
+def _seed_of(seed: int, number: int) -> int:
+    return int.from_bytes(hashlib.sha256(f"modallab blind {seed} {number}".encode()).digest()[:6])

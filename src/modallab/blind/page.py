@@ -1,0 +1,106 @@
+"""Blind trials as a page: figures, confusion, reliability, shrinkage, and every miss by name."""
+
+from collections.abc import Sequence
+
+from modallab.blind.outcome import BlindOutcome, OfEffect, Share, Shrunk
+from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.markup import Markup, table, tag
+
+SIDE = 320
+EDGE = 40
+
+
+def render(found: BlindOutcome) -> str:
+    """The whole page as text."""
+    sealed = f"Their truths were sealed before the first answer, SHA-256 {found.sealed}. " if found.sealed else ""
+    said = f"{found.trials} campaigns were diagnosed without their truth. {sealed}Answers: SHA-256 {found.answers}."
+    return page(
+        "Blind trials of the diagnosis",
+        said,
+        _figures(found.figures),
+        _effects(found.effects),
+        _confusion(found.effects),
+        _reliability(found),
+        _shrinkage(found.shrinkage),
+    )
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
+
+
+def _figures(figures: Sequence[Share]) -> Markup:
+    rows = [[f.name, _number(f.value), str(f.count), ", ".join(f.misses)] for f in figures]
+    head = ["figure", "value", "of", "missed"]
+    return section("Figures", table("Figures of all trials", head, rows, numeric=(1, 2)))
+
+
+def _effects(effects: Sequence[OfEffect]) -> Markup:
+    head = ["true effect", "trials", "right", "stage", "parameter off by", "gap closed", "later off by"]
+    rows = [
+        [
+            e.effect.replace("_", " "),
+            str(e.trials),
+            str(e.right),
+            "" if e.stage is None else str(e.stage),
+            "" if e.parameter is None else f"{e.parameter:.2%}",
+            "" if e.closed is None else f"{e.closed:.2%}",
+            _number(e.shrink_error),
+        ]
+        for e in effects
+    ]
+    return section("Effect by effect", table("Medians over trials", head, rows, numeric=(1, 2, 3, 4, 5, 6)))
+
+
+def _confusion(effects: Sequence[OfEffect]) -> Markup:
+    said = list(dict.fromkeys(name for e in effects for name in e.said))
+    rows = [[e.effect.replace("_", " "), *(str(e.said.get(name, "")) for name in said)] for e in effects]
+    head = ["true", *(name.replace("_", " ") for name in said)]
+    numbers = tuple(range(1, len(head)))
+    return section("What was said of what", tag("div", table("Trials", head, rows, numeric=numbers), class_="scroll"))
+
+
+def _reliability(found: BlindOutcome) -> Markup | None:
+    points = [(float(s.name.removeprefix("said ")), s.value) for s in found.reliability if s.value is not None]
+    if not points:
+        return None
+    said = (
+        f"Probability that was said, and the share of names that was right; on the line both are the same. Calibration "
+        f"error {found.calibration_error:.3f}."
+    )
+    return section("Reliability", captioned(_square(points, "said", "right", 0.0), said))
+
+
+def _shrinkage(shrinkage: Sequence[Shrunk]) -> Markup | None:
+    if not shrinkage:
+        return None
+    said = (
+        "Share of the gap that a diagnosis closes: as predicted, on records held out of the fit, and as seen in a "
+        "later campaign on the same bench, with the effect in the simulation. What lies below -1 is drawn at -1."
+    )
+    points = [(s.predicted, s.seen) for s in shrinkage]
+    return section("Shrinkage", captioned(_square(points, "predicted", "seen", -1.0), said))
+
+
+def _square(points: Sequence[tuple[float, float]], along: str, up: str, low: float) -> Markup:
+    def at(value: float) -> float:
+        return SIDE * (min(max(value, low), 1.0) - low) / (1.0 - low)
+
+    def text(x: float, y: float, said: str, anchor: str) -> Markup:
+        return tag("text", said, x=f"{x:g}", y=f"{y:g}", text_anchor=anchor, font_size="13", fill="var(--ink)")
+
+    frame = tag("rect", x=str(EDGE), y="10", width=str(SIDE), height=str(SIDE), fill="none", stroke="var(--soft)")
+    same = tag("line", x1=str(EDGE), y1=str(SIDE + 10), x2=str(SIDE + EDGE), y2="10", stroke="var(--soft)")
+    dots = [
+        tag("circle", cx=f"{EDGE + at(x):.1f}", cy=f"{SIDE + 10 - at(y):.1f}", r="4", fill="var(--second)")
+        for x, y in points
+    ]
+    words = [
+        text(EDGE + SIDE / 2, SIDE + 34, along, "middle"),
+        text(EDGE - 6, 20, f"{up} 1", "end"),
+        text(EDGE - 6, SIDE + 10, f"{low:g}", "end"),
+    ]
+    return tag(
+        "svg", frame, same, *dots, *words, viewBox=f"0 0 {SIDE + 2 * EDGE} {SIDE + EDGE}", width="420", role="img",
+        aria_label=f"{up} against {along}",
+    )  # fmt: skip

@@ -1,0 +1,174 @@
+"""Blind trials from the draw to the outcome: sealed, answered, opened. What is done already is not done again."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from modallab.blind.again import Again, again
+from modallab.blind.answer import ANSWERS, Answer, answer_all, read_answers, spread
+from modallab.blind.draw import Draw, drawn, make
+from modallab.blind.outcome import BlindOutcome, outcome
+from modallab.blind.request import BlindRequest
+from modallab.blind.score import Trial
+from modallab.blind.seal import SEALED, opened, publish, published, seal, sealed_hash
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError, FormatError
+from modallab.core.progress import part, report
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
+
+CAMPAIGNS = "campaigns"
+
+
+def blind(folder: Path, request: BlindRequest, pool: Executor | None = None) -> BlindOutcome:
+    """Make trials, seal their truth, diagnose them, open the seals, and sum up.
+
+    Args:
+        folder: what was begun here goes on; hashes, campaigns, sealed truths and answers are in it.
+        request: which trials.
+        pool: computes each step of each trial in a process of its own; None: all in this one.
+
+    Raises:
+        DataError: the folder holds other trials, or a truth that is not the one that was sealed.
+        StorageError: the folder cannot be written.
+    """
+    return blind_draws(folder, drawn(request), request.model_dump(mode="json"), request.later, pool)
+
+
+def blind_draws(
+    folder: Path, draws: Sequence[Draw], plan: dict[str, Any], later: bool, pool: Executor | None = None
+) -> BlindOutcome:
+    """The same of any trials; `plan` says in the published hashes which they are."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _require_same(folder, plan)
+    with part(0.0, 0.3, "sealed"):
+        left = [draw for draw in draws if sealed_hash(folder, draw.name) is None]
+        made = dict(spread(pool, lambda draw: (_seal, (folder, draw, later)), left, "trial"))
+        hashes = {draw.name: made.get(draw) or str(sealed_hash(folder, draw.name)) for draw in draws}
+    sealed = publish(folder, plan, hashes)
+    report(0.3, f"sealed, SHA-256 {sealed}")
+    campaigns = {draw.name: _campaign_of(folder, draw.name) for draw in draws}
+    with part(0.3, 0.8, "blind"):
+        answers = answer_all(campaigns, folder / ANSWERS, pool)
+    with part(0.8, 1.0, "opened"):
+        found = {answer.name: answer for answer in read_answers(folder / ANSWERS)}
+        seen = _seen(folder, found, pool) if later else {}
+        trials = [_trial(found[name], opened(folder, name)["effects"], seen.get(name)) for name in hashes]
+    return outcome(trials, sealed, answers)
+
+
+def blind_folder(campaigns: Path, truths: Path | None, out: Path, pool: Executor | None = None) -> BlindOutcome | str:
+    """Diagnose every campaign of a folder, and only then read truths that lie elsewhere.
+
+    Args:
+        campaigns: holds a folder, or a campaign file, for each.
+        truths: holds `NAME/truth.yaml` or `NAME.yaml` with the list `effects` for each; None: there is none yet.
+        out: folder for the answers; what it holds already is kept.
+        pool: as `blind`.
+
+    Returns:
+        the outcome; without truths the SHA-256 of the answers.
+
+    Raises:
+        DataError: there is no campaign.
+        FormatError: a truth cannot be read.
+    """
+    found = campaigns_in(campaigns)
+    out.mkdir(parents=True, exist_ok=True)
+    with part(0.0, 1.0, "blind"):
+        answers = answer_all(found, out / ANSWERS, pool)
+    if truths is None:
+        return answers
+    listed = {answer.name: answer for answer in read_answers(out / ANSWERS)}
+    return outcome([_trial(listed[name], _truth(truths, name), None) for name in found], None, answers)
+
+
+def campaigns_in(folder: Path) -> dict[str, Path]:
+    """Name -> campaign, for each in a folder.
+
+    Raises:
+        DataError: there is none.
+    """
+    files = {path.stem: path for path in folder.glob("*.h5")}
+    folders = {path.name: path for path in folder.iterdir() if path.is_dir() and _is_campaign(path)}
+    found = dict(sorted((files | folders).items()))
+    if not found:
+        raise DataError("holds no campaign", where=str(folder), remedy="name a folder of campaign files or folders")
+    return found
+
+
+def _is_campaign(folder: Path) -> bool:
+    return (folder / "campaign.h5").exists() or (folder / "rig.yaml").exists()
+
+
+def _truth(truths: Path, name: str) -> list[dict[str, Any]]:
+    place = next((p for p in (truths / name / "truth.yaml", truths / f"{name}.yaml") if p.exists()), None)
+    if place is None:
+        raise FormatError(f"there is no truth of {name}", where=str(truths), remedy=f"add {name}/truth.yaml")
+    try:
+        content = yaml.safe_load(place.read_text(encoding="utf-8"))
+        return [{"family": "", "parameters": {}, "place": {}} | dict(effect) for effect in content["effects"]]
+    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        raise FormatError(f"is no truth: {error}", where=str(place), remedy="write a list `effects`") from error
+
+
+def _require_same(folder: Path, plan: dict[str, Any]) -> None:
+    known = published(folder)
+    if known is not None and known["plan"] != plan:
+        raise DataError(
+            "other trials were sealed in this folder",
+            where=str(folder),
+            remedy="ask for the same trials, or name an empty folder",
+        )
+
+
+def _campaign_of(folder: Path, name: str) -> Path:
+    return folder / CAMPAIGNS / f"{name}.h5"
+
+
+def _later_of(folder: Path, name: str) -> Path:
+    return folder / SEALED / f"{name}_later.h5"
+
+
+def _seal(what: tuple[Path, Draw, bool]) -> str:
+    """Make a trial and seal its truth; gives the hash."""
+    folder, draw, later = what
+    made = make(draw, later)
+    for place in (folder / CAMPAIGNS, folder / SEALED):
+        place.mkdir(parents=True, exist_ok=True)
+    write_campaign(_anonymous(made.campaign, draw.name), _campaign_of(folder, draw.name))
+    if made.later is not None:
+        write_campaign(_anonymous(made.later, draw.name), _later_of(folder, draw.name))
+    # Last of all: what has a seal is whole.
+    return seal(folder, draw.name, made.truth)
+
+
+def _anonymous(campaign: Campaign, name: str) -> Campaign:
+    rig = campaign.rig.model_copy(update={"name": name, "bench": None})
+    return replace(campaign, rig=rig, provenance={}, source="")
+
+
+def _seen(folder: Path, found: Mapping[str, Answer], pool: Executor | None) -> dict[str, Again]:
+    known = [answer for answer in found.values() if answer.diagnosis.verdict == "known"]
+    later = spread(pool, lambda a: (_again, (_later_of(folder, a.name), a.diagnosis)), known, "later campaign")
+    return {answer.name: seen for answer, seen in later}
+
+
+def _again(what: tuple[Path, Any]) -> Again:
+    return again(*what)
+
+
+def _trial(answer: Answer, truth: list[dict[str, Any]], seen: Again | None) -> Trial:
+    return Trial(
+        answer.name,
+        truth,
+        answer.diagnosis,
+        answer.length_m,
+        answer.seconds,
+        answer.withheld,
+        None if seen is None else seen.closed,
+        None if seen is None else seen.shut,
+    )

@@ -1,0 +1,92 @@
+"""`modallab gap blind`: trials whose truth is sealed until all are answered."""
+
+import argparse
+import os
+from collections.abc import Generator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import ValidationError
+from rich.console import Console
+from rich.table import Table
+
+from modallab.blind.outcome import BlindOutcome
+from modallab.blind.page import render
+from modallab.blind.request import BlindRequest
+from modallab.blind.run import blind, blind_folder
+from modallab.core.errors import PlanError
+from modallab.core.progress import heard_by
+from modallab.formats.atomic import replacing
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Make, seal, answer and open trials, or answer the campaigns of a folder."""
+    console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
+    with (
+        console.status("blind trials") as status,
+        heard_by(lambda share, words: status.update(f"{share:.0%} {words}")),
+        _pool(arguments) as pool,
+    ):
+        found = (
+            blind(out, _request(arguments), pool)
+            if folder is None
+            else blind_folder(folder, arguments.truth, out, pool)
+        )
+    if isinstance(found, str):
+        console.print(f"answers written, no truth read: SHA-256 {found}", markup=False, soft_wrap=True)
+        return 0
+    _write(out / "blind.json", found.model_dump_json(indent=1) + "\n")
+    _write(out / "blind.html", render(found))
+    console.print(_table(found))
+    console.print(f"written: {out / 'blind.json'}, {out / 'blind.html'}", markup=False, soft_wrap=True)
+    return 0
+
+
+def _request(arguments: argparse.Namespace) -> BlindRequest:
+    effects = tuple(name for name in (arguments.effects or "").split(",") if name)
+    none = arguments.none if arguments.none is not None else -(-arguments.trials // 4)
+    try:
+        return BlindRequest(
+            trials=arguments.trials,
+            none=none,
+            pairs=arguments.pairs,
+            seed=arguments.seed,
+            effects=effects,
+            tolerances=arguments.tolerances,
+            later=not arguments.no_later,
+        )
+    except ValidationError as error:
+        said = "; ".join(e["msg"].removeprefix("Value error, ") for e in error.errors())
+        raise PlanError(said, remedy="mend the options of modallab gap blind") from error
+
+
+@contextmanager
+def _pool(arguments: argparse.Namespace) -> Generator[Executor]:
+    if arguments.scheduler is not None:
+        from distributed import Client  # who uses no Dask need not wait for it
+
+        with Client(arguments.scheduler) as client:
+            executor: Any = client.get_executor(pure=False)
+            yield executor
+        return
+    # Spawned, not forked: what diagnoses knows nothing of what the process that draws has in its memory.
+    workers = arguments.workers or os.cpu_count() or 1
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        yield pool
+
+
+def _table(found: BlindOutcome) -> Table:
+    table = Table("figure", "value", "of", title=f"{found.trials} trials")
+    for figure in found.figures:
+        if figure.value is not None:
+            table.add_row(figure.name, f"{figure.value:.3g}", str(figure.count))
+    table.add_row("calibration error of the probabilities", f"{found.calibration_error:.3g}", "")
+    return table
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,46 @@
+"""`modallab gap export`: the corrected simulation, where its users simulate."""
+
+import argparse
+
+from rich.console import Console
+
+from modallab.cli.gap import read_diagnosis
+from modallab.core.errors import PlanError
+from modallab.core.progress import heard_by
+from modallab.core.units import Test
+from modallab.formats.atomic import replacing
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
+from modallab.gap.exported.forms import FORMS, InForm, in_form, tests_of, write_form
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the twin of a diagnosis in a form; with a campaign, measure it in that form."""
+    form, rig = FORMS[arguments.form], read_rig(arguments.rig)
+    diagnosis = read_diagnosis(arguments.diagnosis)
+    if arguments.out.suffix != form.suffix:
+        raise PlanError(f"a file of the form {form.name} ends in {form.suffix}", remedy=f"name it ...{form.suffix}")
+    tests: list[Test] = [arguments.test] if arguments.test else tests_of(rig)
+    tests = tests[:1] if form.one_test else tests
+    write_form(arguments.out, form, diagnosis, rig, tests, arguments.rate)
+    console = Console()
+    console.print(f"{form.says}, {' and '.join(tests)}: {arguments.out}", markup=False, soft_wrap=True)
+    if arguments.on is None:
+        return 0
+    campaign = read_campaign(arguments.on, rig)
+    with console.status("playing the records") as status, heard_by(lambda _, words: status.update(words)):
+        found = in_form(form, diagnosis, campaign, tests, arguments.records)
+    console.print(said(found), markup=False, soft_wrap=True)
+    if arguments.json is not None:
+        with replacing(arguments.json) as draft:
+            draft.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+    return 0
+
+
+def said(found: InForm) -> str:
+    """How far the form is from the bench, in one sentence."""
+    share = "" if found.closed is None else f", {found.closed:.1%} closed"
+    return (
+        f"In this form the gap is {found.before:.3g} noise units before and {found.after:.3g} after{share}; that of "
+        f"the twin itself is {found.twin_after:.3g}. On {len(found.records)} records."
+    )

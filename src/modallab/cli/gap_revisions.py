@@ -1,0 +1,63 @@
+"""`modallab gap apply` and `modallab gap history`: a diagnosis put to work, and what that has brought."""
+
+import argparse
+from datetime import date
+from pathlib import Path
+
+from pydantic import TypeAdapter
+from rich.console import Console
+from rich.table import Table
+
+from modallab.cli.gap import read_diagnosis
+from modallab.core.progress import heard_by
+from modallab.formats.atomic import replacing
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig, write_rig
+from modallab.gap.revisions.apply import with_diagnosis
+from modallab.gap.revisions.history import Step, history
+from modallab.reporting.revisions_report import write_revisions_report
+
+_STEPS: TypeAdapter[list[Step]] = TypeAdapter(list[Step])
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Apply, or show the history."""
+    return _apply(arguments) if arguments.action == "apply" else _history(arguments)
+
+
+def _apply(arguments: argparse.Namespace) -> int:
+    diagnosis = read_diagnosis(arguments.diagnosis)
+    source = arguments.source or arguments.diagnosis.name
+    rig = with_diagnosis(read_rig(arguments.rig), diagnosis, date.today(), source)  # noqa: DTZ011
+    write_rig(rig, arguments.out)
+    names = " and ".join(e.effect.replace("_", " ") for e in rig.revisions[-1].effects)
+    Console().print(f"revision {len(rig.revisions)}, with {names}: {arguments.out}", markup=False, soft_wrap=True)
+    return 0
+
+
+def _history(arguments: argparse.Namespace) -> int:
+    rig = read_rig(arguments.rig)
+    campaigns = [read_campaign(path, rig) for path in arguments.on or ()]
+    console = Console()
+    with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
+        steps = history(rig, campaigns)
+    console.print(_table(steps))
+    if arguments.json is not None:
+        _write(arguments.json, _STEPS.dump_json(steps, indent=1).decode() + "\n")
+    if arguments.report is not None:
+        write_revisions_report(arguments.report, rig, steps)
+        console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _table(steps: list[Step]) -> Table:
+    table = Table("revision", "with", "gap when applied", *steps[0].measured)
+    for step in steps:
+        gap = "" if step.gap is None else f"{step.gap:.3g}"
+        table.add_row(str(step.number), step.effects, gap, *(f"{v:.3g}" for v in step.measured.values()))
+    return table

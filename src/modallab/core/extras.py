@@ -1,0 +1,44 @@
+"""Packages that only some work needs: each belongs to an extra of the distribution, and is named when it is missing."""
+
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+
+from modallab.core.errors import MissingPackageError
+
+EXTRAS = {
+    "cryptography": "tls",
+    "distributed": "jobs",
+    "opendaq": "opendaq",
+    "pandas": "tables",
+    "psycopg": "postgresql",
+    "xarray": "tables",
+}
+"""Package -> the extra that brings it."""
+
+
+def remedy(package: str) -> str:
+    """How a package that is missing is installed."""
+    return f"pip install 'modallab[{EXTRAS[package]}]'"
+
+
+def require_package(package: str, purpose: str) -> None:
+    """Look, without importing it, whether a package is there.
+
+    Raises:
+        MissingPackageError: it is not; the error says what it is needed for and how to install it.
+    """
+    if find_spec(package) is None:
+        raise MissingPackageError(
+            f"{purpose} needs the package {package}, which is not installed", remedy=remedy(package)
+        )
+
+
+def optional_package(package: str, purpose: str) -> ModuleType:
+    """Import a package of an extra.
+
+    Raises:
+        MissingPackageError: as `require_package`.
+    """
+    require_package(package, purpose)
+    return import_module(package)

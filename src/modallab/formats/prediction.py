@@ -1,0 +1,86 @@
+"""The file of predicted records: written by `modallab gap predict`, or by any simulation for the same forces."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError, FormatError
+from modallab.core.rig import Channel, Rig
+from modallab.core.units import si_factor
+from modallab.core.versions import PREDICTION
+from modallab.formats.atomic import replacing
+
+Array = NDArray[np.float64]
+
+
+def write_prediction(path: Path, rig: Rig, records: Mapping[str, Array]) -> None:
+    """Write predicted records: record -> (channels, n), each row in its channel's own unit and direction.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+    responses = rig.responses
+    with replacing(path) as draft, h5py.File(draft, "w") as target:
+        target.attrs["format_version"] = PREDICTION
+        target.attrs["channels"] = [c.name for c in responses]
+        target.attrs["units"] = [c.unit for c in responses]
+        target.attrs["directions"] = [c.direction for c in responses]
+        for name, values in records.items():
+            target.create_dataset(name, data=values)
+
+
+def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
+    """Read them as they were written, in the units and directions of this rig's channels.
+
+    Raises:
+        FormatError: it is no such file, or of an unknown version.
+        DataError: it lacks a response channel of the rig, or holds it in a unit of another quantity.
+    """
+    try:
+        with h5py.File(path) as source:
+            said: dict[str, Any] = dict(source.attrs)
+            records: dict[str, Array] = {
+                name: np.asarray(values, dtype=np.float64)
+                for name, values in source.items()
+                if isinstance(values, h5py.Dataset)
+            }
+    except (OSError, ValueError, TypeError) as error:
+        raise FormatError(
+            f"cannot be read: {error}", where=str(path), remedy="name a file of predicted records"
+        ) from error
+    order, factors = _rows(said, rig, str(path))
+    for name, values in records.items():
+        if values.ndim != 2 or len(values) <= max(order):
+            found = f"{name} holds an array of shape {values.shape}"
+            raise DataError(found, where=str(path), remedy="give (channels, n), the channels as the attribute has them")
+    return {name: values[order] * factors[:, None] for name, values in records.items()}
+
+
+def _rows(said: Mapping[str, Any], rig: Rig, where: str) -> tuple[list[int], Array]:
+    """Which row of the file belongs to each response channel, and its factor."""
+    version = int(said.get("format_version", PREDICTION))
+    if version not in (1, PREDICTION):
+        raise FormatError(f"is of version {version}", where=where, remedy=f"write version {PREDICTION}")
+    names = [str(name) for name in said.get("channels", [c.name for c in rig.responses])]
+    missing = [c.name for c in rig.responses if c.name not in names]
+    if missing:
+        raise DataError(f"lacks {', '.join(missing)}", where=where, remedy="predict every response channel of the rig")
+    order = [names.index(c.name) for c in rig.responses]
+    # Version 1, and a file that says nothing, are in SI units along the drive.
+    units = list(map(str, said["units"])) if "units" in said else None
+    directions = list(map(str, said["directions"])) if "directions" in said else [rig.drive_direction] * len(names)
+    factors = [
+        _factor(c, None if units is None else units[row], directions[row], where)
+        for c, row in zip(rig.responses, order, strict=True)
+    ]
+    return order, np.array(factors)
+
+
+def _factor(channel: Channel, unit: str | None, direction: str, where: str) -> float:
+    si = 1.0 if unit is None else si_factor(channel.quantity, unit, f"{where}, {channel.name}")
+    turned = 1.0 if direction == channel.direction else -1.0
+    return turned * si / si_factor(channel.quantity, channel.unit)

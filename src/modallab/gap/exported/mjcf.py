@@ -1,0 +1,148 @@
+"""The twin as a MuJoCo model: a chain of links, a motor at each point of the rig, an accelerometer at each channel's.
+
+Joints along x hinge about -y, so that the free end rises along z. Fixed tendons hold stiffness and damping: a
+combination of joints each. There is no gravity: what is simulated is the motion about rest.
+"""
+
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError, UnsupportedError
+from modallab.core.rig import Rig
+from modallab.core.units import Test
+from modallab.formats.atomic import replacing
+from modallab.gap.exported.chain import Chain, chain, combinations
+from modallab.twin.bench import Twin
+
+Array = NDArray[np.float64]
+
+STEP_S = 1 / 32000
+SMALL = 1e-4
+"""Radius of gyration of a node's mass over its link's length: a mass without inertia cannot be simulated."""
+
+
+def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
+    """Write the structure in one test as MJCF. The measurement chain stays outside, but for gains.
+
+    Raises:
+        UnsupportedError: MuJoCo is not installed.
+        DataError: a response channel is no accelerometer.
+        StorageError: the file cannot be written.
+    """
+    text = mjcf(twin, rig, test)
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
+    """The same as text; errors as there."""
+    others = [c.name for c in rig.responses if c.quantity != "acceleration"]
+    if others:
+        raise DataError(
+            f"{', '.join(others)} are no accelerometers, and MuJoCo senses accelerations only here",
+            where=rig.name,
+            remedy="export the state space",
+        )
+    structure = twin.structure
+    if test == "sine" and rig.shaker_point is not None:
+        structure = twin.in_sine(rig.x_of(rig.shaker_point))
+    length = structure.length_m
+    sensors = {c.name: _on(rig.x_of(c.point or 0) + twin.chain.shift.get(c.index, 0.0), length) for c in rig.responses}
+    points = {p.id: twin.struck_x_m(p.x_m) if test == "impact" else p.x_m for p in rig.points}
+    found = chain(structure, np.array([*sensors.values(), *points.values()]))
+    root = _bodies(found, rig, sensors, points)
+    _add_tendons(root, found, mass_matrix(ET.tostring(root, encoding="unicode")))
+    gains = {c.name: twin.chain.gain.get(c.index, 1.0) / twin.chain.force_gain for c in rig.responses}
+    custom = ET.SubElement(root, "custom")
+    for name, gain in gains.items():
+        ET.SubElement(custom, "numeric", name=f"gain_{name}", data=_number(gain))
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _bodies(found: Chain, rig: Rig, sensors: dict[str, float], points: dict[int, float]) -> ET.Element:
+    root = ET.Element("mujoco", model=rig.name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    # Steps that are short enough for the fastest combination; nothing damps but what the twin damps.
+    ET.SubElement(root, "option", timestep=_number(STEP_S), gravity="0 0 0", integrator="RK4")
+    body = ET.SubElement(root, "worldbody")
+    nodes = found.nodes_m
+    if found.slides:
+        body = ET.SubElement(body, "body", name="clamp")
+        ET.SubElement(body, "joint", name="slide", type="slide", axis="0 0 1")
+        _inertia(body, 0.0, float(found.masses_kg[0]), float(nodes[1]))
+    for k in range(1, len(nodes)):
+        link = float(nodes[k] - nodes[k - 1])
+        before = float(nodes[k - 1] - nodes[k - 2]) if k > 1 else 0.0
+        body = ET.SubElement(body, "body", name=f"link{k}", pos=f"{_number(before)} 0 0")
+        ET.SubElement(body, "joint", name=f"hinge{k}", type="hinge", axis="0 -1 0")
+        _inertia(body, link, float(found.masses_kg[k]), link)
+        ET.SubElement(body, "geom", type="capsule", size="0.002", fromto=f"0 0 0 {_number(link)} 0 0", mass="0",
+                      contype="0", conaffinity="0")  # fmt: skip
+        here = f"{_number(link)} 0 0"
+        for name in (f"point{p}" for p, x in points.items() if abs(x - nodes[k]) < 1e-8):
+            ET.SubElement(body, "site", name=name, pos=here)
+        for name in (name for name, x in sensors.items() if abs(x - nodes[k]) < 1e-8):
+            ET.SubElement(body, "site", name=name, pos=here)
+    actuator, sensor = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
+    for point in points:
+        ET.SubElement(actuator, "motor", name=f"force{point}", site=f"point{point}", gear="0 0 1 0 0 0")
+    for name in sensors:
+        ET.SubElement(sensor, "accelerometer", name=f"acceleration_{name}", site=name)
+    return root
+
+
+def _inertia(body: ET.Element, at: float, mass_kg: float, link_m: float) -> None:
+    small = _number(mass_kg * (SMALL * link_m) ** 2)
+    ET.SubElement(body, "inertial", pos=f"{_number(at)} 0 0", mass=_number(mass_kg), diaginertia=" ".join([small] * 3))
+
+
+def _add_tendons(root: ET.Element, found: Chain, mass: Array) -> None:
+    names = [*(["slide"] if found.slides else []), *(f"hinge{k}" for k in range(1, len(found.nodes_m)))]
+    tendon = ET.SubElement(root, "tendon")
+    for k, (row, stiffness, damping) in enumerate(combinations(found, mass), 1):
+        fixed = ET.SubElement(
+            tendon, "fixed", name=f"mode{k}", stiffness=_number(stiffness), damping=_number(damping), springlength="0"
+        )
+        for name, coefficient in zip(names, row, strict=True):
+            ET.SubElement(fixed, "joint", joint=name, coef=_number(float(coefficient)))
+
+
+def mass_matrix(text: str) -> Array:
+    """(joints, joints) of a model at rest, as MuJoCo has it.
+
+    Raises:
+        UnsupportedError: MuJoCo is not installed.
+    """
+    mujoco = require_mujoco()
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return full
+
+
+def require_mujoco() -> Any:
+    """The library.
+
+    Raises:
+        UnsupportedError: it is not installed.
+    """
+    try:
+        import mujoco  # an extra
+    except ImportError as error:
+        raise UnsupportedError("MuJoCo is not installed", remedy="install modallab[mujoco]") from error
+    return mujoco
+
+
+def _on(x_m: float, length_m: float) -> float:
+    return min(max(x_m, 0.0), length_m)
+
+
+def _number(value: float) -> str:
+    return repr(float(value))

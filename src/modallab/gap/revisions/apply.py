@@ -1,0 +1,58 @@
+"""The next revision of a rig: its twin and its simulated bench carry what a diagnosis has found."""
+
+from datetime import date
+
+from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.effect import Effect, Revision
+from modallab.core.errors import DataError, RigError
+from modallab.core.rig import Rig
+
+
+def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -> Rig:
+    """The rig with one revision more: the effects of a diagnosis.
+
+    Args:
+        rig: the bench as it was believed when it was diagnosed.
+        diagnosis: of a campaign on it.
+        on: the day.
+        source: the campaign that was diagnosed, in words.
+
+    Raises:
+        RigError: the diagnosis is of another rig, or its effects are in the rig already.
+        DataError: the diagnosis names no effect.
+    """
+    if diagnosis.rig != rig.name:
+        raise RigError(
+            f"the diagnosis is of {diagnosis.rig!r}, the rig file of {rig.name!r}",
+            remedy="name the rig file that the campaign was diagnosed with",
+        )
+    effects = tuple(_as_known(found) for found in diagnosis.effects)
+    if diagnosis.verdict != "known" or not effects:
+        verdict = {"no_gap": "that there is no gap", "unknown": "that none of the known effects explains the gap"}
+        raise DataError(
+            f"the diagnosis says {verdict.get(diagnosis.verdict, 'no effect')}",
+            where=rig.name,
+            remedy="nothing is to be applied: measure what it advises next",
+        )
+    if any(effects == revision.effects for revision in rig.revisions):
+        raise RigError(
+            f"{' and '.join(e.effect for e in effects)} with these numbers is in the rig already",
+            where=rig.name,
+            remedy="apply a diagnosis that was made with this revision of the rig",
+        )
+    shrink = diagnosis.shrink
+    revision = Revision(
+        effects=effects, applied_on=on, before=shrink.before, after=shrink.after, closed=shrink.closed, source=source
+    )
+    return rig.model_copy(update={"revisions": (*rig.revisions, revision)})
+
+
+def at_revision(rig: Rig, number: int) -> Rig:
+    """The rig as it was after so many revisions; 0 is before any."""
+    return rig.model_copy(update={"revisions": rig.revisions[:number]})
+
+
+def _as_known(found: Found) -> Effect:
+    effect = found.as_effect()
+    # A level in V is of the records that were diagnosed; the share of the peak is of the bench.
+    return effect.model_copy(update={"place": {k: v for k, v in effect.place.items() if k != "level_v"}})

@@ -1,0 +1,128 @@
+"""Modes of FRFs whose points disagree: merged over the points, with poles of each point's own."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import IdentificationError
+from modallab.core.frf import Frf
+from modallab.identification.likelihood.fit import Fit, residuals
+from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.model.modal_model import Seen
+from modallab.identification.options import Options
+from modallab.identification.setups.merge import Merged, merged
+from modallab.identification.setups.roving import PointPoles, point_name, poles_at_points, roved_axis, seen_alone
+from modallab.identification.setups.scatter import Common, common_poles, off
+
+Real = NDArray[np.float64]
+
+LEAST_POINTS = 6
+MISFIT = 1.3
+"""The residual over the noise from line to line, from which on the points are asked whether they agree."""
+ASKED = 40
+"""Points that are asked for the modes they find alone; of more, evenly chosen ones say as much."""
+ORDERS_A_MODE, LEAST_ORDER, MOST_ORDER = 4, 40, 90
+"""Of the estimator at one point."""
+SIGNIFICANCE = 5.0
+FREE = 2.0
+"""A point's poles may move by so many times as much as the points were seen to scatter."""
+LEAST_SPREAD = (1e-5, 1e-3)
+"""Relative, of a frequency and of a damping ratio."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Agreed:
+    """What points that disagree have in common.
+
+    Attributes:
+        fit: of all FRFs at the common poles, with the covariance that the scatter leaves.
+        seen: modal constants and residual terms, each from its point's own fit.
+        notes: on how far the points disagree, and which are off.
+    """
+
+    fit: Fit
+    seen: Seen
+    notes: tuple[str, ...]
+
+
+def agreed(frf: Frf, fit: Fit, options: Options) -> Agreed | None:
+    """The modes of points that disagree; None where one set of poles explains the FRFs, or too few points roved.
+
+    Args:
+        frf: all FRFs, in the band.
+        fit: with one set of poles.
+        options: the estimator; modes that were picked or dropped by hand are left as they are.
+    """
+    few = max(frf.values.shape[:2]) < LEAST_POINTS or min(frf.values.shape[:2]) < 2
+    if few or options.pick_hz or options.drop_hz or misfit_over_noise(frf, fit) < MISFIT:
+        return None
+    found, asked = _merged(frf, fit, options)
+    if found.centre.shape[0] == 0:
+        return None
+    try:
+        points = poles_at_points(frf, found.centre, _spread(found))
+        common = common_poles(points.values, points.variance)
+        if common.setup.max() == 0:
+            return None
+        return _agreed(frf, points, common, _notes(frf, found, common, asked))
+    except IdentificationError:
+        return None
+
+
+def misfit_over_noise(frf: Frf, fit: Fit) -> float:
+    """The fit's residual over the noise from line to line, median over the FRFs: 1 where the model explains them."""
+    fourth = np.diff(frf.values, 4, axis=-1)
+    # Of white noise a fourth difference has 70 times the variance; a median magnitude is 1.177 sigmas of a part.
+    noise = np.median(np.abs(fourth), axis=-1) / np.sqrt(70) / 1.1774
+    ratio = fit.point.noise / np.maximum(noise.reshape(-1), np.finfo(float).tiny)
+    return float(np.median(ratio))
+
+
+def _merged(frf: Frf, fit: Fit, options: Options) -> tuple[Merged, int]:
+    n_points = frf.values.shape[roved_axis(frf)]
+    asked = np.unique(np.linspace(0, n_points - 1, min(n_points, ASKED)).astype(int)).tolist()
+    order = options.max_order or int(np.clip(ORDERS_A_MODE * fit.point.parameters.omega.size, LEAST_ORDER, MOST_ORDER))
+    order = min(order, max(2, frf.frequency_hz.size // 2 - 1))
+    return merged(seen_alone(frf, asked, options.method, order, SIGNIFICANCE), len(asked)), len(asked)
+
+
+def _spread(found: Merged) -> Real:
+    return FREE * np.maximum(found.spread, found.centre * np.array(LEAST_SPREAD))
+
+
+def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]) -> Agreed:
+    omega, zeta = common.value.T
+    at_common = fit_frf(frf, np.asarray(-zeta * omega + 1j * omega, np.complex128), 0)
+    covariance = np.diag((common.sigma**2).ravel())
+    axis = 1 + roved_axis(frf)
+    constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
+    # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
+    feigned = common.between[:, 0] / (zeta * omega)
+    seen = Seen(
+        np.concatenate(constants, axis=axis),
+        np.concatenate(sigma, axis=axis),
+        np.concatenate([residuals(f) for f in points.fits], axis=axis),
+        feigned,
+    )
+    return Agreed(
+        replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)), seen, notes
+    )
+
+
+def _notes(frf: Frf, found: Merged, common: Common, asked: int) -> tuple[str, ...]:
+    size, shares = 100 * np.median(common.between[:, 0] / common.value[:, 0]), 100 * found.share
+    n = int(common.setup.max()) + 1
+    notes = [
+        f"The points disagree: their frequencies scatter by {size:.2g} % over {n} set-ups that the shifts show. Each "
+        "point has poles of its own; those of the model are their mean, and the scatter is in the sigmas.",
+        f"By itself each mode was found by {shares.min():.0f} to {shares.max():.0f} % of the {asked} points asked.",
+    ]
+    for c in off(common):
+        members = ", ".join(point_name(frf, int(k)) for k in np.flatnonzero(common.setup == c))
+        away = 100 * (common.shift[c] - np.median(common.shift))
+        notes.append(
+            f"The set-up of {members} is off: its frequencies are {abs(away):.2g} % "
+            f"{'higher' if away > 0 else 'lower'} than the others'. Look at its sensor's mass, cable and mounting."
+        )
+    return tuple(notes)

@@ -1,0 +1,96 @@
+"""Why simulation and bench differ."""
+
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis, Found
+from modallab.core.effects import kind_of
+from modallab.gap.diagnosis import diagnose as diagnose_campaign
+from modallab.gap.report.calibrated import diagnosed_twin
+from modallab.gap.report.summary import place_in_words, sentence
+from modallab.notebook.model import campaign_in
+from modallab.notebook.recording import Recording
+from modallab.notebook.shown import Shown
+from modallab.notebook.twin import DiagnosedTwin
+from modallab.reporting.waiting import waiting
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class GapFound:
+    """What a diagnosis found.
+
+    Attributes:
+        campaign: the recordings it looked at.
+        diagnosis: everything it says, as a document.
+    """
+
+    campaign: Campaign
+    diagnosis: Diagnosis
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
+        return sentence(self.diagnosis)
+
+    @property
+    def effects(self) -> list[Found]:
+        """The effects judged present, the most probable first."""
+        return list(self.diagnosis.effects)
+
+    @property
+    def twin(self) -> DiagnosedTwin:
+        """The simulation with these effects in it."""
+        return DiagnosedTwin(diagnosed_twin(self.diagnosis, self.campaign.rig), self.campaign.rig)
+
+    def table(self) -> Shown:
+        """The effects, a row for each of their numbers, with the interval of 95 %."""
+        rows: list[tuple[str, str, str, str, str]] = []
+        for found in self.diagnosis.effects:
+            for number in kind_of(found.effect).parameters:
+                low, high = found.interval.get(number.name, (float("nan"),) * 2)
+                value = f"{number.name} = {found.parameters[number.name]:.4g} {number.unit}"
+                between = f"{low:.4g} to {high:.4g}" if isfinite(low) else "unknown"
+                rows.append((found.effect, place_in_words(found), value, between, f"{found.probability:.2f}"))
+        return Shown(("effect", "place", "number", "95 %", "probability"), rows, self.sentence)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the diagnosis as JSON, or the report if the name ends with .html; returns the path.
+
+        Raises:
+            StorageError: the file cannot be written.
+        """
+        from modallab.formats.atomic import replacing
+        from modallab.reporting.gap_report import write_gap_report
+
+        if Path(path).suffix == ".html":
+            write_gap_report(Path(path), self.diagnosis, self.campaign)
+            return Path(path)
+        with replacing(Path(path)) as draft:
+            draft.write_text(self.diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+        return Path(path)
+
+    def __repr__(self) -> str:
+        return f"<GapFound: {self.sentence}>"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def diagnose(measured: Recording, hold_out: str = "mixed", *, progress: bool = True) -> GapFound:
+    """Where simulation and bench differ, which effect causes it, and how far the gap shrinks with it.
+
+    Args:
+        measured: what `simulate` or `load` gave.
+        hold_out: records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE.
+        progress: show how far it is, where somebody looks.
+
+    Raises:
+        DataError: there is nothing to diagnose.
+        RigError: the rig describes no beam, which the simulation needs.
+        PlanError: the rule leaves nothing to fit.
+    """
+    campaign = campaign_in(measured)
+    with waiting("reading the records", progress=progress):
+        return GapFound(campaign, diagnose_campaign(campaign, hold_out))

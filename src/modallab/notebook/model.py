@@ -1,0 +1,246 @@
+"""The modal model of a recording: found, shown, compared, kept."""
+
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError
+from modallab.core.extras import optional_package
+from modallab.core.model import ModalModel
+from modallab.core.units import Test
+from modallab.identification.estimator import USUAL
+from modallab.identification.options import Options
+from modallab.identification.selection.criteria import mac
+from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.recording import Recording
+from modallab.notebook.shown import Shown
+from modallab.pipelines.identify import Identified, Result, identify_campaign
+from modallab.pipelines.model_file import write_models
+from modallab.reporting.digits import concise
+from modallab.reporting.waiting import waiting
+from modallab.verification.comparison import common_shapes
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class Model:
+    """A modal model with its uncertainty; of several tests, that of the first. `model["sine"]` is that of another.
+
+    Attributes:
+        campaign: the recordings it came from.
+        result: the models of all tests, with what was verified.
+        place: which of them this is.
+    """
+
+    campaign: Campaign
+    result: Result
+    place: int = 0
+
+    @property
+    def found(self) -> Identified:
+        """The test's model, its verification and its assessment."""
+        return self.result.identified[self.place]
+
+    @property
+    def modal(self) -> ModalModel:
+        """Every array of the model, as every stage of modallab takes it."""
+        return self.found.model
+
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """The tests that have a model."""
+        return tuple(item.source for item in self.result.identified)
+
+    def __getitem__(self, test: str) -> "Model":
+        """The model of another test of the same recordings.
+
+        Raises:
+            DataError: it has none; the error says why.
+        """
+        if test in self.tests:
+            return Model(self.campaign, self.result, self.tests.index(test))
+        for item in self.result.unidentified:
+            if item.source == test:
+                raise item.error
+        raise DataError(f"no test is called {test!r} here", remedy=f"use one of {', '.join(self.tests)}")
+
+    def table(self) -> Shown:
+        """Frequency and damping of every mode, with one standard deviation: 4.80(3) is 4.80 +- 0.03."""
+        m, judged = self.modal, self.found.assessment
+        rows = [
+            (
+                str(r + 1),
+                concise(float(m.frequency_hz[r]), float(m.frequency_sigma_hz[r])),
+                concise(100 * float(m.damping_ratio[r]), 100 * float(m.damping_sigma[r])),
+                "" if judged is None or not isfinite(judged.confidence[r]) else f"{judged.confidence[r]:.2f}",
+            )
+            for r in range(m.n_modes)
+        ]
+        return Shown(("mode", "frequency [Hz]", "damping [%]", "confidence"), rows, f"{self.found.source}, one sigma")
+
+    def plot_frf(self, drive: int = 0) -> "Figure":
+        """Measured and regenerated FRFs of every output.
+
+        Args:
+            drive: which of the inputs.
+
+        Raises:
+            DataError: the method makes no FRF to compare with, or there is no such input.
+        """
+        from modallab.reporting.figures.all_points import all_points
+
+        check = self.found.verification
+        if check is None:
+            raise DataError(
+                f"the method {self.modal.method} regenerates no FRF",
+                remedy="identify without method, or with refine=True",
+            )
+        if not 0 <= drive < len(self.modal.input_points):
+            raise DataError(
+                f"there is no input {drive}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"
+            )
+        return all_points(check, drive)
+
+    def plot_shapes(self) -> "Figure":
+        """The mode shapes with their uncertainty.
+
+        Raises:
+            DataError: the model has no shapes; the error says why.
+        """
+        from modallab.reporting.figures.mode_shapes import mode_shapes
+
+        figure = mode_shapes([self.modal], self.campaign.rig)
+        if figure is None:
+            why = self.modal.shapes_unavailable or "the places of the outputs are unknown"
+            raise DataError(
+                f"there are no shapes to draw: {why}",
+                remedy="name the points of inputs and outputs; one input must be at an output",
+            )
+        return figure
+
+    def mac(self, other: "Model") -> Real:
+        """(modes, modes of the other) modal assurance criterion over the points that both have.
+
+        Raises:
+            DataError: they share fewer than two points.
+        """
+        return mac(*common_shapes(self.modal, other.modal))
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row for each mode: frequency, damping, their sigmas.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        m, pandas = self.modal, optional_package("pandas", "model.to_pandas()")
+        columns = {
+            "frequency_hz": m.frequency_hz,
+            "frequency_sigma_hz": m.frequency_sigma_hz,
+            "damping_ratio": m.damping_ratio,
+            "damping_sigma": m.damping_sigma,
+        }
+        return pandas.DataFrame(columns, index=pandas.RangeIndex(1, m.n_modes + 1, name="mode"))
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Labelled arrays: frequencies, damping, modal constants and, where known, shapes.
+
+        Raises:
+            MissingPackageError: xarray is not installed.
+        """
+        m, xarray = self.modal, optional_package("xarray", "model.to_xarray()")
+        arrays: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {
+            "frequency": (("mode",), m.frequency_hz, {"units": "Hz"}),
+            "frequency_sigma": (("mode",), m.frequency_sigma_hz, {"units": "Hz"}),
+            "damping_ratio": (("mode",), m.damping_ratio, {"units": "1"}),
+            "damping_sigma": (("mode",), m.damping_sigma, {"units": "1"}),
+            "modal_constant": (("mode", "output", "input"), m.modal_constants, {"units": "1/kg"}),
+            "modal_constant_sigma": (("mode", "output", "input"), m.modal_constant_sigma, {"units": "1/kg"}),
+        }
+        if m.shapes is not None:
+            arrays["shape"] = (("mode", "output"), m.shapes, {"units": "kg^-1/2"})
+        coordinates = {"mode": np.arange(1, m.n_modes + 1), "output": list(m.outputs)}
+        return xarray.Dataset(arrays, coordinates, {"method": m.method, "test": str(m.test or "frf")})
+
+    def save(self, path: str | Path) -> Path:
+        """Write the models of all tests as JSON, or the whole report if the name ends with .html; returns the path.
+
+        Raises:
+            StorageError: the file cannot be written.
+        """
+        if Path(path).suffix == ".html":
+            from modallab.pipelines.report import report_content
+            from modallab.reporting.report import write_report
+
+            title = f"Modal test of {self.campaign.rig.name}"
+            write_report(Path(path), report_content(self.campaign, self.result, title))
+        else:
+            write_models(Path(path), self.campaign, self.result)
+        return Path(path)
+
+    def __len__(self) -> int:
+        return self.modal.n_modes
+
+    def __repr__(self) -> str:
+        hz = ", ".join(f"{f:.4g}" for f in self.modal.frequency_hz)
+        return f"<Model of the {self.found.source} test: {len(self)} modes at {hz} Hz>"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def identify(
+    measured: Recording | MeasuredFrf,
+    test: Test | None = None,
+    *,
+    band: tuple[float, float] | None = None,
+    method: str = USUAL,
+    pick: tuple[float, ...] = (),
+    drop: tuple[float, ...] = (),
+    refine: bool | None = None,
+    progress: bool = True,
+) -> Model:
+    """The modal model of recordings or FRFs.
+
+    Args:
+        measured: what `simulate`, `load` or `frf` gave.
+        test: only this test; None for all there are.
+        band: in Hz; None for all that the data hold.
+        method: name of the estimator.
+        pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
+        drop: frequencies in Hz of modes to leave out.
+        refine: whether a maximum-likelihood search follows; None for what is usual with the method.
+        progress: show how far it is, where somebody looks.
+
+    Raises:
+        DataError: there is nothing to identify.
+        IdentificationError: no mode stands out, or a parameter that cannot be.
+    """
+    options = Options(method=method, band_hz=band, pick_hz=tuple(pick), drop_hz=tuple(drop), refine=refine)
+    campaign = campaign_in(measured)
+    with waiting("identifying", progress=progress):
+        return Model(campaign, identify_campaign(campaign, options, test))
+
+
+def campaign_in(measured: object) -> Campaign:
+    """The campaign of what `simulate`, `load` or `frf` gave.
+
+    Raises:
+        DataError: it is neither.
+    """
+    if isinstance(measured, Recording | MeasuredFrf):
+        return measured.campaign
+    if isinstance(measured, Campaign):
+        return measured
+    hint = f"ml.load({str(measured)!r})" if isinstance(measured, str | Path) else "ml.frf(f, H) for arrays"
+    raise DataError(f"{type(measured).__name__} is no recording", remedy=f"give what ml.load gives: {hint}")

@@ -1,0 +1,93 @@
+"""Recordings of a test, from wherever they come."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from modallab.core.block import Campaign
+from modallab.core.errors import FormatError
+from modallab.core.rig import Rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
+from modallab.formats.importer import import_sources
+from modallab.formats.options import ImportOptions
+from modallab.formats.rig.rig_file import read_rig
+from modallab.notebook.shown import Shown
+
+
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
+class Recording:
+    """What was recorded on a bench.
+
+    Attributes:
+        campaign: the records and the rig, as every stage of modallab takes them.
+    """
+
+    campaign: Campaign
+
+    @property
+    def rig(self) -> Rig:
+        """The bench as believed."""
+        return self.campaign.rig
+
+    def table(self) -> Shown:
+        """The records, those that are alike in one line."""
+        found = Counter((b.test, len(b.channels), b.rate_hz, b.duration_s) for b in self.campaign.blocks)
+        rows = [(str(n), test, str(c), f"{hz:g}", f"{s:g}") for (test, c, hz, s), n in found.items()]
+        rows += [
+            ("FRFs", "", f"{f.values.shape[0]} x {f.values.shape[1]}", "", f"{f.frequency_hz.size} lines")
+            for f in self.campaign.frfs
+        ]
+        return Shown(("records", "test", "channels", "rate [Hz]", "length [s]"), rows, self.rig.name)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the recordings as a campaign file (HDF5), whole or not at all; returns its path.
+
+        Raises:
+            StorageError: the file cannot be written.
+        """
+        write_campaign(self.campaign, Path(path))
+        return Path(path)
+
+    def __repr__(self) -> str:
+        tests = Counter(b.test for b in self.campaign.blocks)
+        held = [f"{n} {test} records" for test, n in tests.items()]
+        held += [f"{len(self.campaign.frfs)} FRF matrices"] if self.campaign.frfs else []
+        return f"<Recording of {self.rig.name!r}: {', '.join(held) or 'empty'}>"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def load(path: str | Path | Sequence[str | Path], rig: str | Path | Rig | None = None, **options: object) -> Recording:
+    """Open recordings.
+
+    Args:
+        path: a campaign file, the folder of one, or files of any format that can be imported.
+        rig: the rig file, if it is neither inside nor beside the recordings; needed for the formats of others.
+        options: what such files do not say themselves, as the fields of `ImportOptions`: test, rate_hz, drive_point,
+            volts.
+
+    Raises:
+        FormatError: no such file, or of no known format.
+        RigError: no rig, or one that is not valid.
+        DataError: the records hold what no measurement can hold.
+    """
+    paths = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
+    for one in paths:
+        _require(one)
+    known = rig if isinstance(rig, Rig) or rig is None else read_rig(Path(rig))
+    if known is None or (len(paths) == 1 and (paths[0].is_dir() or paths[0].suffix == ".h5") and not options):
+        if len(paths) > 1:
+            raise FormatError("several files need a rig", where=str(paths[0]), remedy="give rig='rig.yaml'")
+        return Recording(read_campaign(paths[0], known))
+    return Recording(import_sources(paths, known, ImportOptions(**options)))  # pyright: ignore[reportArgumentType]
+
+
+def _require(path: Path) -> None:
+    if not path.exists():
+        raise FormatError("does not exist", where=str(path), remedy=f"look for it in {path.absolute().parent}")
+    if path.suffix == ".json":
+        raise FormatError(
+            "is no recording", where=str(path), remedy="give the recordings themselves, such as campaign.h5"
+        )

@@ -1,0 +1,41 @@
+"""Results that show themselves: as a table or a figure in a notebook, as text at a prompt."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from io import StringIO
+
+from rich.console import Console
+from rich.markup import escape as escaped
+from rich.table import Table
+
+WIDTH = 100
+"""Characters of a line at a prompt."""
+
+
+class Shown:
+    """A table: HTML in a notebook, text at a prompt."""
+
+    def __init__(self, headings: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> None:
+        self.headings = tuple(headings)
+        self.rows = tuple(tuple(row) for row in rows)
+        self.caption = caption
+
+    def __repr__(self) -> str:
+        table = Table(box=None, caption=escaped(self.caption), caption_justify="left", pad_edge=False)
+        for heading in self.headings:
+            table.add_column(escaped(heading))
+        for row in self.rows:
+            table.add_row(*map(escaped, row))
+        said = StringIO()
+        Console(file=said, width=WIDTH, no_color=True, force_jupyter=False).print(table)
+        return "\n".join(line.rstrip() for line in said.getvalue().splitlines())
+
+    def html(self) -> str:
+        """The table as HTML."""
+        head = "".join(f"<th>{escape(cell)}</th>" for cell in self.headings)
+        rows = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in self.rows)
+        caption = f"<caption style='caption-side:bottom'>{escape(self.caption)}</caption>" if self.caption else ""
+        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+    def _repr_html_(self) -> str:
+        return self.html()

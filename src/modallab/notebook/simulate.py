@@ -1,0 +1,98 @@
+"""A whole test on the simulated bench, from a notebook or a script."""
+
+import pickle
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Literal, cast
+
+from modallab.bench.simulated import simulated_bench
+from modallab.cli.demo import demo_plans
+from modallab.cli.demo_rig import demo_rig
+from modallab.core.errors import BenchError, ConfigurationError, ModallabError
+from modallab.core.plan import Plan
+from modallab.core.progress import report
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.notebook.recording import Recording
+from modallab.reporting.waiting import waiting
+
+Numbers = Mapping[str, float | str]
+PATIENCE_S = 10.0
+"""What a recording takes to bring its bench to rest and to end."""
+
+
+def simulate(
+    structure: str = "link",
+    effect: str | Sequence[str] | Mapping[str, Numbers] = (),
+    *,
+    seed: int = 1,
+    tolerances: Literal["usual", "none"] = "none",
+    plan: Plan | Sequence[Plan] | None = None,
+    progress: bool = True,
+) -> Recording:
+    """Run a hammer test and a sine test on the simulated bench.
+
+    Args:
+        structure: "link", the elastic link of the demonstration.
+        effect: what is wrong with it: "added_mass,mass=0.05,x=0.8", several of these, or
+            {"added_mass": {"mass": 0.05, "x": 0.8}}.
+        seed: draws the bench and its noise.
+        tolerances: "usual": everything is a little off, as on a bench of a lab.
+        plan: what to run instead of the demonstration's two tests.
+        progress: show how far it is, where somebody looks.
+
+    Raises:
+        ConfigurationError: no such structure or effect.
+        PlanError: a plan that cannot be run.
+        BenchError: the recording ended early.
+    """
+    if structure != "link":
+        raise ConfigurationError(f"no structure is called {structure!r}", remedy='give "link", the only one there is')
+    rig = demo_rig()
+    url = simulated_bench(rig, seed, _texts(effect), tolerances)
+    plans = list(demo_plans()) if plan is None else [plan] if not isinstance(plan, Sequence) else list(plan)
+    with (
+        TemporaryDirectory(prefix="modallab-", ignore_cleanup_errors=True) as folder,
+        waiting("testing", progress=progress),
+    ):
+        order = Path(folder) / "order.pickle"
+        order.write_bytes(pickle.dumps((url, rig, plans)))
+        _record(Path(folder))
+        return Recording(read_campaign(Path(folder) / "campaign.h5"))
+
+
+def _texts(effect: str | Sequence[str] | Mapping[str, Numbers]) -> list[str]:
+    if isinstance(effect, str):
+        return [effect]
+    if isinstance(effect, Mapping):
+        return [",".join([name, *(f"{k}={v}" for k, v in numbers.items())]) for name, numbers in effect.items()]
+    return list(effect)
+
+
+def _record(folder: Path) -> None:
+    # In a process whose main module is ours: the bench's own process would else read the caller's script once more.
+    command = [sys.executable, "-m", "modallab.notebook.record", str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stdout is not None
+            for line in child.stdout:
+                share, _, words = line.partition(" ")
+                report(float(share), words.strip())
+            code = child.wait()
+        except BaseException:
+            _end(child)
+            raise
+    if (folder / "error.pickle").exists():
+        raise cast("ModallabError", pickle.loads((folder / "error.pickle").read_bytes()))
+    if code:
+        raise BenchError(f"the recording ended with code {code}", remedy="try again; if it stays, run modallab demo")
+
+
+def _end(child: subprocess.Popen[str]) -> None:
+    child.terminate()
+    try:
+        child.wait(PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        child.kill()

@@ -1,0 +1,45 @@
+"""The frame of a page about the gap: head, style and sections."""
+
+from collections.abc import Sequence
+from importlib.resources import files
+
+from modallab.reporting.figures import style
+from modallab.reporting.markup import Markup, tag, trusted
+
+
+def page(title: str, said: str | Sequence[str], *sections: Markup | None) -> str:
+    """A whole page as text, in the colours of light and dark screens.
+
+    Args:
+        title: heading.
+        said: what is to be known first, a paragraph each; empty ones are left out.
+        sections: in this order; None for one that there is not.
+    """
+    paragraphs = [said] if isinstance(said, str) else list(said)
+    lead = [tag("p", paragraphs[0], class_="lead"), *(tag("p", text) for text in paragraphs[1:] if text)]
+    body = tag("body", tag("header", tag("h1", title), *lead), tag("main", *sections))
+    return f'<!DOCTYPE html>\n<html lang="en">{_head(title)}{body}</html>\n'
+
+
+def _head(title: str) -> Markup:
+    sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
+    light, dark = ("".join(f"--{name}:{pair[i]};" for name, pair in style.COLOURS.items()) for i in (0, 1))
+    colours = f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}"
+    return tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("title", title),
+        tag("style", trusted(colours + sheet)),
+    )
+
+
+def section(heading: str, *parts: str | None) -> Markup:
+    """A section with its heading."""
+    return tag("section", tag("h2", heading), *parts)
+
+
+def captioned(drawn: Markup, caption: str) -> Markup:
+    """A picture with what it shows."""
+    return tag("figure", tag("div", drawn, class_="scroll"), tag("figcaption", caption), class_="plate")

@@ -1,0 +1,52 @@
+"""A simulation held against the bench, as a page."""
+
+from pathlib import Path
+
+from modallab.core.diagnosis import Found
+from modallab.formats.atomic import replacing
+from modallab.gap.simulations.compare import Compared
+from modallab.gap.simulations.said import sentence_of
+from modallab.reporting.figures.gap_pictures import pair_bars
+from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.markup import Markup, table, tag
+from modallab.twin.effects import model_of
+
+
+def write_simulation_report(path: Path, found: Compared) -> None:
+    """Write the page. The file is whole or, after an error, as it was before.
+
+    Raises:
+        StorageError: the file can't be written.
+    """
+    text = page(f"A simulation of {found.rig}", sentence_of(found), _effects(found), _channels(found), _notes(found))
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _effects(found: Compared) -> Markup | None:
+    rows = [_row("the bench alone", f) for f in found.lacks]
+    rows += [_row("the simulation alone", f) for f in found.has]
+    for pair in found.differs:
+        rows += [_row("the bench", pair.bench), _row("the simulation", pair.simulation)]
+    if not rows:
+        return None
+    head = ["who has it", "effect", "numbers", "place", "probability"]
+    return section("What parts them", table("Effects", head, rows, numeric=(4,)))
+
+
+def _row(whose: str, found: Found) -> list[str]:
+    numbers = ", ".join(f"{name} = {value:.5g}" for name, value in found.parameters.items())
+    place = ", ".join(f"{name} {value}" for name, value in found.place.items() if name != "x")
+    return [whose, model_of(found.effect).spoken, numbers, place, f"{found.probability:.2f}"]
+
+
+def _channels(found: Compared) -> Markup:
+    said = (
+        "Rms of measured less simulated of each channel in noise units, on a logarithmic scale, on "
+        f"{len(found.records)} records: as the simulation is, and corrected; 1 is noise. Nothing is fitted."
+    )
+    return section("Channel by channel", captioned(pair_bars(found.by_channel, found.after_by_channel), said))
+
+
+def _notes(found: Compared) -> Markup:
+    return section("Beside that", tag("ul", *(tag("li", note) for note in found.notes)))

@@ -1,0 +1,163 @@
+"""What kind of test a record is of, seen from its force: a label may be wrong, a force cannot be.
+
+A hit is a few contacts that last for a small part of the block. A sine is explained by one tone. A chirp's frequency
+moves one way all the time. What is left is random, in bursts if it stops within the block, and pseudo-random if every
+block repeats the last.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from modallab.core.errors import DataError
+from modallab.core.units import Test
+from modallab.signals.signals import Signals
+from modallab.signals.tone_fit import fit_frequency
+
+Real = NDArray[np.float64]
+
+CONTACT = 0.45
+"""Share of the peak that a contact reaches: more than a steep filter's ringing (0.21) or noise beside weak hits."""
+MOST_CONTACTS = 4
+LONGEST = 0.1
+"""Share of the block that the contacts of a hit last at most."""
+ONE_TONE = 0.5
+"""Share of the force's power that its one sine has at least."""
+ONE_WAY = 0.85
+"""Share of its steps in which a chirp's frequency moves the same way; where it begins again it jumps back."""
+STEPS = 32
+STOPPED = 0.85
+"""Share of the block in which a burst acts at most."""
+REPEATED = 0.9
+"""Correlation of one block's force with the next from which the drive is periodic."""
+LOOKS_LIKE: dict[Test, str] = {
+    "impact": "a hit",
+    "sine": "a steady sine",
+    "random": "random drive that goes on all the time, or no drive at all",
+    "burst-random": "bursts of random drive",
+    "pseudo-random": "a periodic drive, the same in every block",
+    "chirp": "a chirp or a swept sine",
+}
+
+
+def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
+    """The records of which the force is not that of the test they are labelled as, and what it looks like instead.
+
+    Args:
+        signals: blocks of one test, equal in rate and length.
+    """
+    found: dict[str, Test] = {}
+    broadband: dict[Test, list[Signals]] = {}
+    for s in signals:
+        label = s.block.test
+        if label not in ("impact", "sine"):
+            broadband.setdefault(label, []).append(s)
+        elif not (is_hit(s.force) if label == "impact" else _is_its_sine(s)):
+            found[s.block.name] = _of_block(s.force, s.rate_hz)
+    for label, of_it in broadband.items():
+        seen = looks_like([s.force for s in of_it], of_it[0].rate_hz)
+        # One block alone cannot show that the next is the same.
+        alone = len(of_it) == 1 and {label, seen} == {"random", "pseudo-random"}
+        if seen != label and not alone:
+            found |= {s.block.name: seen for s in of_it}
+    return found
+
+
+def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ...]]:
+    """The records whose force is that of their test, and a note on the others.
+
+    Args:
+        signals: blocks of one test, equal in rate and length.
+
+    Raises:
+        DataError: half of the records or more are of another kind: says of which.
+    """
+    wrong = mislabelled(signals)
+    if not wrong:
+        return list(signals), ()
+    name, kind = next(iter(wrong.items()))
+    label = next(s.block.test for s in signals if s.block.name == name)
+    if 2 * len(wrong) >= len(signals):
+        other = LOOKS_LIKE[kind] if kind != label else "nothing of the kind"
+        raise DataError(
+            f"{len(wrong)} of {len(signals)} records are labelled {label}, but their force looks like {other}",
+            where=f"record {name}",
+            remedy=f"import them as the test they are (--test {kind}), or check that the force channel is the force",
+        )
+    kept = [s for s in signals if s.block.name not in wrong]
+    listed = ", ".join(f"{n} ({LOOKS_LIKE[k]})" for n, k in wrong.items())
+    return kept, (f"Left out, because their force is not that of a test labelled {label}: {listed}.",)
+
+
+def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
+    """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
+    votes = [_of_block(force, rate_hz) for force in forces]
+    most: Test = max(votes, key=votes.count)
+    repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
+    if repeats:
+        return "pseudo-random"
+    return most
+
+
+def _of_block(force: Real, rate_hz: float) -> Test:
+    if is_hit(force):
+        return "impact"
+    if tone_share(force, rate_hz) > ONE_TONE:
+        return "sine"
+    if _moves_one_way(force):
+        return "chirp"
+    return "burst-random" if _active_share(force) < STOPPED else "random"
+
+
+def is_hit(force: Real) -> bool:
+    """Whether a force (n,) is one or a few short contacts, and nothing else of their size."""
+    level = np.abs(force - np.median(force))
+    loud = level > CONTACT * level.max(initial=0.0)
+    contacts = int(np.count_nonzero(np.diff(loud.astype(np.int8), prepend=0) == 1))
+    return 0 < contacts <= MOST_CONTACTS and float(loud.mean()) <= LONGEST
+
+
+def tone_share(force: Real, rate_hz: float) -> float:
+    """Share of the power of a force (n,) that the one sine has that explains it best."""
+    centred = force - force.mean()
+    power = float(np.mean(centred**2))
+    if power <= 0:
+        return 0.0
+    spectrum = np.abs(np.fft.rfft(centred * np.hanning(force.size)))
+    strongest = max(1, int(np.argmax(spectrum))) * rate_hz / force.size
+    try:
+        found = fit_frequency(force[None], rate_hz, strongest)
+    except DataError:
+        return 0.0
+    return 1 - float(found.residual_rms[0]) ** 2 / power
+
+
+def _is_its_sine(signals: Signals) -> bool:
+    power = float(np.var(signals.force))
+    return power > 0 and 1 - float(signals.tone.residual_rms[0]) ** 2 / power > ONE_TONE
+
+
+def _moves_one_way(force: Real) -> bool:
+    """Whether the force's own frequency, averaged over parts of the block, keeps rising or keeps falling."""
+    analytic = np.asarray(signal.hilbert(force - force.mean()), np.complex128)
+    turned = analytic[1:] * analytic[:-1].conj()
+    parts = np.array([np.angle(part.sum()) for part in np.array_split(turned, STEPS)])
+    power = np.array([np.abs(part).mean() for part in np.array_split(turned, STEPS)])
+    steps = np.diff(parts[power > 0.05 * power.max(initial=0.0)])
+    return steps.size >= STEPS // 4 and max(float(np.mean(steps > 0)), float(np.mean(steps < 0))) >= ONE_WAY
+
+
+def _active_share(force: Real) -> float:
+    """Share of the block in which there is any force to speak of."""
+    power = np.array([np.mean(part**2) for part in np.array_split(force - np.median(force), STEPS)])
+    return float(np.mean(power > 0.05 * np.sort(power)[-STEPS // 4 :].mean()))
+
+
+def _repeats(forces: Sequence[Real]) -> bool:
+    centred = [f - f.mean() for f in forces]
+    pairs = pairwise(centred)
+    likeness = [float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300) for a, b in pairs]
+    return float(np.median(likeness)) > REPEATED

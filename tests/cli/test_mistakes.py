@@ -1,0 +1,152 @@
+"""What a newcomer gets wrong: each ends at once, in one sentence and a remedy, and never in a traceback."""
+
+import io
+import json
+import re
+import shutil
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import pytest
+
+from modallab.cli import main
+from modallab.cli.demo_rig import demo_rig
+from modallab.formats.rig.rig_file import write_rig
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with what a newcomer has lying about."""
+    folder = tmp_path_factory.mktemp("newcomer")
+    write_rig(demo_rig(), folder / "rig.yaml")
+    shutil.copy(DATA / "campaign_v2.h5", folder / "campaign.h5")
+    (folder / "notes.txt").write_text("a diary of the test\n")
+    (folder / "empty.h5").touch()
+    (folder / "empty").mkdir()
+    (folder / "empty.yaml").touch()
+    (folder / "photo.yaml").write_bytes(bytes(range(256)))
+    (folder / "models.json").write_text(json.dumps({"format_version": 1, "models": []}))
+    (folder / "list.json").write_text("[1, 2]")
+    (folder / "table.csv").write_text("time,force\n0,1\n")
+    (folder / "half.h5").write_bytes((DATA / "campaign_v2.h5").read_bytes()[:3000])
+    plans = {
+        "tabs": "kind: impact\n\tpoints: [10]\n",
+        "kindless": "points: [10]\n",
+        "kind": "kind: hammer\n",
+        "field": "kind: impact\npoint: 10\n",
+        "value": "kind: impact\npoints: [10]\nhits: -1\n",
+        "word": "just a word\n",
+        "second": "- {kind: impact, points: [10]}\n- {kind: sine, levels_v: 3}\n",
+        "far": "kind: impact\npoints: [99]\n",
+    }
+    for name, text in plans.items():
+        (folder / f"plan_{name}.yaml").write_text(text)
+    return folder
+
+
+MISTAKES = {
+    # The demo.
+    "demo --out notes.txt": "notes.txt: is a file",
+    "demo --out notes.txt/inside": "notes.txt/inside: cannot be written",
+    "demo --effect mass": "no effect is called 'mass'",
+    "demo --effect added_mass": "x is missing",
+    "demo --effect added_mass,mass=0.05": "write it as added_mass,mass=",
+    "demo --effect added_mass,m=0.05,x=0.8": "has no parameter 'm'; allowed: mass",
+    "demo --effect added_mass,mass=50g,x=0.8": "mass is '50g'; allowed: above 0 kg",
+    "demo --effect added_mass,mass=0.05,x=8": "a share of the length from the clamp",
+    "demo --effect swap,channel=3": "two accelerometers, such as a03:a07",
+    "demo --effect gain_error,gain=1.1,channel=a99": "99",
+    "demo --effect=": "no effect is called ''",
+    "demo --seed -1": "seed is '-1'; allowed: a whole number from 0",
+    "gap effects mass": "no effect is called 'mass'",
+    # Recordings.
+    "identify nowhere.h5": "nowhere.h5: ",
+    "identify empty": "empty: is a folder without campaign.h5",
+    "identify notes.txt": "notes.txt: ",
+    "identify empty.h5": "empty.h5: ",
+    "identify half.h5": "half.h5: ",
+    "identify models.json": "models.json: ",
+    "identify campaign.h5 --band 80 3": "there is no band 80 to 3 Hz",
+    "identify campaign.h5 --band 1 2": "Hz",
+    "identify campaign.h5 --pick -5": "no mode stands at -5 Hz",
+    "identify campaign.h5 --test chirp": "there is no block of a chirp test",
+    "identify campaign.h5 --rig nowhere.yaml": "nowhere.yaml: cannot be read",
+    "identify campaign.h5 --rig photo.yaml": "photo.yaml: is not text in UTF-8",
+    "identify campaign.h5 --rig empty.yaml": "empty.yaml: is empty",
+    "identify campaign.h5 --rig notes.txt": "notes.txt: ",
+    "import notes.txt --rig rig.yaml --out new.h5": "notes.txt: ",
+    "import table.csv --rig rig.yaml --out new.h5": "table.csv",
+    "import campaign.h5 --rig campaign.h5 --out new.h5": "campaign.h5: is not text",
+    "import campaign.h5 --rig rig.yaml --out campaign.h5": "is one of the sources",
+    "export campaign.h5 --format uff --out nowhere/x.uff": "nowhere",
+    "export notes.txt --format csv --out x": "notes.txt: ",
+    # The gap.
+    "gap diagnose nowhere.h5": "nowhere.h5: ",
+    "gap diagnose campaign.h5 --hold-out some": "some",
+    "gap predict campaign.h5 --diagnosis models.json --on campaign.h5 --out p.h5": "holds modal models",
+    "gap predict campaign.h5 --diagnosis list.json --on campaign.h5 --out p.h5": "list.json: is no diagnosis",
+    "gap predict campaign.h5 --diagnosis photo.yaml --on campaign.h5 --out p.h5": "photo.yaml: is no diagnosis",
+    "gap predict campaign.h5 --diagnosis nowhere --on campaign.h5 --out p.h5": "nowhere: cannot be read",
+    # Plans.
+    "gap distinguishability rig.yaml nowhere.yaml": "nowhere.yaml: cannot be read",
+    "gap distinguishability rig.yaml empty.yaml": "empty.yaml: holds no test",
+    "gap distinguishability rig.yaml photo.yaml": "photo.yaml: is not text in UTF-8",
+    "gap distinguishability rig.yaml plan_tabs.yaml": "plan_tabs.yaml: is not YAML: line 2",
+    "gap distinguishability rig.yaml plan_kindless.yaml": "no kind is given; allowed: impact, sine, broadband",
+    "gap distinguishability rig.yaml plan_kind.yaml": "no test is of kind 'hammer'",
+    "gap distinguishability rig.yaml plan_field.yaml": "point is no field here; allowed: kind, points",
+    "gap distinguishability rig.yaml plan_value.yaml": "hits is '-1', and should be greater than 0",
+    "gap distinguishability rig.yaml plan_word.yaml": "'just a word' is no test",
+    "gap distinguishability rig.yaml plan_second.yaml": "test 2: levels_v is '3'",
+    "gap distinguishability rig.yaml plan_far.yaml": "99",
+    # Benches and the service.
+    "devices nonsense": "nonsense",
+    "rig check nowhere.yaml": "nowhere.yaml: cannot be read",
+    "rig check rig.yaml --bench cDAQ1": "no driver for the bench address 'cDAQ1'",
+    "rig check rig.yaml --bench sim://plate": "no simulated bench at 'sim://plate'",
+    "rig check rig.yaml --bench sim://cantilever?sed=1": "unknown parameter 'sed'",
+    "serve --rig nowhere.yaml": "nowhere.yaml: cannot be read",
+    "serve --host 0.0.0.0 --data served": "no token was chosen",
+    "restore notes.txt --out back": "notes.txt",
+    "user list --data notes.txt": "notes.txt",
+}
+
+
+@pytest.mark.parametrize("command", MISTAKES)
+def test_a_mistake_ends_in_one_sentence_and_a_remedy(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(here)
+    said = io.StringIO()
+    with redirect_stdout(io.StringIO()), redirect_stderr(said):
+        assert main(command.split()) == 2
+    what, _, remedy = said.getvalue().partition("\n  what to do: ")
+    assert what.startswith("modallab: ")
+    assert MISTAKES[command] in what + remedy
+    assert remedy.strip()
+    assert not re.search(r"Traceback|pydantic|0x[0-9a-f]{6}", said.getvalue())
+
+
+@pytest.mark.parametrize("asked", ["help", "added_mass,help"])
+def test_effects_are_listed_where_one_is_asked_for(asked: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(here)
+    said = io.StringIO()
+    with redirect_stdout(said):
+        assert main(["demo", "--effect", asked]) == 0
+    assert "mass" in said.getvalue()
+    assert not (here / "demo").exists()
+
+
+def test_models_go_to_standard_output_alone(capsys: pytest.CaptureFixture[str], demo: Path) -> None:
+    assert main(["identify", str(demo), "--test", "sine", "--json", "-"]) == 0
+    printed = capsys.readouterr()
+    assert [m["test"] for m in json.loads(printed.out)["models"]] == ["sine"]
+    assert "Modal model" in printed.err
+
+
+def test_nothing_is_said_where_nothing_is_asked_for(
+    capsys: pytest.CaptureFixture[str], demo: Path, tmp_path: Path
+) -> None:
+    assert main(["identify", str(demo), "--test", "sine", "--quiet", "--json", str(tmp_path / "m.json")]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "m.json").exists()

@@ -1,0 +1,185 @@
+"""What an operator does from the first hit to the corrected simulation, in a real browser on the simulated bench."""
+
+import base64
+from collections.abc import Callable, Iterator
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from page_browser import Watched
+from playwright.sync_api import Browser
+from service_process import ServiceProcess
+
+Open = Callable[..., Watched]
+VIEWS = ("Bench", "Impact test", "Sine test", "Model", "Gap", "Campaigns")
+SERIOUS = ("serious", "critical")
+IMPACT = {"impact-points": "10, 6", "impact-hits": "2", "impact-rate_hz": "1000"}
+DONE = ".prompt .large:text-is('Done')"
+SAID = """selector => { window.said = []; const seen = () => document.querySelector(selector)
+    && window.said.push(document.querySelector(selector).textContent);
+    new MutationObserver(seen).observe(document.body, {childList: true, subtree: true, characterData: true}); }"""
+HIT = "section[aria-label='The last hit'] .large"
+DROP = """([name, content]) => {
+    const bytes = Uint8Array.from(atob(content), one => one.charCodeAt(0));
+    const files = new DataTransfer();
+    files.items.add(new File([bytes], name));
+    const drop = new DragEvent("drop", {dataTransfer: files, bubbles: true, cancelable: true});
+    document.querySelector(".drop").dispatchEvent(drop); }"""
+POLE = """async ([campaign, mode]) => {
+    const {tests: [{diagram: d}]} = await (await fetch(`/api/v1/campaigns/${campaign}/curves`)).json();
+    const {models: [{model}]} = await (await fetch(`/api/v1/campaigns/${campaign}/model`)).json();
+    const canvas = document.querySelector("canvas.diagram");
+    const scale = canvas.clientWidth / canvas.width;
+    const [low, high] = [Math.min(...d.line_hz), Math.max(...d.line_hz)];
+    const [least, most] = [Math.min(...d.order), Math.max(...d.order)];
+    const n = d.frequency_hz.findIndex((hz, i) => d.standing[i] === 2 && d.order[i] > (least + most) / 2
+        && Math.abs(hz - model.frequency_hz[mode]) < 0.5);
+    return {x: scale * (44 + (d.frequency_hz[n] - low) / (high - low) * (canvas.width - 60)),
+        y: scale * (canvas.height - 34 - (d.order[n] - least) / (most - least) * (canvas.height - 56))}; }"""
+
+
+@pytest.fixture(scope="module")
+def recorded(browser: Browser, served: ServiceProcess) -> Iterator[Watched]:
+    """The page of whoever did an impact test; a good hit was undone by the pedal."""
+    ada = Watched(browser, served.url + served.client.login_link().path, viewport={"width": 1360, "height": 860})
+    ada.view("Impact test")
+    ada.page.evaluate(SAID, HIT)
+    ada.page.click("text=All settings")
+    ada.page.click("summary:has-text('Precision')")
+    ada.page.check("details:has(> summary:has-text('Precision')) > label input")
+    ada.picture("plan")
+    ada.begin("Impact test", IMPACT)
+    ada.page.wait_for_selector(".prompt[data-mood=rejected]")
+    ada.picture("impact", whole=False)
+    ada.page.wait_for_selector(".togo:not(:has-text('0 of 4'))")
+    ada.page.keyboard.press("PageUp")
+    ada.page.wait_for_selector(DONE)
+    yield ada
+    ada.close()
+    assert ada.wrong == []
+
+
+@pytest.fixture(scope="module")
+def campaign(recorded: Watched, served: ServiceProcess) -> str:
+    return served.client.campaigns()[0].id
+
+
+def test_a_whole_impact_test_with_a_bad_hit_and_an_undone_one(recorded: Watched, served: ServiceProcess) -> None:
+    page = recorded.page
+    assert {"Good", "Rejected", "Undone"} <= set(page.evaluate("window.said"))
+    assert page.inner_text(".togo").startswith("4 of 4 good hits")
+    page.wait_for_selector("[aria-label='FRFs so far'][data-points='10 6'][data-averages='2']")
+    run = served.client.campaigns()[0].runs[-1]
+    assert served.client.run(run).accepted == 4
+    assert "undone by the operator" in [block.reason for block in served.client.blocks(run)]
+
+
+def test_the_modes_so_far_say_when_it_is_enough(recorded: Watched) -> None:
+    recorded.page.wait_for_selector(".togo:has-text('Enough')")
+    recorded.picture("modes-so-far")
+    assert recorded.page.locator("[aria-labelledby=p-modes-so-far] tbody tr").count() >= 4
+
+
+def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
+    recorded.view("Model")
+    rows = recorded.page.locator("[aria-labelledby=p-modes-of-the-impact-test] tbody tr")
+    recorded.page.wait_for_selector("canvas.diagram")
+    modes = rows.count()
+    recorded.page.click("canvas.diagram", position=recorded.page.evaluate(POLE, [campaign, 2]))
+    recorded.page.wait_for_selector(f"text='{modes - 1} chosen. Poles that hold over enough orders are listed.'")
+    recorded.page.click("text=Identify with these poles only")
+    recorded.page.wait_for_function(
+        "n => document.querySelectorAll('[aria-labelledby=p-modes-of-the-impact-test] tbody tr').length === n",
+        arg=modes - 1,
+    )
+    picked = served.client.jobs(campaign, "identify")[0].parameters["pick_hz"]
+    assert isinstance(picked, list)
+    assert len(picked) == modes - 1
+    for picture in ("phase", "real", "imaginary", "nyquist", "amplitude"):
+        recorded.page.select_option("#regenerated-impact-Picture", picture)
+        recorded.page.wait_for_selector(".uplot")
+    recorded.picture("model")
+
+
+def test_a_diagnosis_is_put_into_the_simulation(recorded: Watched, served: ServiceProcess) -> None:
+    page = recorded.page
+    recorded.view("Gap")
+    page.click("button:text-is('Diagnose')")
+    page.wait_for_selector(".verdict:text-is('The gap has a known cause.')")
+    assert "added mass at 0.4" in page.inner_text("section[aria-label='Verdict']")
+    page.click("text=Put this into the simulation")
+    page.wait_for_selector("td:has-text('added mass, as diagnosed in')")
+    served.client.wait_until_idle(served.rig)
+    recorded.picture("gap")
+    page.click("text=Run the impact test again")
+    page.wait_for_selector("form.plan p.good")
+    assert page.input_value("#f-impact-points") == "10, 6"
+    page.fill("#f-impact-points", "10")
+    page.click("form.plan button.main:enabled")
+    page.wait_for_selector(DONE)
+    assert served.client.campaigns()[0].name.endswith(", revision 2")
+
+
+def test_two_runs_are_laid_over_each_other(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
+    page = recorded.page
+    run = served.client.campaigns()[0].runs[-1]
+    served.client.wait_for_job(served.client.jobs(served.client.campaigns()[0].id, "identify")[0].id)
+    recorded.view("Campaigns")
+    page.click("button[aria-label$='revision 2']")
+    page.check(f"input[value='{run}']")
+    page.click("main tbody tr:nth-child(2) button")
+    page.check(f"input[value='{served.client.campaign(campaign).runs[0]}']")
+    page.click("text=Compare two runs")
+    page.wait_for_selector("[aria-label='Modes of both runs'] tbody tr:nth-child(3)")
+    mac = page.locator("[aria-label='Modes of both runs'] tbody tr td:last-child").all_inner_texts()
+    recorded.picture("campaigns")
+    assert all(float(one) > 0.99 for one in mac[:3])
+
+
+def test_what_was_exported_comes_back_by_a_drop(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
+    page = recorded.page
+    recorded.view("Campaigns")
+    page.click("main tbody tr:nth-child(2) button")
+    with page.expect_download() as exported:
+        page.click("button:text-is('Export')")
+    content = exported.value.path().read_bytes()
+    page.evaluate(DROP, ["again.h5", base64.b64encode(content).decode()])
+    page.wait_for_selector(".drop p:text-is('again.h5 is there.')")
+    again = served.client.campaigns()[0]
+    assert again.name == "again.h5"
+    assert served.client.run(again.runs[0]).accepted == 4
+    page.evaluate(DROP, ["broken.h5", base64.b64encode(b"no campaign").decode()])
+    page.wait_for_selector(".drop p:text-is('broken.h5 was not taken.')")
+    assert "To mend it" in page.inner_text(".message")
+    recorded.wrong.clear()  # The browser says itself that a request was rejected.
+
+
+def test_a_report_opens_beside_the_page(recorded: Watched) -> None:
+    recorded.view("Campaigns")
+    recorded.page.click("button[aria-label$='revision 2']")
+    with recorded.page.expect_popup() as report:
+        recorded.page.click("button:text-is('Report')")
+    report.value.wait_for_selector("h1:has-text('Modal test of')")
+    report.value.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_everybody_can_read_every_view(recorded: Watched, scheme: str) -> None:
+    recorded.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    for view in VIEWS:
+        recorded.view(view)
+        recorded.page.wait_for_selector("main section.panel, main .prompt")
+        if (view, scheme) == ("Gap", "dark"):
+            recorded.picture("dark", whole=False)
+        found = Axe().run(recorded.page).response["violations"]
+        assert [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in SERIOUS] == [], view
+
+
+def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched) -> None:
+    recorded.page.set_viewport_size({"width": 390, "height": 800})
+    for view in VIEWS:
+        recorded.view(view)
+        recorded.page.wait_for_selector("main section.panel, main .prompt")
+        assert recorded.page.evaluate("document.documentElement.scrollWidth") <= 390, view
+        assert recorded.page.is_visible("button.stop")
+        if view == "Gap":
+            recorded.picture("phone", whole=False)
