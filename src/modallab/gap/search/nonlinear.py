@@ -34,7 +34,7 @@ RIVAL = 6.0
 """What leaves so many times more than the best is no rival, and is not fitted on."""
 LONGER = 3
 """Effects that are fitted on few records to the end."""
-PLACES = 6
+PLACES = 4
 """Places along the beam at which an effect that has one is begun from."""
 OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""

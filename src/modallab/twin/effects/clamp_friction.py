@@ -25,7 +25,7 @@ def _slots(beam: Beam) -> tuple[Slot, ...]:
         Slot("k_slip", "log", spread(4 * unit, 14 * unit, 2)),
         Slot("k_stick", "log", spread(20 * unit, 80 * unit, 2), power=-1.0),
         Slot("moment_limit", "log", spread(1e-5 * unit, 1e-3 * unit, 4), power=-1.0),
-        Slot("sharpness", "log", (1.5,), low=0.7, high=30.0, power=0.0),
+        Slot("sharpness", "log", (1.5,), low=0.2, high=100.0, power=0.0),
     )
 
 
