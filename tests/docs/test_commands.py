@@ -15,6 +15,7 @@ from itertools import chain, pairwise
 from pathlib import Path
 
 import pytest
+from notebooks import notebook_differences
 from pages import ROOT, Fenced, fenced, name
 from transcript import difference
 
@@ -40,6 +41,8 @@ def test_every_command_prints_what_its_page_says(tmp_path: Path, demo: Path, mon
     for page in WALK:
         if name(page) not in ELSEWHERE:
             wrong += _walk(fenced(page), tmp_path, printed)
+    # It opens what the README has recorded and diagnosed.
+    wrong += notebook_differences(ROOT / "docs/notebooks/gap.ipynb", tmp_path)
     assert not wrong, "\n\n".join(wrong)
 
 

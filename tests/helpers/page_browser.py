@@ -4,9 +4,11 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from urllib.parse import urlsplit
 
+from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
@@ -22,7 +24,8 @@ BENCH = (
     "sim://cantilever?seed=32&zeta=0.01&bad_hits=0.3&pace=1&speed=20&reaction_s=0.1,0.2"
     "&effect=added_mass,mass=0.04,x=0.63"
 )
-"""In its order of hits a bad one comes first, then good ones; samples come faster than the clock, and the rig file knows of no mass."""
+"""The first hit is a bad one and the next are good; samples come faster than the clock; the rig
+file knows of no mass."""
 
 PICTURES = os.environ.get("MODALLAB_PICTURES", "")
 """Folder to which the tests write what they see; none by default. The bench then is as slow as a person."""
@@ -82,7 +85,9 @@ class Watched:
         if PICTURES:
             self.page.evaluate("scrollTo(0, 0)")
             self.page.wait_for_timeout(500 if whole else 0)
-            self.page.screenshot(path=Path(PICTURES) / f"page-{name}.png", full_page=whole)
+            content = self.page.screenshot(full_page=whole)
+            picture = Image.open(BytesIO(content)).convert("P", palette=Image.Palette.ADAPTIVE, colors=64)
+            picture.save(Path(PICTURES) / f"page-{name}.png", optimize=True)
 
     def close(self) -> None:
         """Leave."""

@@ -11,6 +11,7 @@ from service_process import ServiceProcess
 
 Open = Callable[..., Watched]
 VIEWS = ("Bench", "Impact test", "Sine test", "Model", "Gap", "Campaigns")
+SEEN = {"Model": "canvas.diagram", "Gap": ".verdict"}
 SERIOUS = ("serious", "critical")
 IMPACT = {"impact-points": "10, 6", "impact-hits": "2", "impact-rate_hz": "1000"}
 DONE = ".prompt .large:text-is('Done')"
@@ -150,6 +151,7 @@ def test_what_was_exported_comes_back_by_a_drop(recorded: Watched, campaign: str
     page.evaluate(DROP, ["broken.h5", base64.b64encode(b"no campaign").decode()])
     page.wait_for_selector(".drop p:text-is('broken.h5 was not taken.')")
     assert "To mend it" in page.inner_text(".message")
+    page.click("button[aria-label='Close this message']")
     recorded.wrong.clear()  # The browser says itself that a request was rejected.
 
 
@@ -162,23 +164,29 @@ def test_a_report_opens_beside_the_page(recorded: Watched) -> None:
     report.value.close()
 
 
+def show(recorded: Watched, view: str, campaign: str) -> None:
+    """A view with something to see in it."""
+    recorded.view(view)
+    if view in SEEN:
+        recorded.page.evaluate(f"location.hash = '#/{view.lower()}/{campaign}'")
+    recorded.page.wait_for_selector(SEEN.get(view, "main section.panel, main .prompt"))
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_everybody_can_read_every_view(recorded: Watched, scheme: str) -> None:
+def test_everybody_can_read_every_view(recorded: Watched, campaign: str, scheme: str) -> None:
     recorded.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
     for view in VIEWS:
-        recorded.view(view)
-        recorded.page.wait_for_selector("main section.panel, main .prompt")
-        if (view, scheme) == ("Gap", "dark"):
-            recorded.picture("dark", whole=False)
+        show(recorded, view, campaign)
+        if (view, scheme) == ("Model", "dark"):
+            recorded.picture("dark")
         found = Axe().run(recorded.page).response["violations"]
         assert [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in SERIOUS] == [], view
 
 
-def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched) -> None:
+def test_on_a_phone_nothing_is_wider_than_the_screen(recorded: Watched, campaign: str) -> None:
     recorded.page.set_viewport_size({"width": 390, "height": 800})
     for view in VIEWS:
-        recorded.view(view)
-        recorded.page.wait_for_selector("main section.panel, main .prompt")
+        show(recorded, view, campaign)
         assert recorded.page.evaluate("document.documentElement.scrollWidth") <= 390, view
         assert recorded.page.is_visible("button.stop")
         if view == "Gap":

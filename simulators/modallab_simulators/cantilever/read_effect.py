@@ -67,8 +67,8 @@ def _place(kind: EffectKind, given: dict[str, str], problems: list[str]) -> dict
         x = _number(text)
         if x is None or not 0 < x <= 1:
             problems.append(
-                f"{kind.name}: x is {repr(text) if text else 'missing'}; allowed: above 0 to 1, a share of the length"
-                " from the clamp"
+                f"{kind.name}: x is {repr(text) if text else 'missing'}; "
+                "allowed: above 0 to 1, a share of the length from the clamp"
             )
             return {}
         return {"x": x}

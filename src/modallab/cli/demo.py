@@ -61,7 +61,7 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
     with Display(console) as display:
         campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
     console.print("identifying ...")
-    with waiting("identifying", progress=arguments.says):
+    with waiting("identifying", progress=not arguments.hush):
         result = identify_campaign(campaign, Options())
     write_rig(rig, folder / "rig.yaml")
     write_campaign(campaign, folder / "campaign.h5")

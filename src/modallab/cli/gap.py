@@ -40,7 +40,7 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     console = console_of(arguments)
     if arguments.simulation is not None:
         return _compare(console, campaign, arguments)
-    with waiting("reading the records", progress=arguments.says):
+    with waiting("reading the records", progress=not arguments.hush):
         diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
@@ -58,7 +58,7 @@ def _diagnose(arguments: argparse.Namespace) -> int:
 def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
     records = read_prediction(arguments.simulation, campaign.rig)
     known = None if arguments.diagnosis is None else read_diagnosis(arguments.diagnosis)
-    with waiting("reading the records", progress=arguments.says):
+    with waiting("reading the records", progress=not arguments.hush):
         found = compare(campaign, records, known, arguments.hold_out)
     for line in (sentence_of(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)

@@ -18,6 +18,7 @@ from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind, blind_folder
 from modallab.core.errors import PlanError
+from modallab.core.extras import optional_package
 from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
 
@@ -66,11 +67,9 @@ def _request(arguments: argparse.Namespace) -> BlindRequest:
 @contextmanager
 def _pool(arguments: argparse.Namespace) -> Generator[Executor]:
     if arguments.scheduler is not None:
-        from distributed import Client  # who uses no Dask need not wait for it
-
-        with Client(arguments.scheduler) as client:
-            executor: Any = client.get_executor(pure=False)
-            yield executor
+        distributed: Any = optional_package("distributed", "a Dask scheduler")
+        with distributed.Client(arguments.scheduler) as client:
+            yield client.get_executor(pure=False)
         return
     # Spawned, not forked: what diagnoses knows nothing of what the process that draws has in its memory.
     workers = arguments.workers or os.cpu_count() or 1

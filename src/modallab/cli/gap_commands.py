@@ -28,6 +28,9 @@ def add_gap_commands(commands: _Commands) -> None:
     _add_export(actions)
     _add_next(actions)
     _add_blind(actions)
+    command = actions.add_parser("paper", help="what explains each number of the paper's Table 1")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
+    command.set_defaults(module="gap_paper")
 
 
 def _add_diagnose(actions: _Commands) -> None:

@@ -38,14 +38,14 @@ def run(arguments: argparse.Namespace) -> int:
     )
     console = console_of(arguments)
     if len(campaigns) > 1:
-        with waiting("identifying", progress=arguments.says):
+        with waiting("identifying", progress=not arguments.hush):
             joined = identify_setups(campaigns, options)
         show_joined(console, joined, arguments.report)
         if arguments.json is not None:
             write_json(arguments.json, model_document(joined.campaign, joined.result))
         return 0
     (campaign,) = campaigns
-    with waiting("identifying", progress=arguments.says):
+    with waiting("identifying", progress=not arguments.hush):
         result = identify_campaign(campaign, options, arguments.test)
     console.print(result_table(campaign, result))
     print_remarks(console, result)

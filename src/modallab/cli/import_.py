@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
     options = ImportOptions(
         test=arguments.test, rate_hz=arguments.rate, drive_point=arguments.drive_point, volts=arguments.volts
     )
-    with waiting("reading", progress=arguments.says):
+    with waiting("reading", progress=not arguments.hush):
         campaign = import_sources(arguments.sources, read_rig(arguments.rig), options)
     write_campaign(campaign, out)
     console = console_of(arguments)

@@ -21,7 +21,7 @@ class _Nowhere:
 
 def console_of(arguments: argparse.Namespace) -> Console:
     """Standard output; standard error where that takes JSON; nothing at all with `--quiet`."""
-    if not arguments.says:
+    if arguments.hush:
         return Console(file=_Nowhere())  # pyright: ignore[reportArgumentType]  # all of a file that rich asks for
     return Console(stderr=getattr(arguments, "json", None) == OUT)
 

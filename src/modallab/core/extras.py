@@ -9,6 +9,7 @@ from modallab.core.errors import MissingPackageError
 EXTRAS = {
     "cryptography": "tls",
     "distributed": "jobs",
+    "mujoco": "mujoco",
     "opendaq": "opendaq",
     "pandas": "tables",
     "psycopg": "postgresql",

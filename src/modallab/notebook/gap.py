@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
+from modallab.cli.gap import read_diagnosis
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
+from modallab.core.errors import FormatError
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
@@ -78,19 +80,42 @@ class GapFound:
         return self.table().html()
 
 
-def diagnose(measured: Recording, hold_out: str = "mixed", *, progress: bool = True) -> GapFound:
+def diagnose(
+    measured: Recording, hold_out: str = "mixed", *, keep: str | Path | None = None, progress: bool = True
+) -> GapFound:
     """Where simulation and bench differ, which effect causes it, and how far the gap shrinks with it.
 
     Args:
         measured: what `simulate` or `load` gave.
         hold_out: records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE.
+        keep: where to keep the diagnosis as JSON; if the file is there, it is read, which takes no time.
         progress: show how far it is, where somebody looks.
 
     Raises:
         DataError: there is nothing to diagnose.
         RigError: the rig describes no beam, which the simulation needs.
         PlanError: the rule leaves nothing to fit.
+        FormatError: what is kept there is no diagnosis of these records.
     """
     campaign = campaign_in(measured)
+    if keep is not None and Path(keep).exists():
+        return GapFound(campaign, _kept(Path(keep), campaign))
     with waiting("reading the records", progress=progress):
-        return GapFound(campaign, diagnose_campaign(campaign, hold_out))
+        found = GapFound(campaign, diagnose_campaign(campaign, hold_out))
+    if keep is not None:
+        found.save(keep)
+    return found
+
+
+def _kept(path: Path, campaign: Campaign) -> Diagnosis:
+    diagnosis = read_diagnosis(path)
+    # The hits at a point are one record of a diagnosis, named as they begin.
+    names = tuple(b.name for b in campaign.blocks)
+    known = all(any(name.startswith(record) for name in names) for record in diagnosis.gap.by_record)
+    if diagnosis.rig != campaign.rig.name or not known:
+        raise FormatError(
+            f"is a diagnosis of other records, on {diagnosis.rig}",
+            where=str(path),
+            remedy="name another file, or delete this one to diagnose anew",
+        )
+    return diagnosis

@@ -101,7 +101,8 @@ def _places(sigma: float) -> int:
     leading = round(sigma / 10**exponent, 1)
     # One figure of a sigma such as 1.4 would be off by a third, so it gets two.
     digits = 2 if leading < 2 else 1
-    return max(digits - 1 - exponent, 0)
+    # A number holds no more than 16 digits, however small its sigma.
+    return min(max(digits - 1 - exponent, 0), 12)
 
 
 def short(value: float) -> str:

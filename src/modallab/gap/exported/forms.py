@@ -86,7 +86,7 @@ def write_form(
 
     Raises:
         DataError: the form has no place for the twin, or for more than one test.
-        UnsupportedError: a library that it needs is not installed.
+        MissingPackageError: a library that it needs is not installed.
         StorageError: the file cannot be written.
     """
     if form.one_test and len(tests) > 1:

@@ -11,7 +11,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.errors import DataError, UnsupportedError
+from modallab.core.errors import DataError
+from modallab.core.extras import optional_package
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
@@ -29,7 +30,7 @@ def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
     """Write the structure in one test as MJCF. The measurement chain stays outside, but for gains.
 
     Raises:
-        UnsupportedError: MuJoCo is not installed.
+        MissingPackageError: MuJoCo is not installed.
         DataError: a response channel is no accelerometer.
         StorageError: the file cannot be written.
     """
@@ -116,7 +117,7 @@ def mass_matrix(text: str) -> Array:
     """(joints, joints) of a model at rest, as MuJoCo has it.
 
     Raises:
-        UnsupportedError: MuJoCo is not installed.
+        MissingPackageError: MuJoCo is not installed.
     """
     mujoco = require_mujoco()
     model = mujoco.MjModel.from_xml_string(text)
@@ -131,13 +132,9 @@ def require_mujoco() -> Any:
     """The library.
 
     Raises:
-        UnsupportedError: it is not installed.
+        MissingPackageError: it is not installed.
     """
-    try:
-        import mujoco  # an extra
-    except ImportError as error:
-        raise UnsupportedError("MuJoCo is not installed", remedy="install modallab[mujoco]") from error
-    return mujoco
+    return optional_package("mujoco", "a MuJoCo model")
 
 
 def _on(x_m: float, length_m: float) -> float:

@@ -1,5 +1,6 @@
 """Runs an exported MuJoCo model: forces in, what its accelerometers read out."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
     """The model of a file as a function of force and time step.
 
     Raises:
-        UnsupportedError: MuJoCo is not installed.
+        MissingPackageError: MuJoCo is not installed.
         FormatError: MuJoCo does not take the file.
         DataError: it has no motor or accelerometer for a point or a channel of the rig.
     """
@@ -50,9 +51,7 @@ def mujoco_simulation(path: Path, rig: Rig) -> Simulate:
 
 
 def _rollout(model: Any, data: Any, initial: Array, control: Array) -> tuple[Array, Array]:
-    from mujoco import rollout  # an extra
-
-    # Controls, as velocities, are no part of what MuJoCo checks between steps.
+    rollout: Any = import_module("mujoco.rollout")
     state, sensed = rollout.rollout(model, data, initial, control)
     return np.asarray(state), np.asarray(sensed)
 

@@ -8,7 +8,7 @@ curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,10 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
         tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
     """
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
-    damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
+    if problem.free.deviations:
+        damping = (FIRST,) if problem.floor else (FIRST, FIRST)
+    else:
+        damping = (1e-4 if problem.floor else 1e-8,)
     here, normal = _at(problem, u, damping), np.eye(len(u))
     for _ in range(iterations):
         before = here.cost
@@ -60,15 +63,15 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Here:
-    """Numbers, residual, cost, and the damping of the next step."""
+    """Numbers, residual, cost, and the damping of the next step, one for each way of damping."""
 
     u: Array
     r: Array
     cost: float
-    damping: float
+    damping: tuple[float, ...]
 
 
-def _at(problem: Problem, u: Array, damping: float) -> _Here:
+def _at(problem: Problem, u: Array, damping: tuple[float, ...]) -> _Here:
     r = problem.residual(u)
     return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
 
@@ -137,20 +140,33 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
 
 
 def _step(problem: Problem, here: _Here, normal: Array, gradient: Array, once: bool) -> _Here | None:
-    """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
-    scale, damping = _scale(problem, normal), here.damping
+    """Where the better of the steps leads to, one for each way of damping; None if none helps."""
+    found: list[_Here] = []
+    kept: list[float] = []
+    for scale, damping in zip(_scales(problem, normal), here.damping, strict=True):
+        there, kept_damping = _damped(problem, here, normal, gradient, (scale, damping), once)
+        found += [there] if there is not None else []
+        kept.append(kept_damping)
+    return replace(min(found, key=lambda h: h.cost), damping=tuple(kept)) if found else None
+
+
+def _damped(
+    problem: Problem, here: _Here, normal: Array, gradient: Array, way: tuple[Array, float], once: bool
+) -> tuple[_Here | None, float]:
+    """The first step that helps, of one or of ever shorter ones, or None; and the damping of the next."""
+    scale, damping = way
     while damping < STIFFEST:
         step = -np.linalg.solve(normal + damping * scale, gradient)
-        there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
+        there = _at(problem, here.u + np.clip(step, -4, 4), here.damping)
         if there.cost < here.cost:
-            return there
-        if once:
-            break
+            return there, max(damping / 10, 1e-9)
         damping *= 10
-    return None
+        if once:
+            return None, damping
+    return None, FIRST
 
 
-def _scale(problem: Problem, normal: Array) -> Array:
+def _scales(problem: Problem, normal: Array) -> list[Array]:
     """What damps a step: the curvature along each axis, which for the beam are those that the data part.
 
     Frequencies determine E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
@@ -158,12 +174,12 @@ def _scale(problem: Problem, normal: Array) -> Array:
     """
     axes = np.eye(len(normal))
     if problem.free.deviations:
-        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it. What the
-        # data determine is held back as well, where steps that would be right on a straight way help no more.
-        axes[np.diag_indices(len(normal))] += CURVED * np.diag(normal)
-        return axes
+        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it. Where steps
+        # that would be right on a straight way help no more, what the data determine is held back instead.
+        curved = axes + CURVED * np.diag(np.diag(normal))
+        return [curved] if problem.floor else [axes, curved]
     if not problem.floor:
         axes[:3, :3] = problem.free.axes
     across = np.linalg.inv(axes)
     curvature = np.maximum(np.einsum("ij,ik,kj->j", axes, normal, axes), 1e-9)
-    return across.T @ (curvature[:, None] * across)
+    return [across.T @ (curvature[:, None] * across)]

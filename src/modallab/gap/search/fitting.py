@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.progress import report
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
@@ -33,6 +33,8 @@ WATCHED = 1.02
 """Rms residual above which an effect that takes nearly all of it away still counts."""
 UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
+EXCUSED = 0.25
+"""Mean square, over what noise leaves, above which a misfit is not excused."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
 STRAIGHT = 3.0
@@ -130,9 +132,10 @@ def _strain(fit: Fit) -> tuple[float, int]:
 def rested(bench: Bench, fit: Fit) -> Fit:
     """Where a search begins from a fit: there; or where it has bent the assembly beyond what a bench may be, at rest.
 
-    A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see.
+    A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see. Where little
+    is bent, first order is all there is, and the priors show what an effect would relieve.
     """
-    if not bench.free.deviations or ordinary(fit):
+    if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
         return fit
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
     u = fit.u.copy()
@@ -157,15 +160,27 @@ def on_all(bench: Bench, fit: Fit) -> Fit:
 
 
 def misfit(problem: Problem, u: Array) -> float:
-    """Relative model error at which these numbers would be excused: where a look for more must begin."""
+    """Relative model error at which these numbers would be excused: where a look for more must begin.
+
+    What noise leaves is no error of the model: where much of the data drowns in it, no floor would excuse it.
+    """
     twin = problem.twin(u)
     answers = forward(twin, problem.data)
     for floor in (COARSE, 0.1, 0.03, 0.01, 0.003):
         r = replace(problem, floor=floor).left(twin, answers)
         used = r[r != 0]
-        if len(used) and np.sqrt(np.mean(np.minimum(used**2, 100.0))) > 0.5:
+        noise = _noise_share(problem, floor)
+        if len(used) and float(np.mean(np.minimum(used**2, 100.0))) - noise > EXCUSED * (1 - noise):
             return floor
     return 0.001
+
+
+def _noise_share(problem: Problem, floor: float) -> float:
+    """Mean square that noise alone leaves while such an error is forgiven."""
+    shares = [
+        (rows.sigma / softened(rows, floor).sigma)[np.isfinite(rows.sigma)] ** 2 for rows in all_rows(problem.data)
+    ]
+    return float(np.mean(np.concatenate(shares))) if shares else 0.0
 
 
 def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: float, steps: int = 3) -> Fit:

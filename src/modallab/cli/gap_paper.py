@@ -1,0 +1,39 @@
+"""`modallab gap paper`: Table 1 of the paper, and what explains each of its numbers."""
+
+import argparse
+
+from rich.console import Console
+from rich.table import Table
+
+from modallab.formats.atomic import replacing
+from modallab.pipelines.paper import Paper, paper
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the table with what explains it."""
+    found, console = paper(), Console()
+    console.print(_modes(found))
+    console.print(_beams(found))
+    for line in found.said:
+        console.print(line, markup=False, highlight=False)
+    if arguments.json is not None:
+        with replacing(arguments.json) as draft:
+            draft.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+    return 0
+
+
+def _modes(found: Paper) -> Table:
+    table = Table("printed", "damping", "line", "read without window", "under Hann", title="Table 1")
+    for mode in found.modes:
+        line = f"{mode.line}{'' if mode.on_line else ' (between)'}"
+        plain, hann = (f"{100 * low:.2f} to {100 * high:.2f} %" for low, high in (mode.plain, mode.hann))
+        table.add_row(f"{mode.printed_hz} Hz", f"{mode.printed_damping:.2%}", line, plain, hann)
+    return table
+
+
+def _beams(found: Paper) -> Table:
+    table = Table("beam with", "number", "mode 1", "mode 2", "mode 3", "lines off at worst")
+    for beam in found.explanations:
+        number = "" if beam.best is None else f"{beam.best:.3g}"
+        table.add_row(beam.name, number, *(f"{f:.2f} Hz" for f in beam.frequency_hz), f"{beam.worst_lines:.2f}")
+    return table
