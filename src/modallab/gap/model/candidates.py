@@ -21,7 +21,11 @@ def of_bench(rig: Rig) -> list[Candidate]:
 
 def of_motion(rig: Rig) -> list[Candidate]:
     """Effects of the beam that depend on the size of the motion: each must be stepped in time, so they come last."""
-    found = [(m.search.rank, m) for m in models().values() if m.search is not None and not m.kind.linear]
+    found = [
+        (m.search.rank, m)
+        for m in models().values()
+        if m.search is not None and m.search.looked_for and not m.kind.linear
+    ]
     return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 
 

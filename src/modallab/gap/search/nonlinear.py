@@ -44,6 +44,8 @@ def nonlinear_level(bench: Bench, base: Fit) -> Level:
     """One round of the effects that depend on the size of the motion, on a beam without any other effect."""
     few = _worst(bench.data, base)
     listed = [c for c in of_motion(bench.data.rig) if bench.allowed(c.effect)]
+    if not listed or bench.data.sines is None:
+        return Level(base, (), ())
     begun: list[list[Fit]] = []
     for i, candidate in enumerate(listed):
         report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")

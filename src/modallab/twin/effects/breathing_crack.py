@@ -34,6 +34,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=90, slots=_slots),
+    search=Search(rank=90, slots=_slots, looked_for=False),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

@@ -45,6 +45,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=40, slots=_slots),
+    search=Search(rank=40, slots=_slots, looked_for=False),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )
