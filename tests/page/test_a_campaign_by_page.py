@@ -123,7 +123,8 @@ def test_a_diagnosis_is_put_into_the_simulation(recorded: Watched, served: Servi
 def test_two_runs_are_laid_over_each_other(recorded: Watched, campaign: str, served: ServiceProcess) -> None:
     page = recorded.page
     run = served.client.campaigns()[0].runs[-1]
-    served.client.wait_for_job(served.client.jobs(served.client.campaigns()[0].id, "identify")[0].id)
+    recorded.view("Model")
+    page.wait_for_selector("canvas.diagram")
     recorded.view("Campaigns")
     page.click("button[aria-label$='revision 2']")
     page.check(f"input[value='{run}']")

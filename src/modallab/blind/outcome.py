@@ -112,8 +112,7 @@ def true_name(trial: Trial) -> str:
 
 def said_name(trial: Trial) -> str:
     """What a diagnosis says as one name."""
-    verdict = trial.diagnosis.verdict
-    return "+".join(sorted(trial.said)) if verdict == "known" else verdict.replace("_", " ")
+    return "+".join(sorted(trial.said)) or trial.diagnosis.verdict.replace("_", " ")
 
 
 def _share(figure: Figure) -> Share:

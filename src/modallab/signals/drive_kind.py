@@ -94,8 +94,8 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
 
 def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
-    votes = [_of_block(force, rate_hz) for force in forces]
-    most: Test = max(votes, key=votes.count)
+    votes: list[Test] = [_of_block(force, rate_hz) for force in forces]
+    most = max(votes, key=votes.count)
     repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
     if repeats:
         return "pseudo-random"
