@@ -177,9 +177,8 @@ def misfit(problem: Problem, u: Array) -> float:
 
 def _noise_share(problem: Problem, floor: float) -> float:
     """Mean square that noise alone leaves while such an error is forgiven."""
-    shares = [
-        (rows.sigma / softened(rows, floor).sigma)[np.isfinite(rows.sigma)] ** 2 for rows in all_rows(problem.data)
-    ]
+    used = [(rows, np.isfinite(rows.sigma)) for rows in all_rows(problem.data)]
+    shares = [(rows.sigma[at] / softened(rows, floor).sigma[at]) ** 2 for rows, at in used]
     return float(np.mean(np.concatenate(shares))) if shares else 0.0
 
 
