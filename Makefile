@@ -39,7 +39,7 @@ $(VENV)/.ready: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit("modallab needs Python 3.11 or newer, this is " + sys.version.split()[0]) if sys.version_info < (3, 11) else None'
 	@echo "1 of 3: making an environment in $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
-	@echo "2 of 3: fetching and installing about 50 packages, nearly 400 MB; usually less than a minute ..."
+	@echo "2 of 3: fetching and installing about 65 packages, 370 MB ..."
 	@$(INSTALL) -e .
 	@echo "3 of 3: looking whether it starts ..."
 	@$(BIN)/modallab --version

@@ -143,7 +143,7 @@ def test_a_device_that_takes_no_value_on_demand_is_brought_to_0_v_by_a_short_buf
 
 
 def test_a_burst_that_has_ended_needs_no_fall(paced: NiServer, rig: Rig) -> None:
-    bench = playing(paced, rig, Burst(20.0, LEVEL_V, 0.1, 0.1), 0.6)
+    bench = playing(paced, rig, Burst(20.0, LEVEL_V, 0.1, 0.1), 1.2)
     began = time.monotonic()
     bench.zero()
     assert time.monotonic() - began < 1.0

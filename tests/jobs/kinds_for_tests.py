@@ -24,6 +24,14 @@ def wait(payload: Any, notify: Notify) -> Computed:
     return Computed({"x": payload["x"], "process": os.getpid()})
 
 
+def gate(payload: Any, notify: Notify) -> Computed:
+    """Works until a file appears, however fast or slow the machine is."""
+    while not Path(payload["file"]).exists():
+        notify(0.5)
+        time.sleep(0.02)
+    return Computed({"x": payload["x"], "process": os.getpid()})
+
+
 def spin(payload: Any, _notify: Notify) -> Computed:
     """Never looks out for anything."""
     deadline = time.monotonic() + payload["seconds"]
@@ -55,7 +63,7 @@ def kinds(folder: Path, **limits: float) -> list[Kind]:
             (folder / f"{name}-{file}").write_bytes(content)
         return computed.result
 
-    work = {"square": square, "wait": wait, "spin": spin, "reject": reject, "break": break_, "die": die}
+    work = {"square": square, "wait": wait, "gate": gate, "spin": spin, "reject": reject, "break": break_, "die": die}
     return [Kind(name, _load, compute, keep, limits.get(name, 3600.0)) for name, compute in work.items()]
 
 

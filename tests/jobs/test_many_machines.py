@@ -44,9 +44,11 @@ def test_two_workers_share_the_jobs_and_one_is_killed(jobs: Jobs, lab: Machines,
 def test_a_killed_scheduler_costs_time_and_no_job(jobs: Jobs, lab: Machines, tmp_path: Path) -> None:
     lab.worker()
     with Runner(jobs, kinds(tmp_path), lab.address) as runner:
-        ordered = [jobs.submit("wait", {"x": x, "steps": 60}, []) for x in range(3)]
+        opened = tmp_path / "opened"
+        ordered = [jobs.submit("gate", {"x": x, "file": str(opened)}, []) for x in range(3)]
         until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
         lab.end()
+        opened.touch()
         until(lambda: runner.status == "connecting")
         port = int(lab.address.rpartition(":")[2])
         lab.scheduler(port)
@@ -64,12 +66,13 @@ def test_the_jobs_of_a_killed_runner_are_taken_by_another(
     script = str(Path(HERE) / "runner_process.py")
     doomed = subprocess.Popen([sys.executable, script, url, lab.address, str(tmp_path), "2"], env=dict(os.environ))
     try:
-        job = jobs.submit("wait", {"x": 5, "steps": 75}, [])
+        job = jobs.submit("gate", {"x": 5, "file": str(tmp_path / "opened")}, [])
         until(lambda: jobs.get(job.id).progress > 0)
     finally:
         doomed.kill()
         doomed.wait(10)
     assert jobs.get(job.id).state == "running"
+    (tmp_path / "opened").touch()
     with Runner(jobs, kinds(tmp_path), lab.address, lease_s=2.0):
         (done,) = ended(jobs, job)
     assert (done.state, done.attempts, done.result["x"]) == ("done", 2, 5)

@@ -77,12 +77,14 @@ def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) ->
 
 def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_path: Path) -> None:
     with Runner(jobs, kinds(tmp_path), workers=1) as runner:
-        ordered = [jobs.submit("wait", {"x": x, "steps": 50}, []) for x in range(2)]
+        opened = tmp_path / "opened"
+        ordered = [jobs.submit("gate", {"x": x, "file": str(opened)}, []) for x in range(2)]
         until(lambda: any(0 < jobs.get(job.id).progress < 1 for job in ordered))
         before = runner.processes
         assert set(before) == {"scheduler", "worker 0"}
         assert os.getpid() not in before.values()
         psutil.Process(before["scheduler"]).kill()
+        opened.touch()
         done = ended(jobs, *ordered)
         after = runner.processes
     assert [(job.state, job.result["x"]) for job in done] == [("done", 0), ("done", 1)]

@@ -46,6 +46,8 @@ LOOKS_LIKE: dict[Test, str] = {
 def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
     """The records of which the force is not that of the test they are labelled as, and what it looks like instead.
 
+    Records without any force are none of them.
+
     Args:
         signals: blocks of one test, equal in rate and length.
     """
@@ -53,6 +55,9 @@ def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
     broadband: dict[Test, list[Signals]] = {}
     for s in signals:
         label = s.block.test
+        if not np.ptp(s.force):
+            # A channel that is dead says nothing of its test: who needs the force says that there is none.
+            continue
         if label not in ("impact", "sine"):
             broadband.setdefault(label, []).append(s)
         elif not (is_hit(s.force) if label == "impact" else _is_its_sine(s)):

@@ -8,7 +8,7 @@ curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
 
 
-def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4) -> Fit:
+def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, alike: bool = False) -> Fit:
     """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
 
     Args:
@@ -46,16 +46,15 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
         u: (u,) where to begin, in prior deviations and in coordinates of the effects.
         iterations: how often the slopes are evaluated at most.
         tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
+        alike: with tolerances, whether steps are held back alike along all numbers; else more along those that the data
+            determine.
     """
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
-    if problem.free.deviations:
-        damping = (FIRST,) if problem.floor else (FIRST, FIRST)
-    else:
-        damping = (1e-4 if problem.floor else 1e-8,)
+    damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
     here, normal = _at(problem, u, damping), np.eye(len(u))
     for _ in range(iterations):
         before = here.cost
-        here, normal = _descended(problem, here)
+        here, normal = _descended(problem, here, alike)
         if before - here.cost < tolerance * before + 1e-2:
             break
     return Fit(problem, here.u, here.cost, here.r, normal)
@@ -63,28 +62,29 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Here:
-    """Numbers, residual, cost, and the damping of the next step, one for each way of damping."""
+    """Numbers, residual, cost, and the damping of the next step."""
 
     u: Array
     r: Array
     cost: float
-    damping: tuple[float, ...]
+    damping: float
 
 
-def _at(problem: Problem, u: Array, damping: tuple[float, ...]) -> _Here:
+def _at(problem: Problem, u: Array, damping: float) -> _Here:
     r = problem.residual(u)
     return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
 
 
-def _descended(problem: Problem, begin: _Here) -> tuple[_Here, Array]:
+def _descended(problem: Problem, begin: _Here, alike: bool) -> tuple[_Here, Array]:
     """Where the slopes at a place lead to, and the curvature there."""
     J, n, here = jacobian(problem, begin.u, begin.r), problem.free.size, begin
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(begin.u)[2]
+    scale = np.eye(len(normal)) if alike and problem.free.deviations else _scale(problem, normal)
     for again in range(SAME_SLOPES):
         gradient = J.T @ here.r
         gradient[:n] += problem.priors(here.u)[1]
-        there = _step(problem, here, normal, gradient, once=again > 0)
+        there = _step(problem, here, (normal, scale), gradient, once=again > 0)
         if there is None:
             break
         fall, here = here.cost - there.cost, there
@@ -139,34 +139,21 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
     return rows
 
 
-def _step(problem: Problem, here: _Here, normal: Array, gradient: Array, once: bool) -> _Here | None:
-    """Where the better of the steps leads to, one for each way of damping; None if none helps."""
-    found: list[_Here] = []
-    kept: list[float] = []
-    for scale, damping in zip(_scales(problem, normal), here.damping, strict=True):
-        there, kept_damping = _damped(problem, here, normal, gradient, (scale, damping), once)
-        found += [there] if there is not None else []
-        kept.append(kept_damping)
-    return replace(min(found, key=lambda h: h.cost), damping=tuple(kept)) if found else None
-
-
-def _damped(
-    problem: Problem, here: _Here, normal: Array, gradient: Array, way: tuple[Array, float], once: bool
-) -> tuple[_Here | None, float]:
-    """The first step that helps, of one or of ever shorter ones, or None; and the damping of the next."""
-    scale, damping = way
+def _step(problem: Problem, here: _Here, curved: tuple[Array, Array], gradient: Array, once: bool) -> _Here | None:
+    """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
+    (normal, scale), damping = curved, here.damping
     while damping < STIFFEST:
         step = -np.linalg.solve(normal + damping * scale, gradient)
-        there = _at(problem, here.u + np.clip(step, -4, 4), here.damping)
+        there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
         if there.cost < here.cost:
-            return there, max(damping / 10, 1e-9)
-        damping *= 10
+            return there
         if once:
-            return None, damping
-    return None, FIRST
+            break
+        damping *= 10
+    return None
 
 
-def _scales(problem: Problem, normal: Array) -> list[Array]:
+def _scale(problem: Problem, normal: Array) -> Array:
     """What damps a step: the curvature along each axis, which for the beam are those that the data part.
 
     Frequencies determine E t^2 / rho to a millionth, amplitudes rho t to a thousandth, and the thickness alone shows in
@@ -174,12 +161,12 @@ def _scales(problem: Problem, normal: Array) -> list[Array]:
     """
     axes = np.eye(len(normal))
     if problem.free.deviations:
-        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it. Where steps
-        # that would be right on a straight way help no more, what the data determine is held back instead.
-        curved = axes + CURVED * np.diag(np.diag(normal))
-        return [curved] if problem.floor else [axes, curved]
+        # Many numbers do nearly the same: what no data part must be free to go as far as its priors let it. What the
+        # data determine is held back as well, where steps that would be right on a straight way help no more.
+        axes[np.diag_indices(len(normal))] += CURVED * np.diag(normal)
+        return axes
     if not problem.floor:
         axes[:3, :3] = problem.free.axes
     across = np.linalg.inv(axes)
     curvature = np.maximum(np.einsum("ij,ik,kj->j", axes, normal, axes), 1e-9)
-    return [across.T @ (curvature[:, None] * across)]
+    return across.T @ (curvature[:, None] * across)

@@ -113,9 +113,11 @@ async function compare(place, [one, other], signal) {
   const jobs = await Promise.all(views.map((run) => get(`runs/${run.id}/jobs`)));
   const models = jobs.every(({ items }) => items.some(({ kind, state }) => kind === "identify" && state === "done"));
   const found = models ? await find(`comparison?one=${one}&other=${other}`) : null;
+  const alone = (found?.alone ?? []).flatMap((places, n) => places.map((mode) => `mode ${mode + 1} of the ${["first", "second"][n]}`));
   put(place, panel("Compared", h("p", { class: "buttons" }, h("label", { for: "compared-output" }, "Output"), choice), chart.element,
     found ? table("Modes of both runs", [["Mode", "n"], ["First [Hz]", "n"], ["Second [Hz]", "n"], ["Difference", "n"], ["Sigmas", "n"], ["Damping, first", "n"], ["Damping, second", "n"], ["MAC", "n"]],
       found.modes.map(([mode], n) => [mode + 1, number(found.frequency_hz[n][0], 6), number(found.frequency_hz[n][1], 6), `${number(found.difference_percent[n], 2)} %`, number(found.sigmas[n], 2), percent(found.damping_ratio[n][0]), percent(found.damping_ratio[n][1]), number(found.mac?.[n], 4)]))
-      : h("p", { class: "muted" }, "One of them has no model yet: their modes cannot be compared.")));
+      : h("p", { class: "muted" }, "One of them has no model yet: their modes cannot be compared."),
+    alone.length ? h("p", { class: "muted" }, `Without a partner in the other run: ${alone.join(", ")}.`) : null));
   draw();
 }
