@@ -25,7 +25,7 @@ from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.locate import depends_on_size, locate
+from modallab.gap.report.locate import locate, out_of_proportion
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
@@ -74,7 +74,7 @@ def diagnose(
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None
     with part(0.06, 0.7, "search"):
-        choice = _searched(bench, prepared, matters)
+        choice = _searched(bench, prepared, matters, unseen)
     report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
@@ -102,13 +102,13 @@ def diagnose(
     )
 
 
-def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None) -> Choice:
-    """What the search says: of effects that depend on the size of the motion first, where the records ask for it."""
+def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """What the search says: effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
-    if base.gap <= bench.flat or not depends_on_size(prepared, base):
+    if base.gap <= bench.flat or not out_of_proportion(prepared):
         return choose(bench, explain(bench, base), matters)
     with part(0.1, 0.5):
-        stepped = choose(bench, [nonlinear_level(bench, base)], matters)
+        stepped = choose(bench, [nonlinear_level(bench, base)], matters, unseen)
     if stepped.explained:
         return stepped
     with part(0.5, 1.0):

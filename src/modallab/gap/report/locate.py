@@ -174,10 +174,10 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
 
 
-def depends_on_size(prepared: Prepared, base: Fit) -> bool:
-    """Whether the beam does not answer in proportion: overtones that the force lacks, or levels that disagree."""
+def out_of_proportion(prepared: Prepared) -> bool:
+    """Whether responses hold overtones that the force does not: no linear beam makes any."""
     harmonic, driven = overtones(prepared)
-    return driven <= OFTEN and (harmonic > OFTEN or _levels_differ(base))
+    return driven <= OFTEN < harmonic
 
 
 def overtones(prepared: Prepared) -> tuple[float, float]:

@@ -28,13 +28,19 @@ Array = NDArray[np.float64]
 
 BLOCKS = 12
 """Sine blocks of a first look."""
+FEWEST = 6
+"""Sine blocks on which starts are compared."""
 LOOKED = 0.1
-"""Relative error that is forgiven in it."""
+"""Relative error that is forgiven in a first look."""
 RIVAL = 6.0
 """What leaves so many times more than the best is no rival, and is not fitted on."""
+CLOSE = 3.0
+"""The same of what is fitted to all records."""
+WRONG = 0.5
+"""Share of what a linear beam leaves on few records from which an effect explains nothing."""
 LONGER = 3
 """Effects that are fitted on few records to the end."""
-PLACES = 4
+PLACES = 3
 """Places along the beam at which an effect that has one is begun from."""
 OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""
@@ -42,29 +48,32 @@ OUTLIER = 100.0
 
 def nonlinear_level(bench: Bench, base: Fit) -> Level:
     """One round of the effects that depend on the size of the motion, on a beam without any other effect."""
-    few = _worst(bench.data, base)
     listed = [c for c in of_motion(bench.data.rig) if bench.allowed(c.effect)]
     if not listed or bench.data.sines is None:
         return Level(base, (), ())
+    few, fewest = (_worst(bench.data, base, count) for count in (BLOCKS, FEWEST))
     begun: list[list[Fit]] = []
     for i, candidate in enumerate(listed):
         report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
-        begun.append(_begun(bench, few, candidate))
+        begun.append(_begun(bench, few, fewest, candidate))
     begun.sort(key=lambda fits: fits[0].cost)
     hopeful = [fits for fits in begun if fits[0].cost < RIVAL * begun[0][0].cost][:LONGER]
     report(0.5, "the likeliest of them")
-    looks = sorted((min((_fitted(f) for f in fits[:2]), key=_cost) for fits in hopeful), key=_cost)
+    looks = sorted((_fitted(fits[0]) for fits in hopeful), key=_cost)
+    left = tuple((f.problem.candidates, f.cost) for f in looks)
+    linear = _seen(replace(looks[0].problem, candidates=(), held=_beam(base.u)), base)
+    if looks[0].cost > WRONG * linear.cost:
+        return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[0].effect.replace('_', ' ')}, on all records")
-    fits = [_on_all(bench, f) for f in looks[:2] if f.cost < RIVAL * looks[0].cost]
-    rest = tuple((f.problem.candidates, f.cost) for f in looks[len(fits) :])
-    return Level(base, tuple(sorted(fits, key=_cost)), rest)
+    fits = [_on_all(bench, f) for f in looks[:2] if f.cost < CLOSE * looks[0].cost]
+    return Level(base, tuple(sorted(fits, key=_cost)), left[len(fits) :])
 
 
 def _cost(fit: Fit) -> float:
     return fit.cost
 
 
-def _worst(data: Reduced, base: Fit) -> Reduced:
+def _worst(data: Reduced, base: Fit, count: int) -> Reduced:
     """The sine blocks that a linear beam explains worst, relative to their size; the hits where there are none."""
     if data.sines is None:
         return data
@@ -76,7 +85,7 @@ def _worst(data: Reduced, base: Fit) -> Reduced:
     for j in np.argsort(by_block)[::-1]:
         pair = [k for k, hz in enumerate(d.source.frequency_hz) if abs(hz - d.source.frequency_hz[j]) < 1e-3]
         chosen += [k for k in pair if k not in chosen]
-        if len(chosen) >= BLOCKS:
+        if len(chosen) >= count:
             break
     return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
 
@@ -97,9 +106,10 @@ def _blocks(d: SineData, at: list[int]) -> SineData:
     return replace(d, pieces=tuple(d.pieces[j] for j in at), source=source, rows=kept)
 
 
-def _begun(bench: Bench, few: Reduced, candidate: Candidate) -> list[Fit]:
-    """The effect after a few steps on few records from the best of its starts, best first."""
+def _begun(bench: Bench, few: Reduced, fewest: Reduced, candidate: Candidate) -> list[Fit]:
+    """The effect after a few steps on few records from the best of its starts on even fewer, best first."""
     problem = Problem(few, bench.free, (candidate,), LOOKED)
+    glance = replace(problem, data=fewest)
     begins = [
         (dict(zip((s.name for s in candidate.slots), own, strict=True)).get("x"), u)
         for own in product(*(slot.starts for slot in candidate.slots))
@@ -108,7 +118,7 @@ def _begun(bench: Bench, few: Reduced, candidate: Candidate) -> list[Fit]:
 
     def cost(begin: tuple[float | None, Array]) -> float:
         u = begin[1]
-        return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
+        return float(np.sum(np.minimum(glance.residual(u) ** 2, OUTLIER)) + glance.priors(u)[0])
 
     def first(u: Array) -> Fit:
         return minimise(replace(problem, held=_beam(u)), u, 2, 3e-2)
@@ -119,13 +129,13 @@ def _begun(bench: Bench, few: Reduced, candidate: Candidate) -> list[Fit]:
     likely: dict[float | None, list[int]] = {}
     for i in np.argsort(costs):
         likely.setdefault(begins[i][0], []).append(int(i))
-    chosen = next(iter(likely.values()))[:2] if len(likely) == 1 else [best[0] for best in likely.values()][:PLACES]
+    chosen = [best[0] for best in likely.values()][:PLACES]
     return sorted((first(begins[i][1]) for i in chosen), key=_cost)
 
 
 def _fitted(fit: Fit) -> Fit:
     """The same with ever less forgiven."""
-    for floor, steps in ((LOOKED / 3, 2), (LOOKED / 10, 2), (LOOKED / 20, 3)):
+    for floor, steps in ((LOOKED / 3, 2), (LOOKED / 20, 3)):
         # The beam that the poles show stays, as firmly as more is forgiven.
         fit = minimise(replace(fit.problem, floor=floor, held=_beam(fit.u)), fit.u, steps, 3e-2)
     return fit
@@ -173,11 +183,9 @@ def _linear(bench: Bench, candidate: Candidate, own: Array) -> Iterator[tuple[Ca
 def _on_all(bench: Bench, fit: Fit) -> Fit:
     """The fit brought to its end on all data; of its stages the one that leaves least, should the law not be exact."""
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
-    stages = [_seen(exact, fit)]
-    for floor in (LOOKED / 10, LOOKED / 50, LOOKED / 250):
-        fit = minimise(replace(exact, floor=floor, held=_beam(fit.u)), fit.u, 2, 3e-2)
-        stages.append(_seen(exact, fit))
-    best = min(stages, key=lambda f: f.cost)
-    best = min(best, minimise(exact, best.u, 5, 1e-2), key=lambda f: f.cost)
+    first = _seen(exact, fit)
+    fit = minimise(replace(exact, floor=LOOKED / 50, held=_beam(fit.u)), fit.u, 2, 3e-2)
+    best = min(first, _seen(exact, fit), key=_cost)
+    best = min(best, minimise(exact, best.u, 2, 1e-2), key=_cost)
     # Where the law is exact, what is left to go lies along a valley: a place and a stiffness do nearly the same.
     return minimise(exact, best.u, 6, 1e-3) if best.gap < NEAR * bench.flat else best
