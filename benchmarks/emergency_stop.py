@@ -62,8 +62,8 @@ class Bench:
         while self.level() == 0.0:
             assert time.monotonic() < end, "nothing is driven"
 
-    def level(self) -> float:
-        return float(self.server.say("levels 0.02")[OUTPUT])
+    def level(self, over_s: float = 0.02) -> float:
+        return float(self.server.say(f"levels {over_s}")[OUTPUT])
 
     def press(self, headers: dict[str, str]) -> tuple[int, float]:
         began = time.monotonic()

@@ -3,14 +3,15 @@
 The service runs as its users start it. Its bench is a device of this file that gives 64 channels at 51.2 kHz in real
 time, has a buffer of four seconds, and says so when it ran over. It hits as soon as it is asked to. Watched from
 outside: samples that were lost, processor time of the rig's process, and how long after a block's last sample was taken
-its FRF was there.
+its event and its FRF were there. `--load` starts so many processes that never rest.
 
     python benchmarks/many_channels.py --seconds 60
-    python benchmarks/many_channels.py --channels 11 --rate 2000
+    python benchmarks/many_channels.py --channels 11 --rate 2000 --load 25
 """
 
 import argparse
 import json
+import multiprocessing
 import os
 import struct
 import sys
@@ -154,6 +155,8 @@ class Watched:
     lost: int = 0
     frfs: list[tuple[int, float]] = field(default_factory=list[tuple[int, float]])
     """(averages, when it was there by the monotonic clock)."""
+    events: list[float] = field(default_factory=list[float])
+    """When each accepted block's event was there."""
 
 
 def parse(message: bytes | str) -> dict[str, Any]:
@@ -180,6 +183,22 @@ def watch_frfs(service: ServiceProcess, run: str, seen: Watched, until: threadin
             seen.frfs.append((about["averages"], time.monotonic()))
 
 
+def watch_events(service: ServiceProcess, run: str, seen: Watched) -> None:
+    for event in service.client.follow(run):
+        if event.kind == "block" and event.content["accepted"]:
+            seen.events.append(time.monotonic())
+
+
+def never_rest() -> None:
+    while True:
+        pass
+
+
+def in_ms(late: list[float]) -> str:
+    chosen = late if len(late) < 40 else [late[len(late) // 2], *late[-5:]]
+    return f"{len(late)}: " + ", ".join(f"{1e3 * x:.0f}" for x in chosen)
+
+
 def open_socket(service: ServiceProcess, path: str) -> Any:
     address = service.url.replace("http", "ws") + "/api/v1" + path
     return connect(address, additional_headers={"Authorization": f"Bearer {service.token}"}, max_size=None)
@@ -196,7 +215,9 @@ def main() -> int:
     parser.add_argument("--rate", type=float, default=51200.0)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--outputs", type=int, default=2, help="FRFs watched live")
+    parser.add_argument("--load", type=int, default=0)
     arguments = parser.parse_args()
+    busy = [multiprocessing.Process(target=never_rest, daemon=True) for _ in range(arguments.load)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         entry = folder / "many_channels-0.dist-info"
@@ -206,7 +227,13 @@ def main() -> int:
         env = {"PYTHONPATH": os.pathsep.join((name, str(Path(__file__).parent))), "MANY_BEGAN": str(folder / "began")}
         rig = rig_file(folder, arguments.channels)
         with ServiceProcess(folder / "data", "--rig", str(rig), "--no-jobs", env=env) as service:
-            return measure(service, arguments, folder)
+            for process in busy:
+                process.start()
+            try:
+                return measure(service, arguments, folder)
+            finally:
+                for process in busy:
+                    process.terminate()
 
 
 def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path) -> int:
@@ -222,6 +249,7 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path
     seen, until = Watched(), threading.Event()
     viewers = [
         threading.Thread(target=watch_samples, args=(service, run, seen), daemon=True),
+        threading.Thread(target=watch_events, args=(service, run, seen), daemon=True),
         threading.Thread(target=watch_frfs, args=(service, run, seen, until, arguments.outputs), daemon=True),
     ]
     for viewer in viewers:
@@ -250,8 +278,10 @@ def measure(service: ServiceProcess, arguments: argparse.Namespace, folder: Path
     print(f"run {view.state}: {len(blocks)} of {view.blocks} blocks accepted; {view.reason}")
     print(f"live: {seen.samples} samples each, {seen.lost} lost")
     print("share of a core by process: " + ", ".join(f"{name} {share:.2f}" for name, share in shares.items()))
-    print("last sample of a block to its record, ms: " + ", ".join(f"{1e3 * x:.0f}" for x in kept))
-    print(f"last sample of a block to its FRF, ms, {len(late)}: " + ", ".join(f"{1e3 * x:.0f}" for x in late))
+    events = sorted(at - end for at, end in zip(seen.events, ends, strict=False))
+    for what, found in (("record", kept), ("event", events), ("FRF", late)):
+        print(f"last sample of a block to its {what}, ms, of {in_ms(found)}")
+    print(f"load {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores")
     return int(seen.lost > 0 or view.state != "done")
 
 

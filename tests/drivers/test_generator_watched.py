@@ -19,7 +19,7 @@ PANEL = [
 ]  # fmt: skip
 
 
-@pytest.fixture(params=["pty", "socket"])
+@pytest.fixture(params=["pty", "socket", "hislip"])
 def way(request: pytest.FixtureRequest) -> str:
     return request.param
 
@@ -117,10 +117,14 @@ def test_a_line_that_dies_in_a_burst_names_the_amplifier(bench: Bench, monkeypat
     ],
 )
 def test_a_line_that_cannot_be_used_is_named_before_anything_is_driven(
-    bench: Bench, fault: str, named: str, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, way: str, fault: str, named: str, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.2)
     bench.port.fault(fault)
+    if (way, fault) == ("hislip", "wrong-terminator"):
+        # There the protocol marks the end of an answer, and what stands at its end is of no matter.
+        bench.open().close()
+        return
     with pytest.raises(BenchError, match=named):
         bench.open()
     assert not bench.volts(time.monotonic(), time.monotonic() + 0.1).any()

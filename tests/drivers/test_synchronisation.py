@@ -7,6 +7,7 @@ import pytest
 from ni_server import NiServer
 
 from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Burst, Request
 from modallab.commissioning.findings import Finding
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation, delay_between
 from modallab.core.errors import ConfigurationError
@@ -14,6 +15,7 @@ from modallab.core.hardware import Synchronisation
 from modallab.core.rig import Rig
 
 RATE_HZ = 51_200.0
+TONE_HZ = 1000.0
 RNG = np.random.default_rng(3)
 TIMES = np.arange(2 * 51_200) / RATE_HZ
 
@@ -95,6 +97,28 @@ def test_cards_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_k
     said, phase = checked(cards, on(rig, CARDS, method))
     assert {finding.verdict for finding in said} == {"good"}
     assert phase.verdict == "good", phase.value
+
+
+def off_ppm(server: NiServer, rig: Rig) -> float:
+    """By how much the frequency of a played tone is off in the samples, in millionths."""
+    bench = open_bench(server.url, rig)
+    rate_hz = bench.configure(Request("impact", RATE_HZ)).rate_hz
+    bench.start()
+    bench.play(Burst(TONE_HZ, 0.5, 0.05, 2.0))
+    bench.read(round(0.2 * rate_hz), 5.0)
+    tone = bench.read(round(1.6 * rate_hz), 5.0).samples[0].astype(np.float64)
+    bench.close()
+    half = tone.size // 2
+    turns = np.exp(-2j * np.pi * TONE_HZ / rate_hz * np.arange(tone.size))
+    phases = [np.angle(np.sum(np.hanning(half) * (tone * turns)[k : k + half])) for k in (0, half)]
+    return float(1e6 * np.angle(np.exp(1j * (phases[1] - phases[0]))) / (2 * np.pi * TONE_HZ * half / rate_hz))
+
+
+def test_an_output_runs_by_the_clock_of_the_inputs(cards: NiServer, rig: Rig, monkeypatch: pytest.MonkeyPatch):
+    assert abs(off_ppm(cards, on(rig, CARDS, "reference-clock"))) < 0.1
+    # Left to itself it runs by the clock of its own card.
+    monkeypatch.setattr("modallab_drivers.ni_daqmx.shaker.Shaker.follow", lambda shaker, clock: None)
+    assert abs(off_ppm(cards, on(rig, CARDS, "reference-clock"))) > 1.0
 
 
 def test_chassis_that_can_be_synchronised_agree_within_a_tenth_of_a_degree_at_10_khz(rig: Rig):

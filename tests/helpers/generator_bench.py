@@ -9,10 +9,19 @@ from numpy.typing import NDArray
 from modallab_drivers.function_generator.generator import Generator
 from modallab_drivers.function_generator.line import Line
 from modallab_simulators.ni_daqmx_server.lines import OutputLine
-from modallab_simulators.scpi_generator import SINE_DIALECTS, PtyGenerator, ScpiGenerator, SocketGenerator
+from modallab_simulators.scpi_generator import (
+    SINE_DIALECTS,
+    HislipGenerator,
+    PtyGenerator,
+    ScpiGenerator,
+    SocketGenerator,
+)
 
 RATE_HZ = 1000.0
 CHUNK_S = 0.02
+
+
+WAYS = {"pty": PtyGenerator, "socket": SocketGenerator, "hislip": HislipGenerator}
 
 
 class WallClock:
@@ -26,7 +35,7 @@ class Bench:
 
     line: OutputLine
     device: ScpiGenerator
-    port: PtyGenerator | SocketGenerator
+    port: PtyGenerator | SocketGenerator | HislipGenerator
     dialect: str
 
     def open(self) -> Generator:
@@ -46,4 +55,4 @@ class Bench:
 def make(dialect: str, way: str = "pty") -> Bench:
     line = OutputLine()
     device = ScpiGenerator(SINE_DIALECTS[dialect], line, WallClock())
-    return Bench(line, device, PtyGenerator(device) if way == "pty" else SocketGenerator(device), dialect)
+    return Bench(line, device, WAYS[way](device), dialect)

@@ -35,6 +35,16 @@ def test_a_block_comes_back_bit_for_bit_with_its_facts(store: Store, dtype: str)
     assert row.note == note
 
 
+def test_samples_that_are_placed_are_a_block_only_once_they_are_kept(store: Store) -> None:
+    with begin(store) as recorder:
+        recorder.place(noise(1))
+        good = recorder.place(noise(2))
+        assert recorder.keep(good, BlockNote("good", "impact", 64)).n == 0
+        recorder.place(noise(3))
+    (block,) = store.blocks(recorder.run)
+    assert block.samples.tobytes() == noise(2).tobytes()
+
+
 def test_a_run_keeps_all_that_is_needed_to_repeat_it(store: Store) -> None:
     with begin(store) as recorder:
         recorder.enter("done")

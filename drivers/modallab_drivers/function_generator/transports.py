@@ -106,7 +106,9 @@ class VisaResource:
         with self._as_os_error():
             self._resource.timeout = max(1, round(1000 * timeout_s))
             try:
-                return bytes(self._resource.read_raw()), True
+                # Where nothing was asked the backend's HiSLIP does not wait: it gives an empty message at once.
+                message = bytes(self._resource.read_raw())
+                return message, bool(message)
             except self._errors.VisaIOError as error:
                 if error.error_code != self._timed_out:
                     raise

@@ -15,6 +15,7 @@ from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated, t
 from modallab_drivers.ni_daqmx.guards import after_expiry
 from modallab_drivers.ni_daqmx.ramp_down import DESCRIPTION, IDLE, Played, PlayedWave, fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
+from modallab_drivers.ni_daqmx.synchronise import REFERENCE_CLOCKS
 from modallab_drivers.ni_daqmx.zero_volts import write_zero
 from modallab_drivers.order import burst_samples, wave_samples
 
@@ -28,7 +29,11 @@ def task_name(physical: str) -> str:
 
 
 class AnalogOutput:
-    """One analog output. A task on it exists while a burst is on; else it is a plain 0 V."""
+    """One analog output. A task on it exists while a burst is on; else it is a plain 0 V.
+
+    Attributes:
+        reference_clock: of the backplane, which it is to follow; empty: its device's own clock.
+    """
 
     def __init__(self, route: Route, physical: str, range_v: float, *, guarded: bool = True) -> None:
         """Take the output and bring it to 0 V.
@@ -47,6 +52,7 @@ class AnalogOutput:
         self._task: Any = None
         self._wave: NDArray[np.float64] = np.zeros(1)
         self._played: Played | PlayedWave | None = None
+        self.reference_clock = ""
         # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
         behaviour = AOIdleOutputBehavior
         self._idle = behaviour.MAINTAIN_EXISTING_VALUE if guarded else behaviour.ZERO_VOLTS
@@ -83,6 +89,7 @@ class AnalogOutput:
             try:
                 count = len(samples_at(requested))
                 task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
+                self._follow(task)
                 wave = samples_at(float(task.timing.samp_clk_rate))
                 if len(wave) != count:
                     task.timing.cfg_samp_clk_timing(
@@ -176,6 +183,17 @@ class AnalogOutput:
                 task.close()
                 raise
             return task
+
+    def _follow(self, task: Any) -> None:
+        if not self.reference_clock:
+            return
+        task.timing.ref_clk_src = self.reference_clock
+        task.timing.ref_clk_rate = REFERENCE_CLOCKS.get(self.reference_clock, 10e6)
+        try:
+            task.control(TaskMode.TASK_VERIFY)
+        except nidaqmx.errors.DaqError:
+            # An output outside the chassis, or one that cannot: by its own clock, as on every bench of one device.
+            del task.timing.ref_clk_src
 
     def _describe(self, task: Any, described: str) -> None:
         interpreter, handle = task._interpreter, task._handle

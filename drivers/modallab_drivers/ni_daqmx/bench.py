@@ -101,6 +101,7 @@ class NiBench:
             self._drop_inputs()
         self._shaker.watch(self._route)
         inputs = self._inputs or self._make_inputs()
+        self._shaker.follow(inputs.reference_clock)
         try:
             patiently(inputs.start)
         except BenchError as error:

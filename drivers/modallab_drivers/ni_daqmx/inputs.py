@@ -28,6 +28,7 @@ class Inputs:
         volts_per_unit: (channels,) as delivered.
         delay_s: by how much the samples lag what the sensors felt.
         synchronised_by: in words; empty where one device samples all.
+        reference_clock: of the backplane, which all devices follow; empty where they do not.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class Inputs:
         self._where = route.address.url
         made = made_tasks(route, plugs, test, rate_hz, reference, synchronisation or Synchronisation())
         self.tasks, self.synchronised_by = made.tasks, made.synchronised_by
+        self.reference_clock = made.reference_clock
         self._rows = [[plugs.index(plug) for plug in task.plugs] for task in self.tasks]
         self._faults = [InputFaults(task.task, task.plugs, self._where) for task in self.tasks]
         self._channels = len(plugs)

@@ -78,6 +78,11 @@ class Shaker:
         self._guards = after_expiry(route, lambda: Guards(route, self._rig.excitation, self.physical))
         self._burst_end = 0
 
+    def follow(self, reference_clock: str) -> None:
+        """An output of the device runs by the clock that the inputs follow; by its own where there is none."""
+        if isinstance(self._output, AnalogOutput):
+            self._output.reference_clock = reference_clock
+
     def unwatch(self) -> None:
         """Streaming ends: the guards too."""
         self._guards.close()

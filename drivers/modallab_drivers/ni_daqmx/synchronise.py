@@ -31,10 +31,11 @@ REFERENCE_CLOCKS = {"PXIe_Clk100": 100e6, "PXI_Clk10": 10e6}
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Made:
-    """The tasks of all inputs, and in words what keeps them together."""
+    """The tasks of all inputs, in words what keeps them together, and the backplane's clock they follow, if any."""
 
     tasks: tuple[InputTask, ...]
     synchronised_by: str
+    reference_clock: str = ""
 
 
 def session_name(device: str) -> str:
@@ -66,7 +67,8 @@ def made_tasks(
         try:
             if way == "one task":
                 return Made(_one(route, plugs, test, rate_hz, reference), _said(way, units))
-            return Made(_each(route, units, test, rate_hz, reference, way), _said(way, units))
+            clock = "" if way == "the timebase" else way
+            return Made(_each(route, units, test, rate_hz, reference, way), _said(way, units), clock)
         except ConfigurationError as error:
             rejected.append(f"by {way}: {error.what}")
     raise ConfigurationError(

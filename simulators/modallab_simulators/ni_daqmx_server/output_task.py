@@ -23,6 +23,7 @@ class OutputTask(Task):
         held_steps: whether the converter holds each sample until the next one.
         generated: samples generated before it was stopped.
         starved: whether the samples did not come any more while it played.
+        ppm: what its sample clock is off by while it plays.
         needs_clock: whether its converter oversamples: it takes no value on demand, and can be set for when it is idle.
         idle: what becomes of the output when nothing plays.
     """
@@ -40,12 +41,18 @@ class OutputTask(Task):
     held_steps: bool = False
     generated: int = 0
     starved: bool = False
+    ppm: float = 0.0
     needs_clock: bool = False
     idle: int = IDLE_HOLD
 
     def all_channels(self) -> Sequence[Channel]:
         """Its channels, in order."""
         return self.channels
+
+    @property
+    def true_hz(self) -> float:
+        """Of its sample clock in bench time."""
+        return self.rate_hz * (1 + 1e-6 * self.ppm)
 
     def set_idle(self, behaviour: int) -> None:
         """What becomes of the output when nothing plays.
@@ -66,7 +73,7 @@ class OutputTask(Task):
         elif self.running and self.wave is not None and not self.again:
             self.data = np.concatenate([self.data, values])
             self.wave = Samples(
-                self.wave.start_s, self.rate_hz, self.data, again=False, before_v=self.wave.before_v,
+                self.wave.start_s, self.true_hz, self.data, again=False, before_v=self.wave.before_v,
                 held=self.held_steps,
             )  # fmt: skip
             self.line.put(self.wave.start_s, self.wave)
@@ -81,7 +88,7 @@ class OutputTask(Task):
         at_s = clock.now() + LATENCY_S if at_s is None else at_s
         again = not self.finite and self.again
         self.wave = Samples(
-            at_s, self.rate_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps
+            at_s, self.true_hz, self.data, again=again, before_v=self.line.at(at_s), held=self.held_steps
         )
         self.line.put(at_s, self.wave)
 
@@ -132,7 +139,7 @@ class OutputTask(Task):
         assert self.wave is not None
         # The sample the output is on its way to, or holds, is its last if it is stopped now.
         ahead = 1 if self.held_steps else 2
-        count = max(1, int((at_s - self.wave.start_s) * self.rate_hz) + ahead)
+        count = max(1, int((at_s - self.wave.start_s) * self.true_hz) + ahead)
         return count if self.wave.again else min(count, len(self.data))
 
 

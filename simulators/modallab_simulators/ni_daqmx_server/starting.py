@@ -51,6 +51,7 @@ def _go(system: "SimulatedSystem", task: Task, begun: Task | None) -> bool:
     elif isinstance(task, OutputTask):
         triggered = _trigger(task) or _external_clock(task)
         for output in (task, *task.others):
+            output.ppm = system.clocks.ppm(task)
             output.start(system.clock, at_s if triggered else None)
         system.changed()
     elif isinstance(task, LineTask | CounterOutputTask):

@@ -14,6 +14,7 @@ from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.status import StatusError
 from modallab_simulators.ni_daqmx_server.systems import domain, own_ppm, pxi_chassis
+from modallab_simulators.ni_daqmx_server.tasks import Task
 
 SOFTWARE_S = 2e-3
 """Two starts by software are up to so long apart."""
@@ -49,17 +50,17 @@ class Clocks:
         if len(backplanes) > 1 or "" in backplanes:
             raise StatusError(status.MULTI_DEVICES, f"Devices: {', '.join(sorted(found))}")
 
-    def ppm(self, task: InputTask) -> float:
-        """What a task's rate is off by."""
-        module = task.modules[0]
+    def ppm(self, task: Task) -> float:
+        """What the rate of a task, of inputs or of outputs, is off by."""
         if not self.several:
             return 0.0
+        module = task.all_channels()[0].module
         for attribute in ("SAMP_CLK_SRC", "SAMP_CLK_TIMEBASE_SRC"):
             lent = _device_of(task.routed(attribute))
             if lent and lent not in _devices(task):
                 return self._device_ppm(lent)
         reference = task.routed("REF_CLK_SRC").rpartition("/")[2].upper()
-        if reference in BACKPLANE or len(task.modules) > 1:
+        if reference in BACKPLANE or len({c.module.name for c in task.all_channels()}) > 1:
             return self._device_ppm(pxi_chassis(module.name) or domain(module))
         lent = _device_of(task.routed("REF_CLK_SRC"))
         return self._device_ppm(lent or domain(module))
@@ -90,5 +91,5 @@ def _device_of(source: str) -> str:
     return source.split("/")[1] if source.startswith("/") and source.count("/") > 1 else ""
 
 
-def _devices(task: InputTask) -> set[str]:
-    return {m.name for m in task.modules} | {m.chassis for m in task.modules}
+def _devices(task: Task) -> set[str]:
+    return {name for channel in task.all_channels() for name in (channel.module.name, channel.module.chassis)}

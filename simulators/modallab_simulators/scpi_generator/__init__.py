@@ -5,6 +5,7 @@ Four makers' languages are understood, each strictly, and each with what the mak
 
 from modallab_simulators.scpi_generator.device import ScpiGenerator
 from modallab_simulators.scpi_generator.dialects import SINE_DIALECTS
+from modallab_simulators.scpi_generator.hislip import HislipGenerator
 from modallab_simulators.scpi_generator.ports import PtyGenerator, SocketGenerator
 
-__all__ = ["SINE_DIALECTS", "PtyGenerator", "ScpiGenerator", "SocketGenerator"]
+__all__ = ["SINE_DIALECTS", "HislipGenerator", "PtyGenerator", "ScpiGenerator", "SocketGenerator"]

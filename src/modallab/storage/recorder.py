@@ -2,6 +2,8 @@
 
 import time
 import zlib
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
@@ -30,6 +32,26 @@ def checksum(samples: Samples) -> int:
     return zlib.crc32(np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder("<")).data)
 
 
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Where samples are on the disk.
+
+    Attributes:
+        offset: in the dataset.
+        count: samples per channel.
+        crc32: their checksum.
+    """
+
+    offset: int
+    count: int
+    crc32: int
+
+
+def _placed(writer: SampleWriter, samples: Samples) -> Placed:
+    crc32 = checksum(samples)
+    return Placed(writer.append(samples), int(samples.shape[1]), crc32)
+
+
 class Recorder:
     """The one writer of a run. As a context manager it lets go of the lease and the file however the run ends."""
 
@@ -40,6 +62,7 @@ class Recorder:
         self._path = folder / f"{run.id}.h5"
         self._lease = lease
         self._writer: SampleWriter | None = None
+        self._hand = ThreadPoolExecutor(1, "samples")
         self._n = 0
 
     @property
@@ -88,16 +111,28 @@ class Recorder:
         Raises:
             DiskFullError, StorageError: not kept; all blocks before are.
         """
+        return self.keep(self.place(samples), note)
+
+    def place(self, samples: Samples) -> Future[Placed]:
+        """Begin to write (channels, n) samples, which must not change; until `keep` they are no block.
+
+        Raises:
+            StorageError: no file is open.
+        """
         if self._writer is None:
             raise StorageError("no file is open", where=self.run, remedy="call open with the delivery first")
-        crc32 = checksum(samples)
-        offset = self._writer.append(samples)
+        return self._hand.submit(_placed, self._writer, samples)
+
+    def keep(self, placed: Future[Placed], note: BlockNote) -> BlockAcknowledged:
+        """Wait until placed samples are on the disk, and keep them as a block; raises as `record`."""
+        at = placed.result()
+        assert self._writer is not None
         block = BlockRecord(
             run=self.run,
             n=self._n,
-            offset=offset,
-            count=int(samples.shape[1]),
-            crc32=crc32,
+            offset=at.offset,
+            count=at.count,
+            crc32=at.crc32,
             monotonic_s=time.monotonic(),
             utc=utc_now(),
             note=note,
@@ -124,6 +159,7 @@ class Recorder:
 
     def close_file(self) -> None:
         """Close the file: no more blocks."""
+        self._hand.shutdown()
         if self._writer is not None:
             self._writer.close()
 

@@ -93,3 +93,23 @@ def test_other_pages_stay_out(page: Ask, lab: Lab) -> None:
     assert "access-control-allow-origin" not in rejected.headers
     with lab.client() as client:
         assert client.options("/api/v1/campaigns", headers={"Origin": PAGE}).status_code == 405
+
+
+def test_whoever_leaves_in_the_middle_of_a_body_is_no_fault_of_the_service(
+    lab: Lab, caplog: pytest.LogCaptureFixture
+) -> None:
+    messages = [{"type": "http.request", "body": b"{", "more_body": True}, {"type": "http.disconnect"}]
+    sent: list[dict[str, object]] = []
+
+    async def receive() -> dict[str, object]:
+        return messages.pop(0)
+
+    async def send(message: dict[str, object]) -> None:
+        sent.append(message)
+
+    headers = [(b"host", b"127.0.0.1"), (b"content-type", b"application/json"), (b"content-length", b"900")]
+    scope = {"type": "http", "method": "POST", "path": "/api/v1/session", "headers": headers, "query_string": b""}
+    asyncio.run(lab.app(scope, receive, send))  # type: ignore[arg-type]
+    assert not messages
+    assert not [record for record in caplog.records if record.levelname == "ERROR"]
+    assert all(message.get("status") != 500 for message in sent)

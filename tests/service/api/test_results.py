@@ -148,6 +148,23 @@ def test_what_is_exported_comes_back_as_a_campaign_that_gives_the_same_frf(
     assert not list(lab.store.folder.glob("modallab-import-*"))
 
 
+def test_a_file_that_is_sent_again_with_its_key_is_one_campaign(lab: Lab, campaign: str) -> None:
+    asked = {"name": "once", "rig": RIG}
+    with lab.client() as client:
+        file = client.get(f"{API}/campaigns/{campaign}/export").raise_for_status().content
+        key = {"Idempotency-Key": "key-of-this-file"}
+        first, again = (
+            client.post(f"{API}/imports", params=asked, content=file, headers=key).raise_for_status() for _ in range(2)
+        )
+        another = client.post(f"{API}/imports", params=asked | {"name": "twice"}, content=file, headers=key)
+        found = client.get(f"{API}/campaigns", params={"text": "once"}).json()["items"]
+    assert first.json() == again.json()
+    assert first.headers["Location"] == again.headers["Location"]
+    assert again.headers["Idempotency-Replayed"] == "true"
+    assert (another.status_code, another.json()["code"]) == (422, "idempotency-key")
+    assert [c["id"] for c in found] == [first.json()["id"]]
+
+
 def test_what_cannot_be_imported_says_why_and_leaves_nothing(lab: Lab) -> None:
     before = len(lab.service.repository.campaigns(None, 100)), len(lab.store.catalogue.runs())
     asked = {"name": "x", "rig": RIG}

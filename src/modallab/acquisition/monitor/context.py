@@ -1,6 +1,7 @@
 """What a running test has at hand."""
 
 import time
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 
 # SciPy loads its transforms on first use: who only asks for a run does not pay for them.
@@ -25,6 +26,7 @@ from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped,
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
 from modallab.storage import BlockNote, Recorder
+from modallab.storage.recorder import Placed
 from modallab.storage.samples import Samples
 
 FLOOR_WINDOWS = 4
@@ -139,13 +141,31 @@ class Context:
 
     def held(self, first: int, note: BlockNote) -> "HeldBlock":
         """The block from sample `first`, as it will be written."""
+        return HeldBlock(self._cut(first), self._noted(first, note))
+
+    def place(self, first: int) -> Future[Placed]:
+        """Begin to write the samples of the block from sample `first`, while it is still looked at."""
+        return self.recorder.place(self._cut(first))
+
+    def keep(self, first: int, placed: Future[Placed], note: BlockNote) -> BlockAcknowledged:
+        """Keep a placed block, with what is known of it by now, and report that it is kept."""
+        kept = self.recorder.keep(placed, self._noted(first, note))
+        self.emit(kept)
+        return kept
+
+    def _cut(self, first: int) -> Samples:
         if self.recut is None:
-            return HeldBlock(self.stream.cut(first, self.block), note)
-        # The ends the new samples lean on are kept too, and looked at for clipping before anything is resampled.
+            return self.stream.cut(first, self.block)
+        # The ends the new samples lean on are kept too.
         self.stream.advance_to(first + self.recut.native - self.recut.lead)
+        return self.stream.cut(first - self.recut.lead, self.recut.native)
+
+    def _noted(self, first: int, note: BlockNote) -> BlockNote:
+        if self.recut is None:
+            return note
+        # Looked at for clipping before anything is resampled.
         ends = self.stream.overload(first - self.recut.lead, self.recut.native)
-        note = replace(note, overload=ends, facts=note.facts | self.recut.facts())
-        return HeldBlock(self.stream.cut(first - self.recut.lead, self.recut.native), note)
+        return replace(note, overload=ends, facts=note.facts | self.recut.facts())
 
     def write(self, block: "HeldBlock") -> BlockAcknowledged:
         """Keep a block and report that it is kept."""

@@ -153,6 +153,7 @@ class ImpactTest:
 
     def _keep(self, target: Target, first: int, rest: Rest, before: Before) -> None:
         context, limits = self.context, self.plan.acceptance
+        placed = context.place(first)
         overload = context.stream.overload(first, context.block)
         hit, ringing = self._measure(first), before.beside(context, first, self.rest.floor)
         overloaded = [f"overload: {', '.join(overload)} beyond the range"] if overload else []
@@ -171,7 +172,7 @@ class ImpactTest:
             overload=overload,
             facts={**asdict(hit), **asdict(ringing), **rest.facts(context.line_hz), **where.facts()},
         )
-        kept = context.record(first, note)
+        kept = context.keep(first, placed, note)
         if not unclean and not where.reasons:
             # One that only came too soon after another says as well how much a hit moves the structure.
             self._learn_motion(name, target.point, first)

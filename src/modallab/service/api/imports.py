@@ -1,5 +1,6 @@
 """Campaigns from files that others wrote: the body is the file."""
 
+import hashlib
 import shutil
 import tempfile
 from pathlib import Path
@@ -16,7 +17,7 @@ from modallab.service.api.problems import documented
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, mark
 from modallab.service.api.rigs import state_of
 from modallab.service.api.roles import require_rig
-from modallab.service.api.router import PREFIX, make_router
+from modallab.service.api.router import ONCE, PREFIX, answer_once, make_router
 from modallab.service.campaigns.importing import find_reader, import_campaign
 from modallab.storage.durable import require_space
 from modallab.storage.samples import RESERVE_BYTES
@@ -26,10 +27,16 @@ FILE = "application/octet-stream"
 BODY = {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
 
 
-@router.post("/imports", status_code=201, responses=documented(404, 409, 507), openapi_extra={"requestBody": BODY})
+@router.post(
+    "/imports",
+    status_code=201,
+    dependencies=ONCE,
+    response_model=CampaignView,
+    responses=documented(404, 409, 507),
+    openapi_extra={"requestBody": BODY},
+)
 async def import_file(
     request: Request,
-    response: Response,
     service: ServiceOf,
     operator: Operator,
     caller: CallerOf,
@@ -43,7 +50,7 @@ async def import_file(
     ] = None,
     drive_point: Annotated[int | None, Query(ge=1, lt=2**31, description="Where the file does not say.")] = None,
     volts: Annotated[bool, Query(description="Whether numbers without a unit are volts.")] = False,
-) -> CampaignView:
+) -> Response:
     """Keep the recordings of a file as runs of a new campaign; it has a rig of its own, or is of the one that is named.
 
     The body is the file, as it is. What a run of this service has recorded and exported as HDF5 comes back to the bit.
@@ -54,23 +61,31 @@ async def import_file(
     folder = Path(await run_in_threadpool(tempfile.mkdtemp, prefix="modallab-import-", dir=service.folder))
     try:
         file = folder / f"import{ending}"
-        await _receive(request, file)
+        digest = await _receive(request, file)
         new = CampaignNew(name=name, rig=rig, note=note)
         options = ImportOptions(test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts)
-        made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, options, operator)
+
+        async def answer() -> Response:
+            made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, options, operator)
+            response = Response(made.model_dump_json(), 201, media_type="application/json")
+            response.headers["Location"] = f"{PREFIX}/campaigns/{made.id}"
+            mark(response, made.revision)
+            return response
+
+        return await answer_once(request, request.url.query.encode() + b"\0" + digest, answer)
     finally:
         await run_in_threadpool(shutil.rmtree, folder, ignore_errors=True)
-    response.headers["Location"] = f"{PREFIX}/campaigns/{made.id}"
-    mark(response, made.revision)
-    return made
 
 
-async def _receive(request: Request, file: Path) -> None:
+async def _receive(request: Request, file: Path) -> bytes:
+    """Keep the body as a file; the SHA-256 of it."""
     require_space(file.parent, 2 * RESERVE_BYTES + int(request.headers.get("content-length", "0") or 0))
-    received = 0
+    received, digest = 0, hashlib.sha256()
     with file.open("wb") as kept:
         async for piece in request.stream():
             received += len(piece)
+            digest.update(piece)
             await run_in_threadpool(kept.write, piece)
     if not received:
         raise DataError("the body is empty", where="body", remedy="send the file as the body")
+    return digest.digest()

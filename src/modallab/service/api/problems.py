@@ -9,6 +9,7 @@ from typing import Any
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.routing import Match
 
 from modallab.acquisition.monitor.run_states import IllegalTransitionError
@@ -136,6 +137,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(ModallabError, _known)
     app.add_exception_handler(RequestValidationError, _not_valid)
     app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(ClientDisconnect, _gone)
     app.add_exception_handler(Exception, _unexpected)
 
 
@@ -188,6 +190,11 @@ def _allowed(request: Request) -> str:
         if route.matches(request.scope)[0] is not Match.NONE:
             found |= route.methods
     return ", ".join(sorted(found | ({"HEAD"} if "GET" in found else set())))
+
+
+async def _gone(_request: Request, _error: Exception) -> Response:
+    # Whoever went away in the middle of a body reads no answer, and is no fault of the service to be logged.
+    return Response(status_code=400)
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:

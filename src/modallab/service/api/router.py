@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -34,7 +34,7 @@ OPEN: dict[str, Any] = {"security": []}
 
 
 def make_router(tag: str, *, files: bool = False) -> APIRouter:
-    """A router for one resource; with `files` bodies are files, which are not held in memory and have no key."""
+    """A router for one resource; with `files` bodies are not held in memory, and the route itself looks at the key."""
     route = RoleRoute if files else IdempotentRoute
     return APIRouter(prefix=PREFIX, tags=[tag], route_class=route, responses=documented(*ANY))
 
@@ -150,10 +150,9 @@ class IdempotentRoute(RoleRoute):
 
         async def once(request: Request) -> Response:
             await _require_body(request)
-            key = request.headers.get(HEADER)
-            if request.method != "POST" or key is None or not 8 <= len(key) <= 128:
+            if request.method != "POST":
                 return await handler(request)
-            return await _once(request, key, handler)
+            return await answer_once(request, await request.body(), lambda: handler(request))
 
         return once
 
@@ -198,18 +197,32 @@ def _nul(where: str) -> DataError:
     return DataError("holds the character NUL, which no text has", where=where, remedy="leave it out")
 
 
-async def _once(request: Request, key: str, handler: Handler) -> Response:
+async def answer_once(request: Request, body: bytes, answer: Callable[[], Awaitable[Response]]) -> Response:
+    """The answer to a request; where its key came before with the same request, the one that was given then.
+
+    Args:
+        request: that is asked.
+        body: all that makes it another request, besides method, path and caller.
+        answer: answers it.
+
+    Raises:
+        IdempotencyError: the key came with another request.
+        ConflictError: the first request is still being answered.
+    """
+    key = request.headers.get(HEADER)
+    if key is None or not 8 <= len(key) <= 128:
+        return await answer()
     keys: Keys = request.app.state.keys
     # Who asks is kept with what he did, so it is part of the request; the lease is not, since it may be another by now.
     caller: Caller | None = request.scope.get(CALLER)
     name = caller.name if caller is not None else ""
     operator = (name or repr(request.headers.get(OPERATOR))).encode()
-    asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, await request.body()])
+    asked = b"\0".join([request.method.encode(), request.url.path.encode(), operator, body])
     before = await run_in_threadpool(keys.claim, key, asked)
     if before is not None:
         return Response(before.body, before.status, headers=before.headers | {"Idempotency-Replayed": "true"})
     try:
-        response = await handler(request)
+        response = await answer()
     except ModallabError as error:
         response = of_error(error)
     except BaseException:
@@ -217,8 +230,8 @@ async def _once(request: Request, key: str, handler: Handler) -> Response:
         raise
     if response.status_code < 400 and "no-store" not in response.headers.get("cache-control", ""):
         headers = {name: response.headers[name] for name in KEPT if name in response.headers}
-        answer = Answer(response.status_code, headers, bytes(response.body).decode())
-        await run_in_threadpool(keys.keep, key, answer)
+        given = Answer(response.status_code, headers, bytes(response.body).decode())
+        await run_in_threadpool(keys.keep, key, given)
     else:
         await run_in_threadpool(keys.forget, key)
     return response

@@ -1,5 +1,6 @@
 """What runs in the processes that the supervisor starts: the REST service, and the computing of jobs."""
 
+import gc
 import json
 import logging
 import os
@@ -86,6 +87,9 @@ def run_api(connection: Connection, listener: socket, settings: Settings, token:
             ssl_keyfile=settings.tls_key,
         )
     )
+    # What was imported stays for ever: whoever opens many connections at once must not have it looked through again.
+    gc.collect()
+    gc.freeze()
     try:
         # Not in the main thread, where it would take over Ctrl-C.
         serving = Thread(target=server.run, kwargs={"sockets": [listener]}, name="serve")
