@@ -33,6 +33,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
+    # How a drag spreads along the beam is a convention.
     search=Search(rank=100, slots=_slots, inexact=0.15),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

@@ -47,6 +47,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=30, slots=_slots),
+    # How a joint yields is a convention.
+    search=Search(rank=30, slots=_slots, inexact=0.05),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )
