@@ -25,14 +25,16 @@ from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.locate import locate
+from modallab.gap.report.locate import locate, out_of_proportion
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
+from modallab.gap.search.fitting import Bench, baseline
 from modallab.gap.search.intervals import intervals
+from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -70,10 +72,13 @@ def diagnose(
     bench = bench_of(prepared, fitted, free, allowed)
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
-    with part(0.06, 0.85, "search"):
-        levels = explain(bench)
-    report(0.85, "where the gap lies and what it is made of")
-    choice = choose(bench, levels, unseen if campaign.rig.tolerance.of_assembly else None)
+    matters = unseen if campaign.rig.tolerance.of_assembly else None
+    with part(0.06, 0.7, "search"):
+        choice = _searched(bench, prepared, matters, unseen)
+    report(0.7, "where the gap lies and what it is made of")
+    report(0.72, "location")
+    location = None if choice.flat else locate(bench, prepared, choice.base)
+    nonlinear = location is not None and location.nonlinear
     shows = [f for f in inspected(prepared, twin_of(choice.believed, everything)) if allowed(f.effect)]
     seen = [f for f in shows if not _harmless(prepared, f) and not known_already(f, campaign.rig)]
     # Effects the records show but whose names must not be used.
@@ -81,10 +86,7 @@ def diagnose(
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
-    report(0.88, "location")
-    location = None if choice.flat else locate(bench, prepared, choice.base)
     report(0.96, "budget")
-    nonlinear = location is not None and location.nonlinear
     return Diagnosis(
         rig=campaign.rig.name,
         verdict=verdict,
@@ -98,6 +100,20 @@ def diagnose(
         budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not stated),
         notes=_notes(prepared, choice, shows, stated, nonlinear),
     )
+
+
+def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """What the search says: effects that depend on the size of the motion first, where there are overtones."""
+    base = baseline(bench)
+    if base.gap <= bench.flat or not out_of_proportion(prepared):
+        return choose(bench, explain(bench, base), matters)
+    with part(0.1, 0.5):
+        stepped = choose(bench, [nonlinear_level(bench, base)], matters, unseen)
+    if stepped.explained:
+        return stepped
+    with part(0.5, 1.0):
+        linear = choose(bench, explain(bench, base), matters)
+    return linear if linear.explained else replace(linear, rivals=(*linear.rivals, *stepped.rivals))
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

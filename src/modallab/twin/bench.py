@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE, Test
+from modallab.twin.nonlinear.element import Element
 from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
@@ -90,6 +91,7 @@ class Twin:
         shaker_mass_kg: mass on the beam at the shaker point, sine test only.
         stinger_k_rot: rotational stiffness there, N m/rad, sine test only.
         residual_compliance: share of the static compliance of all modes above the twin's own that counts; 1: all.
+        element: what of the beam does not answer in proportion; None for nothing.
     """
 
     structure: Structure
@@ -103,6 +105,7 @@ class Twin:
     shaker_mass_kg: float = 0.0
     stinger_k_rot: float = 0.0
     residual_compliance: float = 0.0
+    element: Element | None = None
 
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""

@@ -38,6 +38,7 @@ class Search:
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
         inexact: relative deviation by which its size may be off, however well it fits: what it is on a bench is never
             quite what it is here.
+        looked_for: whether a diagnosis looks for it; not where its search has not been shown to end, and end right.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
     """
@@ -51,6 +52,7 @@ class Search:
     replaces: str = ""
     is_clock: bool = False
     inexact: float = 0.0
+    looked_for: bool = True
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 

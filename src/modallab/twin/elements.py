@@ -39,6 +39,11 @@ def slope_rows(x_m: float | Array, length_m: float) -> Array:
     return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 1)
 
 
+def curvature_rows(x_m: float | Array, length_m: float) -> Array:
+    """Hermite interpolation of the curvature: (points, n) rows N with w''(x) = N q; not to be written to."""
+    return _known_rows(np.atleast_1d(np.asarray(x_m, dtype=np.float64)).tobytes(), length_m, 2)
+
+
 @lru_cache(maxsize=256)
 def _known_rows(places: bytes, length_m: float, derivative: int) -> Array:
     # A fit asks for the same sensors thousands of times.

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Chain, Twin, exchanged, transfer
+from modallab.twin.nonlinear.element import coupling
+from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine
 from modallab.twin.response import Hits, Rise, Sines
 from modallab.twin.structure import Modes, solve
 
@@ -46,6 +48,13 @@ def predict_hit(
         total += (r * transfer(twin.chain, channels, poles)) @ tail
     forced_sum += twin.residual_compliance * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
     chain = transfer(twin.chain, channels, source.s)
+    if twin.element is not None and len(struck):
+        stiff = replace(modes, out_of_band=twin.residual_compliance * modes.out_of_band)
+        own = coupling(twin.element, twin.structure, stiff)
+        gain = twin.hit_gain(drive_x_m)
+        added = in_hit(stiff, own, gain * force_n[first:last], first, n, dt, x)
+        seen = acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt)
+        total += np.nan_to_num(chain) * np.fft.rfft(seen, axis=1) / gain
     # A high-pass has no answer at rest: 0 / 0 there.
     total += np.nan_to_num(chain) * forced_sum * spectrum
     record = twin.hit_gain(drive_x_m) * np.fft.irfft(total, n=n, axis=1)
@@ -103,6 +112,15 @@ def predict_sine(
     steady = up * transfer(twin.chain, channels, np.array(drive)) * amplitude_n
     steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
+    if twin.element is not None:
+        stiff = replace(modes, out_of_band=twin.residual_compliance * modes.out_of_band)
+        own = coupling(twin.element, twin.in_sine(drive_x_m), stiff)
+        began = source.rise
+        times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])
+        added = in_sine(stiff, own, amplitude_n, world_hz, n, dt, drive_x_m, *times)
+        seen = np.fft.rfft(acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt), axis=1)
+        s = 2j * np.pi * np.fft.rfftfreq(n, dt)
+        rings += np.fft.irfft(np.nan_to_num(transfer(twin.chain, channels, s)) * seen, n=n, axis=1)
     return exchanged(twin.chain, channels, "sine", forced + rings)
 
 

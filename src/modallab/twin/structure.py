@@ -135,7 +135,7 @@ def alike(structure: Structure, other: Structure) -> bool:
     """Whether two structures have the same modes."""
     if structure.dampers != other.dampers or not np.array_equal(structure.zeta, other.zeta):
         return False
-    return _undamped_key(structure) == _undamped_key(other)
+    return undamped_key(structure) == undamped_key(other)
 
 
 def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
@@ -158,7 +158,7 @@ def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
 
     Remembered, as damping, chain and clock leave them as they are.
     """
-    key = _undamped_key(structure)
+    key = undamped_key(structure)
     with _LOCK:
         if key in _LATEST:
             _LATEST.move_to_end(key)
@@ -180,7 +180,8 @@ def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
     return omega, phi, out_of_band
 
 
-def _undamped_key(s: Structure) -> tuple[object, ...]:
+def undamped_key(s: Structure) -> tuple[object, ...]:
+    """What the undamped modes depend on; to remember them by."""
     size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
     fields = s.ei_field.tobytes(), s.mass_field.tobytes()
     attached = s.masses, s.springs, s.rotation_springs, s.losses
@@ -258,7 +259,7 @@ class Neighbours:
 
     def __init__(self, structure: Structure) -> None:
         """Solve the structure in the middle."""
-        self._middle, self._key = structure, _undamped_key(structure)
+        self._middle, self._key = structure, undamped_key(structure)
         self._free = _free(structure)
         self._stiffness, self._mass = matrices(structure)
         self._omega, self._phi, self._out_of_band = _undamped(structure)
@@ -278,7 +279,7 @@ class Neighbours:
         """The modes of a structure next to the one in the middle."""
         if len(self._poles) != MODES or np.any(self._poles.imag == 0):
             return solve(structure)
-        if _undamped_key(structure) == self._key:
+        if undamped_key(structure) == self._key:
             omega, phi = self._omega, self._phi
         elif np.array_equal(_free(structure), self._free):
             omega, phi = self._undamped(structure)

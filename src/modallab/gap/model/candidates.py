@@ -15,8 +15,18 @@ from modallab.twin.effects import models, search_of
 
 
 def of_bench(rig: Rig) -> list[Candidate]:
-    """Effects that have one place each, or lie somewhere along the beam."""
+    """Linear effects that have one place each, or lie somewhere along the beam."""
     return [c for m in _searched() if m.kind.place not in ("channel", "pair") for c in m.candidates(rig)]
+
+
+def of_motion(rig: Rig) -> list[Candidate]:
+    """Effects of the beam that depend on the size of the motion: each must be stepped in time, so they come last."""
+    found = [
+        (m.search.rank, m)
+        for m in models().values()
+        if m.search is not None and m.search.looked_for and not m.kind.linear
+    ]
+    return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 
 
 def of_channel(rig: Rig, channel: int) -> list[Candidate]:
@@ -36,5 +46,5 @@ def testable(candidate: Candidate, data: Reduced) -> bool:
 
 
 def _searched(place: PlaceKind | None = None) -> list[EffectModel]:
-    found = [(m.search.rank, m) for m in models().values() if m.search is not None]
+    found = [(m.search.rank, m) for m in models().values() if m.search is not None and m.kind.linear]
     return [m for _, m in sorted(found, key=lambda f: f[0]) if place in (None, m.kind.place)]

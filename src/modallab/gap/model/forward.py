@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.twin.bench import Chain, Twin, exchanged, transfer
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Hits, Sines
@@ -43,6 +44,8 @@ def _impact(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
         forced, tail = source.kernel(pole, hit_ratios(twin, d, data))
         forced_sum += r @ forced
         total += (r * transfer(twin.chain, data.channels, pole)) @ tail
+    if twin.element is not None:
+        forced_sum += added_to_hits(twin, modes, d, source, data)
     total += transfer(twin.chain, data.channels, source.s) * forced_sum
     return exchanged(twin.chain, data.channels, "impact", total)
 
@@ -122,6 +125,8 @@ def _sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> Complex:
         rings += np.moveaxis(np.moveaxis(amplitude, 2, 0) @ np.moveaxis(shape, 1, 0), 0, 1)
     at_up, at_down = (transfer(twin.chain, data.channels, sign * source.drive) for sign in (1, -1))
     share_up, share_down = source.shares()
+    if twin.element is not None:
+        rings += transfer(twin.chain, data.channels, source.s) * added_to_sines(twin, modes, d, source, data)
     total = rings + (up * at_up)[:, :, None] * share_up + (down * at_down)[:, :, None] * share_down
     return exchanged(twin.chain, data.channels, "sine", total.reshape(len(data.channels), -1))
 

@@ -7,7 +7,8 @@ Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963
 curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
 """
 
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ STEP = 1e-4
 
 FELT = 0.02
 """Relative error that is forgiven, from which the deviations of an ordinary bench are not felt."""
+WORKERS = 2
+"""Records in time are stepped outside the interpreter's lock."""
 SAME_SLOPES = 6
 """Steps that one evaluation of the slopes serves, at most: a step costs a tenth of the slopes."""
 SLOW = 0.03
@@ -101,15 +104,27 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     # While more is forgiven than the deviations can do, they stay where their priors want them.
     used = [k for k in range(len(u)) if k not in deviations or problem.floor < FELT]
     twins = {k: problem.twin(moved[k]) for k in used}
+    if here.element is not None:
+        # An ordinary bench's deviations are many and small: what the element makes of them is left to further steps.
+        here = replace(here, element=None)
+        twins |= {k: replace(twin, element=None) for k, twin in twins.items() if k in deviations}
     smooth = [k for k, twin in twins.items() if smooth_in(here, twin)]
     # The nuisances are many and each is small: for them the first order of the eigenvalue problem will do.
     smooth.sort(key=lambda k: k < problem.free.size)
     if smooth:
         near = sum(k < problem.free.size for k in smooth)
         J[smooth] = _slopes(problem, here, [twins[k] for k in smooth], near, len(r))
-    for k in set(used) - set(smooth):
-        J[k] = (problem.residual(moved[k]) - r) / STEP
+    rest = sorted(set(used) - set(smooth))
+    for k, there in zip(rest, _residuals(problem, moved[rest]), strict=True):
+        J[k] = (there - r) / STEP
     return J.T
+
+
+def _residuals(problem: Problem, moved: Array) -> list[Array]:
+    if not len(moved) or problem.twin(moved[0]).element is None:
+        return [problem.residual(u) for u in moved]
+    with ThreadPoolExecutor(WORKERS) as workers:
+        return list(workers.map(problem.residual, moved))
 
 
 def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:

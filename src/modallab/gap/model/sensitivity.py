@@ -198,7 +198,9 @@ def _of_sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> _Part:
 
 
 def smooth_in(twin: Twin, other: Twin) -> bool:
-    """Whether two twins differ in no more than structure, places and gains."""
+    """Whether two twins differ in no more than structure, places and gains, and answer in proportion."""
+    if twin.element is not None or other.element is not None:
+        return False
     chain = replace(other.chain, gain=twin.chain.gain, shift=twin.chain.shift, force_gain=twin.chain.force_gain)
     fields = ("corner_hz", "mounts", "delay_s", "skew_s", "swap")
     alike = all(getattr(chain, f) == getattr(twin.chain, f) for f in fields)

@@ -28,6 +28,8 @@ CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
 OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
+SEVERAL = 0.04
+"""Share of a channel's sine responses with a harmonic that is more than one or two."""
 ALIKE = 0.15
 """Share of the gap that may stay for channels to count as off alike."""
 SKEWS_S = (0.0, *np.geomspace(1e-6, 2e-4, 24).tolist())
@@ -174,12 +176,35 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
 
 
+def out_of_proportion(prepared: Prepared) -> bool:
+    """Whether the beam answers out of proportion, and alike both ways: third harmonics that the force does not hold.
+
+    They must be on most channels: a channel that saturates has them alone. What answers one way only, as a crack that
+    opens, makes second harmonics too.
+    """
+    rows = [c.index for c in prepared.campaign.rig.responses]
+    third, second = (_by_row(*_harmonics(prepared, (k,))) for k in (3, 2))
+    driven = float(third[prepared.campaign.rig.force_channel.index])
+    return driven <= OFTEN and float(np.median(third[rows])) > SEVERAL >= float(np.median(second[rows]))
+
+
 def overtones(prepared: Prepared) -> tuple[float, float]:
     """Share of sine responses, and of their forces, with clear second or third harmonics."""
     rig = prepared.campaign.rig
-    responses: list[bool] = []
-    forces: list[bool] = []
-    rows = [c.index for c in rig.responses]
+    clear, usable = _harmonics(prepared, (2, 3))
+    rows, force = [c.index for c in rig.responses], rig.force_channel.index
+    responses = clear[:, rows][usable[:, rows]]
+    return float(np.mean(responses)) if responses.size else 0.0, float(np.mean(clear[:, force])) if len(clear) else 0.0
+
+
+def _by_row(clear: NDArray[np.bool_], usable: NDArray[np.bool_]) -> Array:
+    return np.sum(clear & usable, axis=0) / np.maximum(np.sum(usable, axis=0), 1)
+
+
+def _harmonics(prepared: Prepared, orders: tuple[int, ...]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """(sine blocks, rows) whether one of these harmonics is clear, and whether the row is to be used."""
+    found: list[NDArray[np.bool_]] = []
+    usable: list[list[bool]] = []
     for b in prepared.blocks:
         if b.test != "sine" or not b.frequency_hz:
             continue
@@ -189,15 +214,14 @@ def overtones(prepared: Prepared) -> tuple[float, float]:
             np.abs(np.fft.rfft(b.samples * b.scale[:, None], axis=1)) / (prepared.noise_v * np.sqrt(n / 2))[:, None]
         )
         clear = np.zeros(len(spectrum), dtype=bool)
-        for k in (2, 3):
-            at = k * line
+        for at in (k * line for k in orders):
             if at + 3 < 0.4 * n:
                 around = np.max(spectrum[:, [at - 2, at - 1, at + 1, at + 2]], axis=1)
                 clear |= (spectrum[:, at] > 8) & (spectrum[:, at] > 3 * around)
-        usable = np.array([(b.name, row) not in prepared.masked for row in range(len(spectrum))])
-        responses += clear[rows][usable[rows]].tolist()
-        forces.append(bool(clear[rig.force_channel.index]))
-    return float(np.mean(responses or [0.0])), float(np.mean(forces or [0.0]))
+        found.append(clear)
+        usable.append([(b.name, row) not in prepared.masked for row in range(len(spectrum))])
+    shape = len(found), len(prepared.campaign.rig.channels)
+    return np.array(found, dtype=bool).reshape(shape), np.array(usable, dtype=bool).reshape(shape)
 
 
 def _tests(data: Reduced) -> tuple[str, ...]:

@@ -25,6 +25,11 @@ CLOSED = 0.998
 """Share of the excess an explanation must close to count as one, where it does not reach the floor."""
 CLOSED_RESAMPLED = 0.98
 """The same where samples were taken at other times than stated: no bench and no twin resamples without an error."""
+CLOSED_STEPPED = 0.9
+"""The same of an effect that depends on the size of the motion, on records no fit has seen: no bench's law is quite the
+twin's, and what it leaves is stated as discrepancy."""
+COUNTS = 20.0
+"""Independent numbers that the records count for at least beside such an effect, however wrong its law is."""
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
 
@@ -60,7 +65,7 @@ class Choice:
         return self.fit if self.explained else self.base
 
 
-def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Choice:
+def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unseen: Reduced | None = None) -> Choice:
     """Keep the effects without which the gap comes back, and say whether they explain it.
 
     Args:
@@ -68,6 +73,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
         levels: the rounds.
         held: records that no fit has seen, where what does not matter there is no gap: on a rig that states how well it
             is put together.
+        unseen: records that no fit has seen, where effects that depend on the size of the motion were looked for.
     """
     base = levels[0].base
     plain = base.gap <= bench.flat and (ordinary(base) or not bench.free.deviations)
@@ -85,6 +91,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None) -> Ch
         fit.gap <= AT_FLOOR * bench.flat / 1.1
         or excess(fit) <= (1 - needed) * excess(base)
         or (held is not None and _closes(base, fit, held, needed))
+        or (unseen is not None and stepped(fit) and _share_closed(base, fit, unseen) >= CLOSED_STEPPED)
     )
     choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held)
@@ -98,6 +105,23 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
     """
     before, after = (unexplained(held, forward(twin_of(f, held), held)) for f in (base, fit))
     return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
+
+
+def _share_closed(base: Fit, fit: Fit, unseen: Reduced) -> float:
+    """Share of the gap above the floor that a fit closes on records no fit has seen."""
+    before, after = (_gap_on(f, unseen) for f in (base, fit))
+    return 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
+
+
+def _gap_on(fit: Fit, data: Reduced) -> float:
+    twin = twin_of(fit, data)
+    r = replace(fit.problem, data=data).left(twin, forward(twin, data))
+    return float(np.sqrt(np.mean(r[r != 0] ** 2)))
+
+
+def stepped(fit: Fit) -> bool:
+    """Whether an effect of a fit depends on the size of the motion."""
+    return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
 
 def _that_matters(choice: Choice, held: Reduced) -> Choice:
@@ -147,7 +171,8 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     Anderson, Model Selection and Multimodel Inference, 2002), here a constant. The temperature T = 2 + 100 x the excess
     of the best explanation flattens the weights, as in temperature scaling (Guo, Pleiss, Sun and Weinberger, "On
     calibration of modern neural networks", ICML 2017): where the best explanation stays above the floor, the model
-    itself is wrong by that much, so that margins count for less. The constants 2, 100 and 3 are this project's own.
+    itself is wrong by that much, so that margins count for less; where it is a law of the motion's size, the records
+    still count for COUNTS numbers. The constants 2, 100, 3 and COUNTS are this project's own.
     """
     fits: dict[tuple[str, ...], Fit] = {names(choice.fit): choice.fit}
     for fit in choice.rivals:
@@ -155,6 +180,8 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
     ordered = list(fits.values())
     n = float(np.count_nonzero(choice.fit.residual))
     temperature = 2.0 + 100.0 * excess(choice.fit)
+    if stepped(choice.fit):
+        temperature = min(temperature, n / COUNTS)
     scores = np.array(
         [-0.5 * n * np.log(max(f.cost, 1.0)) / temperature - 3.0 * len(f.problem.candidates) for f in ordered]
     )

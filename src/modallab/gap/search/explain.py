@@ -38,10 +38,15 @@ EVIDENT = 4e-4
 """Relative distance of the generator's lines from where they were set that no quartz explains."""
 
 
-def explain(bench: Bench) -> list[Level]:
-    """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits."""
+def explain(bench: Bench, base: Fit | None = None) -> list[Level]:
+    """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits.
+
+    Args:
+        bench: what to search.
+        base: the twin without effects, if it is known.
+    """
     with part(0.0, 0.7):
-        levels = first_rounds(bench, baseline(bench))
+        levels = first_rounds(bench, base or baseline(bench))
     if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
         return levels
     if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):

@@ -1,7 +1,23 @@
 """Drag of the air."""
 
-from modallab.core.effects import EffectKind, Parameter
-from modallab.twin.effect_model import EffectModel, NoChange
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.nonlinear.element import Element, Law
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    per_length = effect.parameters["c2_total"] / twin.structure.length_m
+    return replace(twin, element=Element(Law.DRAG, 0.0, (per_length,)))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    return (Slot("c2_total", "log", spread(0.3, 100.0, 5)),)
+
 
 MODEL = EffectModel(
     kind=EffectKind(
@@ -14,9 +30,10 @@ MODEL = EffectModel(
     ),
     rank=120,
     spoken="air drag",
-    change=NoChange.NO_MODEL_YET,
+    change=_change,
     moves_poles=True,
     once=True,
-    search=None,
+    # How a drag spreads along the beam is a convention.
+    search=Search(rank=100, slots=_slots, inexact=0.15),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

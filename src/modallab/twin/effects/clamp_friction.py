@@ -1,7 +1,33 @@
 """A root that sticks and slips."""
 
-from modallab.core.effects import EffectKind, Parameter
-from modallab.twin.effect_model import EffectModel, NoChange
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.nonlinear.element import Element, Law
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s, numbers = twin.structure, effect.parameters
+    stick = numbers["k_stick"]
+    slider = max(stick - numbers["k_slip"], 1e-6 * stick)
+    root = s.root_rotation + s.bending_stiffness / s.length_m / numbers["k_slip"]
+    element = Element(Law.FRICTION, 0.0, (slider, numbers["moment_limit"], numbers.get("sharpness", 0.0)))
+    return replace(twin, structure=replace(s, root_rotation=root), element=element)
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    unit = beam.bending_stiffness_n_m2 / beam.length_m
+    return (
+        Slot("k_slip", "log", spread(4 * unit, 14 * unit, 2)),
+        Slot("k_stick", "log", spread(20 * unit, 80 * unit, 2), power=-1.0),
+        Slot("moment_limit", "log", spread(1e-5 * unit, 1e-3 * unit, 4), power=-1.0),
+        Slot("sharpness", "log", (1.5,), low=0.2, high=100.0, power=0.0),
+    )
+
 
 MODEL = EffectModel(
     kind=EffectKind(
@@ -18,9 +44,10 @@ MODEL = EffectModel(
     ),
     rank=30,
     spoken="clamp friction",
-    change=NoChange.NO_MODEL_YET,
+    change=_change,
     moves_poles=True,
     once=True,
-    search=None,
+    # How a joint yields is a convention.
+    search=Search(rank=30, slots=_slots, inexact=0.05),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

@@ -1,7 +1,35 @@
 """A root with free play."""
 
-from modallab.core.effects import EffectKind, Parameter
-from modallab.twin.effect_model import EffectModel, NoChange
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, spread
+from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.nonlinear.element import Element, Law
+
+WITHIN = 1e-2
+"""Least stiffness of the root in EI / L within the play: a beam must hang on something."""
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s, numbers = twin.structure, effect.parameters
+    unit = s.bending_stiffness / s.length_m
+    root = s.root_rotation + unit / max(numbers.get("k_within", 0.0), WITHIN * unit)
+    element = Element(Law.PLAY, 0.0, (numbers["k_contact"], numbers["gap"]))
+    return replace(twin, structure=replace(s, root_rotation=root), element=element)
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    unit = beam.bending_stiffness_n_m2 / beam.length_m
+    return (
+        Slot("k_contact", "log", spread(3 * unit, 80 * unit, 4), power=-1.0),
+        Slot("gap", "log", spread(1e-5, 1e-3, 4)),
+        # What still holds the root within the play; no joint lets a beam hang on nothing.
+        Slot("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
+    )
+
 
 MODEL = EffectModel(
     kind=EffectKind(
@@ -14,9 +42,9 @@ MODEL = EffectModel(
     ),
     rank=40,
     spoken="clearance",
-    change=NoChange.NO_MODEL_YET,
+    change=_change,
     moves_poles=True,
     once=True,
-    search=None,
+    search=Search(rank=40, slots=_slots, looked_for=False),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )

@@ -1,7 +1,23 @@
 """A spring that stiffens with the deflection."""
 
-from modallab.core.effects import EffectKind, Parameter
-from modallab.twin.effect_model import EffectModel, NoChange
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, along_beam, spread
+from modallab.twin.effect_model import EffectModel, Search, x_of
+from modallab.twin.nonlinear.element import Element, Law
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    return replace(twin, element=Element(Law.CUBIC, x_of(effect, rig), (effect.parameters["k3"],)))
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    unit = beam.bending_stiffness_n_m2 / beam.length_m**5
+    return (Slot("k3", "log", spread(1e2 * unit, 1e6 * unit, 5)), along_beam())
+
 
 MODEL = EffectModel(
     kind=EffectKind(
@@ -14,9 +30,9 @@ MODEL = EffectModel(
     ),
     rank=50,
     spoken="cubic spring",
-    change=NoChange.NO_MODEL_YET,
+    change=_change,
     moves_poles=True,
     once=False,
-    search=None,
+    search=Search(rank=80, slots=_slots),
     experiment="Repeat the sines at a third level: the frequencies rise with the square of the amplitude.",
 )

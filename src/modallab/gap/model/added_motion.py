@@ -1,0 +1,148 @@
+"""What an element that does not answer in proportion adds to the reduced data, stepped in time record by record.
+
+It is stepped once for all numbers that only turn what the sensors read: gains, places, delays come after it.
+"""
+
+from collections import OrderedDict
+from dataclasses import replace
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.twin.bench import Twin
+from modallab.twin.nonlinear.element import Coupling, coupling
+from modallab.twin.nonlinear.records import Added, in_hit, in_sine
+from modallab.twin.predict import drifted, sensor_positions
+from modallab.twin.response import Hits, Sines
+from modallab.twin.structure import Modes, undamped_key
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+_KEPT: OrderedDict[tuple[object, ...], tuple[object, Any, Any]] = OrderedDict()
+_MOST = 24
+_LOCK = Lock()
+
+
+def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: Reduced) -> Complex:
+    """(channels, lines) acceleration per N that the element adds to the hits at one point, before the chain."""
+    assert twin.element is not None
+    x, gain = twin.struck_x_m(d.piece.drive_x_m), twin.hit_gain(d.piece.drive_x_m)
+    share = float(twin.drifted(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
+    modes = drifted(_with_share(twin, modes), twin.ei_drift, share)
+    own = coupling(twin.element, twin.structure, modes)
+
+    def step() -> tuple[Complex, Complex]:
+        total, pushed = None, None
+        for pulse, first, weight in zip(source.pulses, source.first, source.weights, strict=True):
+            found = in_hit(modes, own, gain * pulse, int(first), source.n, source.dt, x)
+            motion, force = _on_lines(found, source.lines)
+            total = motion * weight if total is None else total + motion * weight
+            pushed = force * weight if pushed is None else pushed + force * weight
+        assert total is not None
+        assert pushed is not None
+        return total, pushed
+
+    motion, force = _remembered(twin, (x, gain, share), d, source.dt, step)
+    return _read(twin, modes, own, data, source.s, motion, force)
+
+
+def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: Reduced) -> Complex:
+    """(channels, blocks, lines) acceleration that the element adds to the sines, per n / 2 and per N."""
+    assert twin.element is not None
+    element, structure = twin.element, twin.in_sine(d.pieces[0].drive_x_m)
+    x = d.pieces[0].drive_x_m
+    shares = [float(twin.drifted(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
+    modes = _with_share(twin, modes)
+    of_block = [drifted(modes, twin.ei_drift, share) for share in shares]
+    same = coupling(element, structure, modes)
+    owns = [coupling(element, structure, m) if twin.ei_drift else same for m in of_block]
+
+    def step() -> tuple[list[Complex], list[Complex]]:
+        motions: list[Complex] = []
+        forces: list[Complex] = []
+        rise = source.rise
+        for j, (m, own) in enumerate(zip(of_block, owns, strict=True)):
+            found = in_sine(
+                m,
+                own,
+                complex(source.force[j]),
+                float(source.frequency_hz[j]),
+                source.n,
+                source.dt,
+                x,
+                float(rise.history_s[j]),
+                float(rise.ramp_s[j]),
+                bool(rise.cosine[j]),
+            )
+            motion, force = _on_lines(found, source.lines[j])
+            per_newton = 2 / source.n / source.force[j]
+            motions.append(motion * per_newton)
+            forces.append(force * per_newton)
+        # Fewer modes are followed in time where the steps are long.
+        return motions, forces
+
+    motion, force = _remembered(twin, (tuple(shares),), d, source.dt, step)
+    answers = [
+        _read(twin, m, own, data, s, a, b)
+        for m, own, s, a, b in zip(of_block, owns, source.s, motion, force, strict=True)
+    ]
+    return np.stack(answers, axis=1)
+
+
+def _with_share(twin: Twin, modes: Modes) -> Modes:
+    return replace(modes, out_of_band=twin.residual_compliance * modes.out_of_band)
+
+
+def _on_lines(added: Added, lines: Array) -> tuple[Complex, Complex]:
+    """(2 p, lines) of the modes' real parts, then their imaginary parts; (m, lines) of the force."""
+    at = np.abs(lines).astype(int)
+    whole = np.fft.rfft(np.concatenate([added.modes.real, added.modes.imag, added.force.T]))[:, at]
+    whole = np.where(lines < 0, whole.conj(), whole)
+    parts = 2 * len(added.modes)
+    return whole[:parts], whole[parts:]
+
+
+def _read(
+    twin: Twin, modes: Modes, own: Coupling, data: Reduced, s: Complex, motion: Complex, force: Complex
+) -> Complex:
+    """(channels, lines) acceleration where the accelerometers sit."""
+    psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))
+    p = len(motion) // 2
+    swing = 2 * psi[:, :p] * modes.poles[:p] ** 2
+    straight = 2 * np.real((psi[:, :p] * modes.poles[:p]) @ own.shapes[:, :p].T)
+    total = swing.real @ motion[:p] - swing.imag @ motion[p:] + straight @ force
+    # The modes that follow at once, by their exact response to the element's force.
+    for pole, shape, row in zip(modes.poles[p:], psi[:, p:].T, own.shapes[:, p:].T, strict=True):
+        up, down = np.outer(shape, row @ force), np.outer(shape.conj(), row.conj() @ force)
+        total += s**2 * (up / (s - pole) + down / (s - pole.conj()))
+    return total
+
+
+def _remembered(twin: Twin, more: tuple[object, ...], d: ImpactData | SineData, dt: float, step: Any) -> Any:
+    s = twin.structure if isinstance(d, ImpactData) else twin.in_sine(d.pieces[0].drive_x_m)
+    key = (
+        undamped_key(s),
+        s.dampers,
+        s.zeta.tobytes(),
+        twin.element,
+        twin.ei_drift,
+        twin.residual_compliance,
+        dt,
+        *more,
+        id(d),
+    )
+    with _LOCK:
+        if key in _KEPT:
+            _KEPT.move_to_end(key)
+            return _KEPT[key][1:]
+    motion, force = step()
+    with _LOCK:
+        # The data are kept along: their number stays theirs.
+        _KEPT[key] = d, motion, force
+        while len(_KEPT) > _MOST:
+            _KEPT.popitem(last=False)
+    return motion, force

@@ -1,0 +1,106 @@
+"""A local nonlinearity: where it acts, what it feels, its law.
+
+Each is the force that the law adds to a linear beam, so that the linear twin stays exact beside it: a slider its moment
+to the root that slips, a contact its moment to a root that turns freely.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.elements import ELEMENTS, curvature_rows, shape_rows, slope_rows, weakened
+from modallab.twin.structure import Modes, Structure
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+PATTERNS = 3
+"""Ways in which the beam bends about a crack that are followed."""
+PLACES = 12
+"""Places along the beam at which a drag is taken."""
+
+
+class Law(IntEnum):
+    """How the force follows the motion."""
+
+    CUBIC = 0
+    FRICTION = 1
+    PLAY = 2
+    CRACK = 3
+    DRAG = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """One nonlinearity of the beam.
+
+    Attributes:
+        law: how its force follows the motion.
+        x_m: its place from the clamp, m; of a drag, anywhere.
+        numbers: of the law. Cubic: (k3 in N/m^3,). Friction: (stiffness of the slider in N m/rad, limit in N m), and
+            how sharply it yields, if it is not ideal. Play: (stiffness in N m/rad, half the gap in rad). Crack: (share
+            of EI lost while open, half width in m). Drag: (force per length and squared velocity in N s^2/m^3,).
+    """
+
+    law: Law
+    x_m: float
+    numbers: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Coupling:
+    """An element in the coordinates of the modes, with m channels of force.
+
+    Attributes:
+        law: of the element.
+        numbers: what the law needs.
+        shapes: (m, p) of the modes, what each channel feels and where it acts.
+        switch: (p,) of the modes, the motion whose sign opens a crack; zeros otherwise.
+        rows: (1 + m, n) of the switch and of the channels over the elements' degrees of freedom.
+    """
+
+    law: Law
+    numbers: tuple[float, ...]
+    shapes: Complex
+    switch: Complex
+    rows: Array
+
+
+def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
+    """An element on the modes of a structure."""
+    length = structure.length_m
+    numbers = element.numbers
+    none = np.zeros(2 * ELEMENTS + 2)
+    if element.law is Law.CUBIC:
+        rows, gate = shape_rows(element.x_m, length), none
+    elif element.law in (Law.FRICTION, Law.PLAY):
+        rows, gate = slope_rows(element.x_m, length), none
+    elif element.law is Law.CRACK:
+        rows, gate = _opening(element, structure, modes), curvature_rows(element.x_m, length)[0]
+    else:
+        at, weights = np.polynomial.legendre.leggauss(PLACES)
+        # Force and motion by the square root of the weight each: what is felt is what acts.
+        rows, gate = shape_rows(length * (at + 1) / 2, length), none
+        numbers = tuple((element.numbers[0] * weights * length / 2).tolist())
+    return Coupling(
+        element.law, numbers, rows @ modes.columns, gate @ modes.columns, np.concatenate([gate[None], rows])
+    )
+
+
+def _opening(element: Element, structure: Structure, modes: Modes) -> Array:
+    """(m, n) what bends about a crack, so that its stiffness is the sum of squares of these.
+
+    What a crack takes off the stiffness is of many patterns; those count that the low modes bend.
+    """
+    share, width = element.numbers
+    loss = -structure.bending_stiffness * weakened(element.x_m, width, structure.length_m, share)
+    values, vectors = np.linalg.eigh(loss)
+    kept = values > 1e-12 * values[-1]
+    rows = (vectors[:, kept] * np.sqrt(values[kept])).T
+    # Each mode at the same energy.
+    bent = rows @ np.real(modes.columns * np.sqrt(2j * modes.poles.imag)) / np.abs(modes.poles)
+    turned = np.linalg.svd(bent)[0]
+    return turned.T[:PATTERNS] @ rows

@@ -1,0 +1,39 @@
+"""When a diagnosis looks for effects that must be stepped in time."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from modallab.core.block import Block, Campaign
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.report.locate import out_of_proportion
+
+DRAG = Effect(effect="air_drag", parameters={"c2_total": 60.0}, place={"x": "all"})
+CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": 0.8}, place={"x": 0.2})
+
+
+def saturated(volts: NDArray[np.float64], block: Block) -> NDArray[np.float64]:
+    volts = volts.copy()
+    volts[4] -= 0.2 * volts[4] ** 3 / np.max(np.abs(volts[4])) ** 2
+    return volts
+
+
+def distorted(volts: NDArray[np.float64], block: Block) -> NDArray[np.float64]:
+    return volts - 0.2 * volts**3 / np.max(np.abs(volts), axis=1, keepdims=True) ** 2
+
+
+@pytest.mark.parametrize(("effects", "opens"), [((DRAG,), True), ((CRACK,), False), ((), False)])
+def test_third_harmonics_without_second_ones_ask_for_a_stepped_effect(
+    make: Callable[..., Campaign], effects: tuple[Effect, ...], opens: bool
+) -> None:
+    assert out_of_proportion(prepare(make(*effects, tests=("sine",)))) is opens
+
+
+@pytest.mark.parametrize("spoil", [saturated, distorted])
+def test_a_channel_that_saturates_or_a_force_that_is_distorted_does_not(
+    make: Callable[..., Campaign], spoil: Callable[..., NDArray[np.float64]]
+) -> None:
+    assert not out_of_proportion(prepare(make(spoil=spoil, tests=("sine",))))
