@@ -62,6 +62,15 @@ def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None
     assert found.effects == []
 
 
+@pytest.mark.parametrize(("gain", "name"), [(-0.3, "gain_error"), (-1.0, "polarity")])
+def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Make, gain: float, name: str) -> None:
+    wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 7})
+    found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))
+    assert [f.effect for f in found.effects] == [name]
+    assert found.where.channels == ["a07"]
+    assert next(iter(found.effects[0].parameters.values())) == pytest.approx(gain, rel=1e-3)
+
+
 def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
     found = diagnose(make(wrong), allowed=only("gain_error", "polarity"))

@@ -153,7 +153,22 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
     rest = (*better, *looks[LONGER:], *glances[LIKELY:])
-    return Level(base, tuple(sorted(best, key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+    return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _own_right(fits: list[Fit]) -> list[Fit]:
+    """Those whose numbers earn their price: where fewer at the same place do as well, more are no other explanation."""
+    return [f for f in fits if not any(_contains(f, g) for g in fits)]
+
+
+def _contains(fit: Fit, other: Fit) -> bool:
+    """Whether the last effect of a fit has more numbers than another's at its place, and takes away no more for it."""
+    one, two = fit.problem.candidates[-1], other.problem.candidates[-1]
+    more = len(one.slots) - len(two.slots)
+    if more <= 0 or not one.place or one.place != two.place:
+        return False
+    # The price of a number: Schwarz, Ann. Stat. 6, 1978, 461.
+    return other.cost < fit.cost + more * float(np.log(max(np.count_nonzero(fit.residual), 1)))
 
 
 def _names(fit: Fit) -> str:

@@ -63,11 +63,11 @@ class _Scale:
 
     @classmethod
     def of(cls, size: Slot) -> "_Scale":
+        if size.none:
+            return cls("factor", 0.003, 0.6, size.none)
         if size.transform == "plain":
             least = min((v for v in size.starts if v > 0), key=abs)
             return cls("plain", least, max(abs(v) for v in size.starts))
-        if size.none:
-            return cls("factor", 0.003, 0.6, size.none)
         if size.power < 0:
             return cls("stiff", max(size.starts), min(size.starts))
         return cls("small", min(size.starts), max(size.starts))

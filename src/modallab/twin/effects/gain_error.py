@@ -35,7 +35,15 @@ MODEL = EffectModel(
     search=Search(
         rank=210,
         slots=lambda _: (
-            Slot("gain", "log", (0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6), low=0.1, high=5.0, none=1.0),
+            # Turned over as well: a gain of -1 alone is a polarity.
+            Slot(
+                "gain",
+                "plain",
+                (-1.6, -0.6, -0.2, 0.2, 0.5, 0.7, 0.85, 0.95, 1.05, 1.15, 1.3, 1.6),
+                low=-5.0,
+                high=5.0,
+                none=1.0,
+            ),
         ),
         deviations=_own_deviations,
         replaces_gain=True,
