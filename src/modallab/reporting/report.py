@@ -40,9 +40,9 @@ def render(content: ReportContent) -> str:
     found = modes(content.models, content.truth, content.confidence)
     parts = [
         table_of_modes.section(content, found),
-        half_power.section(content, found),
         shapes.section(content),
         verification.section(content),
+        half_power.section(content, found),
         start.section(content),
         assumptions.section(content),
         signals.section(content),
