@@ -117,10 +117,12 @@ def test_mobility_is_compared_at_every_point_with_its_frac(content, figures):
     figure = figures["all"]
     assert len(figure.axes) == 10
     for i, axes in enumerate(figure.axes):
-        untruncated, measured, regenerated = axes.lines
+        untruncated, measured, regenerated, residual = axes.lines
         np.testing.assert_allclose(measured.get_ydata(), np.abs(check.measured.values[i, 0]))
         np.testing.assert_allclose(regenerated.get_ydata(), np.abs(check.regenerated.values[i, 0]))
         np.testing.assert_allclose(untruncated.get_ydata(), np.abs(check.untruncated.values[i, 0]))
+        left = np.abs(check.measured.values[i, 0] - check.regenerated.values[i, 0])
+        np.testing.assert_allclose(residual.get_ydata(), left)
         np.testing.assert_array_equal(untruncated.get_xdata(), check.untruncated.frequency_hz)
         assert axes.get_title(loc="left") == f"Point {i + 1} · FRAC {check.frac[i, 0]:.4f}"
         assert axes.get_yscale() == "log"
@@ -130,7 +132,7 @@ def test_mobility_is_compared_at_every_point_with_its_frac(content, figures):
 
 
 def test_single_frequencies_are_not_joined_by_lines(figures):
-    untruncated, measured, regenerated = figures["all sine"].axes[0].lines
+    untruncated, measured, regenerated, _ = figures["all sine"].axes[0].lines
     assert untruncated.get_linestyle() == "-"
     assert measured.get_linestyle() == regenerated.get_linestyle() == "None"
 

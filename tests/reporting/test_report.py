@@ -137,6 +137,14 @@ def test_the_half_power_reading_is_called_the_resolution_of_the_block(parsed):
     assert "is the resolution of the block and says nothing about the beam" in text
 
 
+def test_the_papers_values_stand_on_the_papers_bench_only(slim):
+    beam = slim.rig.beam.model_copy(update={"thickness_m": 0.006})
+    other = slim.rig.model_copy(update={"beam": beam})
+    text = render(replace(slim, campaign=replace(slim.campaign, rig=other)))
+    assert "paper" in render(slim)
+    assert "paper" not in re.sub(r"<style>.*?</style>|--paper", "", text)
+
+
 def test_the_model_is_there_in_full(content, parsed):
     constants = parsed.table("Modal constants").rows
     assert len(constants) == 11

@@ -42,8 +42,8 @@ def render(content: ReportContent) -> str:
     found = modes(content.models, content.truth, content.confidence)
     parts = [
         table_of_modes.section(content, found),
-        verification.section(content),
         shapes.section(content),
+        verification.section(content),
         half_power.section(content, found),
         assumptions.section(content),
         *(

@@ -32,6 +32,7 @@ def all_points(check: Verification, input_: int = 0) -> Figure:
         for i, panel in enumerate(axes):
             draw(panel, check, i, input_, np.abs)
             style.logarithmic(panel)
+            residual(panel, check, i, input_)
             where = place(check.measured.outputs[i], check.measured.output_points[i])
             style.label(
                 panel,
@@ -61,6 +62,18 @@ def draw(axes: Axes, check: Verification, output: int, input_: int, part: Part) 
     low, high = check.measured.frequency_hz[[0, -1]]
     edge = 0.012 * (high - low)
     axes.set_xlim(low - edge, high + edge)
+
+
+def residual(axes: Axes, check: Verification, output: int, input_: int) -> None:
+    """What the model does not repeat, below the curves of a logarithmic panel."""
+    left = np.abs(check.measured.values[output, input_] - check.regenerated.values[output, input_])
+    low, high = axes.get_ylim()
+    few = check.measured.frequency_hz.size <= FEW
+    options: dict[str, Any] = {"marker": "v", "linestyle": "none", "markersize": 4} if few else {"linewidth": 0.9}
+    axes.plot(check.measured.frequency_hz, positive(left), color=style.SECOND, label="residual", **options)
+    # Two decades below the curves are enough to see a residual that matters, and leave these their height.
+    seen = left[left > 0]
+    axes.set_ylim(max(low / 100, min(low, float(seen.min()) / 2 if seen.size else low)), high)
 
 
 def _measured(few: bool) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Damping as identified, beside what the half-power rule can see in a block of this length."""
 
 from collections.abc import Sequence
-from math import isfinite
+from math import isclose, isfinite
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from modallab.core.rig import Rig
 from modallab.identification.selection.pairing import SAME_MODE
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.digits import plain
@@ -16,6 +17,8 @@ from modallab.reporting.figures import style
 
 PAPER = ((4.8, 0.1250), (30.9, 0.0385), (87.8, 0.0103))
 """Table 1 of the paper: frequency in Hz and what it calls modal damping, as ratios."""
+LINK_M = (0.05, 0.004)
+"""Width and thickness of the paper's elastic link."""
 MANY = 6
 """More modes than this stand closer together."""
 _PAPER: dict[str, Any] = {
@@ -28,7 +31,7 @@ _PAPER: dict[str, Any] = {
 _MARKS = {"impact": "o", "sine": "s", None: "o"}
 
 
-def damping(modes: Sequence[Mode]) -> Figure:
+def damping(modes: Sequence[Mode], paper: bool = True) -> Figure:
     """One row a mode on a logarithmic scale of damping, one bar a test.
 
     The grey bar reaches up to the floor of the half-power rule: what it reads for a mode inside lies at the bar's end,
@@ -36,19 +39,20 @@ def damping(modes: Sequence[Mode]) -> Figure:
 
     Args:
         modes: matched over the tests, with the truth where it is known.
+        paper: whether this is the paper's bench, so that its values belong beside these.
     """
     height = 62 if len(modes) <= MANY else 42
     with style.look():
         figure, (axes,) = style.grid(1, 1, style.Cell(420, 104 + height * max(len(modes), 1)))
         values: list[float] = []
         for row, mode in enumerate(modes):
-            values += _row(axes, -row, mode)
+            values += _row(axes, -row, mode, paper)
         _scale(axes, values)
         axes.set_yticks(range(0, -len(modes), -1), [f"mode {m.number}\n{plain(m.frequency_hz, 3)} Hz" for m in modes])
         axes.set_ylim(-len(modes) + 0.4, 0.6)
         axes.grid(axis="y", visible=False)
         style.label(axes, "Damping ratio of each mode", "damping ratio ζ [%]", "")
-        style.legend(figure, _key(modes))
+        style.legend(figure, _key(modes, paper))
     return figure
 
 
@@ -57,7 +61,15 @@ def paper_value(mode: Mode) -> float | None:
     return next((value for f, value in PAPER if abs(mode.frequency_hz - f) <= SAME_MODE * f), None)
 
 
-def _row(axes: Axes, y: float, mode: Mode) -> list[float]:
+def papers_bench(rig: Rig) -> bool:
+    """Whether it is the paper's bench: a cantilever with the cross-section of its elastic link."""
+    if rig.model != "cantilever" or rig.beam is None:
+        return False
+    section = (rig.beam.width_m, rig.beam.thickness_m)
+    return all(isclose(ours, theirs, rel_tol=0.05) for ours, theirs in zip(section, LINK_M, strict=True))
+
+
+def _row(axes: Axes, y: float, mode: Mode, papers: bool) -> list[float]:
     values: list[float] = []
     n = len(mode.readings)
     for place, reading in enumerate(mode.readings):
@@ -65,7 +77,7 @@ def _row(axes: Axes, y: float, mode: Mode) -> list[float]:
         centre = y + 0.28 - height * (place + 0.5)
         values += _bar(axes, centre, height * (0.9 if n > 1 else 1.0), reading)
         values += _identified(axes, centre, reading.damping, reading.damping_sigma, _MARKS[reading.test])
-    paper = paper_value(mode)
+    paper = paper_value(mode) if papers else None
     if paper is not None:
         values += [50 * paper, 100 * paper]
         axes.plot([50 * paper, 100 * paper], [y - 0.4] * 2, "^", **_PAPER)
@@ -113,7 +125,7 @@ def _scale(axes: Axes, values: list[float]) -> None:
     style.logarithmic(axes, "x")
 
 
-def _key(modes: Sequence[Mode]) -> list[Line2D | Patch]:
+def _key(modes: Sequence[Mode], paper: bool) -> list[Line2D | Patch]:
     tests = list(dict.fromkeys(r.test for m in modes for r in m.readings))
     handles: list[Line2D | Patch] = [
         Line2D(
@@ -129,7 +141,7 @@ def _key(modes: Sequence[Mode]) -> list[Line2D | Patch]:
     ]
     handles.append(Line2D([], [], linestyle="none", marker="D", color=style.WARNING, label="half-power reading"))
     handles.append(Patch(facecolor=style.SHADE, label="below the resolution"))
-    if any(paper_value(m) is not None for m in modes):
+    if paper and any(paper_value(m) is not None for m in modes):
         handles.append(Line2D([], [], marker="^", label="the paper's Table 1, read both ways", **_PAPER))
     if any(isfinite(m.true_damping) for m in modes):
         handles.append(Line2D([], [], color=style.SECOND, linewidth=2.2, label="truth"))

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from modallab.core.verification import Verification
 from modallab.reporting.figures import style
-from modallab.reporting.figures.all_points import Part, draw
+from modallab.reporting.figures.all_points import Part, draw, residual
 from modallab.reporting.figures.overview import unit
 from modallab.reporting.figures.selection import place
 
@@ -33,6 +33,7 @@ def one_point(check: Verification, output: int, input_: int = 0) -> Figure:
             draw(panel, check, output, input_, part)
             if part is np.abs:
                 style.logarithmic(panel)
+                residual(panel, check, output, input_)
             elif part is not _phase_deg:
                 _frame(panel, part, check, output, input_)
             style.label(panel, f"{where}, {name}", "frequency [Hz]", axis)

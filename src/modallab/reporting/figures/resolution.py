@@ -17,7 +17,7 @@ LIGHTEST, HEAVIEST = 5e-4, 0.3
 _SAMPLES_A_PERIOD = 16
 
 
-def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float) -> Figure:
+def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float, paper: bool = True) -> Figure:
     """The half-power reading against the damping the beam has; a flat curve is a rule that does not see the beam.
 
     Args:
@@ -25,6 +25,7 @@ def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float) ->
         reading: what the rule read for it.
         block_s: length of the block.
         before_s: time in the block before the hit.
+        paper: whether this is the paper's bench, so that its value belongs here.
     """
     floor = reading.half_power_floor
     zeta = np.geomspace(min(LIGHTEST, floor / 10) if floor > 0 else LIGHTEST, HEAVIEST, 60)
@@ -34,7 +35,7 @@ def resolution(mode: Mode, reading: Reading, block_s: float, before_s: float) ->
         for hann, line, name in ((False, "-", "half-power, no window"), (True, "--", "half-power, Hann window")):
             read = readings(mode.frequency_hz, zeta, block_s, before_s, hann)
             axes.plot(100 * zeta, 100 * read, line, color=style.WARNING, linewidth=2.2, label=name)
-        _marks(axes, mode, reading)
+        _marks(axes, mode, reading, paper)
         axes.set_xlim(100 * zeta[0], 100 * zeta[-1])
         style.logarithmic(axes, "x")
         style.logarithmic(axes)
@@ -63,7 +64,7 @@ def readings(
     return np.array([reading_near(lines, a, frequency_hz) for a in np.abs(np.fft.rfft(velocity))])
 
 
-def _marks(axes: Axes, mode: Mode, reading: Reading) -> None:
+def _marks(axes: Axes, mode: Mode, reading: Reading, papers: bool) -> None:
     axes.plot(
         [100 * mode.best.damping],
         [100 * reading.half_power if reading.half_power > 0 else nan],
@@ -73,7 +74,7 @@ def _marks(axes: Axes, mode: Mode, reading: Reading) -> None:
         zorder=5,
         label="read in this test",
     )
-    paper = paper_value(mode)
+    paper = paper_value(mode) if papers else None
     if paper is None:
         return
     for value in (paper, paper / 2):

@@ -7,7 +7,7 @@ import numpy as np
 from modallab.reporting.compare import Mode, Reading
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import plain, short
-from modallab.reporting.figures.damping import damping, paper_value
+from modallab.reporting.figures.damping import damping, paper_value, papers_bench
 from modallab.reporting.figures.resolution import resolution
 from modallab.reporting.markup import Markup, join, tag
 from modallab.reporting.sections.section import Section, paragraph, plate
@@ -24,11 +24,12 @@ def section(content: ReportContent, modes: tuple[Mode, ...]) -> Section:
     if not any(isfinite(r.half_power_floor) for m in modes for r in m.readings):
         return Section(anchor, heading, None, ("What the half-power rule can see is not known for these data.",))
     seen = next((m for m in modes if _of_block(m) is not None), None)
+    paper = papers_bench(content.rig)
     texts = [_rule(content)]
     if seen is not None:
-        texts += [_mode(seen, content.models[0].method), _paper(modes)]
+        texts += [_mode(seen, content.models[0].method), _paper(modes) if paper else ""]
     curve = _curve(content, seen) if seen is not None else None
-    figures = tag("div", _overview(modes), curve, class_="pair")
+    figures = tag("div", _overview(modes, paper), curve, class_="pair")
     return Section(anchor, heading, join([*(paragraph(t) for t in texts if t), figures]))
 
 
@@ -38,15 +39,15 @@ def _of_block(mode: Mode) -> Reading | None:
     return next(fit, None)
 
 
-def _overview(modes: tuple[Mode, ...]) -> Markup:
-    paper = any(paper_value(m) is not None for m in modes)
+def _overview(modes: tuple[Mode, ...], papers: bool) -> Markup:
+    paper = papers and any(paper_value(m) is not None for m in modes)
     triangles = (
         " The triangles are the paper's Table 1: each pair is one number, read as Δf/f (left) and as ζ (right)."
         if paper
         else ""
     )
     return plate(
-        damping(modes),
+        damping(modes, papers),
         "damping",
         _alt(modes),
         "Damping of each mode. The grey bar is the resolution. In it, a half-power reading shows the width of one line "
@@ -60,13 +61,15 @@ def _curve(content: ReportContent, mode: Mode) -> Markup | None:
     reading = _of_block(mode)
     if not length or reading is None:
         return None
+    papers = papers_bench(content.rig) and paper_value(mode) is not None
+    dotted = "; the dotted lines are the paper's Table 1, taken for Δf/f (lower) and for ζ (upper)" if papers else ""
     return plate(
-        resolution(mode, reading, length, _before_s(content)),
+        resolution(mode, reading, length, _before_s(content), papers_bench(content.rig)),
         "resolution",
         f"Half-power reading of mode {mode.number} over the damping of the beam, with no window and with a Hann "
         "window; each curve is flat up to the resolution of the block and rises only then",
         f"What the half-power rule would read for mode {mode.number} if the beam had this or that damping. Where a "
-        "curve is flat, the rule reads the block and not the beam.",
+        f"curve is flat, the rule reads the block and not the beam. The diamond is what it read in this test{dotted}.",
         1,
     )
 

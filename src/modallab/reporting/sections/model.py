@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from modallab.core.model import ModalModel
 from modallab.identification.estimator import estimator_of
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import about, plain, scientific
+from modallab.reporting.digits import about, alike, plain, scientific
 from modallab.reporting.figures.selection import place
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
@@ -127,12 +127,13 @@ def _residuals(model: ModalModel) -> Markup:
 
 
 def _complex(value: complex, sigma: float, sigma_imag: float) -> str:
-    digits = 3
-    text = plain(value.real, digits)
+    known = bool(np.isfinite(sigma)) and sigma > 0
+    text = alike(value.real, sigma) if known else plain(value.real, 3)
     # An imaginary part that its sigma hides is left out.
     if abs(value.imag) > 1e-9 * abs(value) and not abs(value.imag) < 2 * sigma_imag:
-        text += f" {'−' if value.imag < 0 else '+'} {plain(abs(value.imag), digits)}j"
-    return text if not np.isfinite(sigma) else f"{text} ± {plain(sigma, 1)}"
+        size = alike(abs(value.imag), sigma_imag) if known else plain(abs(value.imag), 3)
+        text += f" {'−' if value.imag < 0 else '+'} {size}j"
+    return f"{text} ± {alike(sigma, sigma)}" if known else text
 
 
 def _point(model: ModalModel, output: int) -> str:
