@@ -44,7 +44,7 @@ request-timeout = 1
 parameters = { "query.after" = 0 }
 
 [[operations]]
-include-path = "/api/v1/users/{user}"
+include-path-regex = "/api/v1/users/[{]user[}].*"
 # Whom no token counts for any more stays in the record of what was done: revoked, and there.
 checks.use_after_free.enabled = false
 """
