@@ -80,7 +80,9 @@ def _of_search(name: str, model: EffectModel, search: Search) -> list[str]:
     parameters = {p.name: p for p in model.kind.parameters}
     expected = {*parameters, *(["x"] if model.kind.place == "x" else [])}
     found: list[str] = []
-    if {*slots, *dict(search.fixed)} != expected:
+    # How a law is drawn beside its parameters, which no rig and no truth states, counts for nothing: its power is 0.
+    more = {s.name for s in slots.values() if s.name not in expected and s.power != 0.0}
+    if more or not expected <= {*slots, *dict(search.fixed)} or not {*dict(search.fixed)} <= expected:
         found.append(f"{TWIN}/{name}.py: slots and fixed numbers are not {', '.join(sorted(expected))}")
     for slot in slots.values():
         if slot.name in parameters and slot.none != parameters[slot.name].none:

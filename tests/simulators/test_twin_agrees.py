@@ -118,8 +118,8 @@ def size(y: np.ndarray) -> float:
 
 def test_every_effect_the_twin_predicts_is_held_here():
     predicted = {name for name, model in models().items() if not isinstance(model.change, NoChange)}
-    assert {e.effect for e in EFFECTS} == predicted
-    assert all(catalogue()[name].linear for name in predicted)
+    # What is stepped in time is held to closed forms in tests/twin/test_nonlinear.py.
+    assert {e.effect for e in EFFECTS} == {name for name in predicted if catalogue()[name].linear}
 
 
 @pytest.mark.parametrize(("test", "tolerance"), [("impact", 2e-3), ("sine", 1e-5)])
