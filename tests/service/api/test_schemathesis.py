@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from asked import ask
+from asked import PHASES, ask
 from furnished import furnish
 from lab import Lab
 from postgresql_server import postgresql_server
@@ -28,5 +28,7 @@ def test_every_answer_without_a_token_is_as_documented(furnished: Lab, tmp_path:
 
 
 def test_every_answer_with_the_token_is_as_documented(furnished: Lab, tmp_path: Path) -> None:
-    assert ask(furnished, tmp_path, examples=2, quick=True) == ""
+    # What is rejected before it comes to a database is asked for with one of them.
+    phases = PHASES if furnished.service.engine.dialect.name == "sqlite" else ("fuzzing", "stateful")
+    assert ask(furnished, tmp_path, phases=phases, examples=2, quick=True) == ""
     assert furnished.controller.state().state in ("idle", "running")

@@ -101,8 +101,9 @@ export function drawStrip(canvas, strip, colour, marks = []) {
   }
 }
 
-/** Call `draw` at most `rate` times a second, only while the page is seen. */
-export function throttled(draw, signal, rate = 10) {
+/** Call `draw` at most `rate` times a second, only while the page is seen: a little more often than messages come, ten a
+ *  second, or every late one would cost a picture. */
+export function throttled(draw, signal, rate = 14) {
   let wanted = false;
   let before = 0;
   function frame(now) {
