@@ -15,7 +15,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import unexplained
 from modallab.gap.search.explain import HOLDS
-from modallab.gap.search.fitting import Bench, excess, ordinary, without
+from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
 from modallab.gap.search.worth import Dismissed, worthwhile
 
@@ -130,8 +130,9 @@ def stepped(fit: Fit) -> bool:
 def _that_matters(choice: Choice, held: Reduced) -> Choice:
     """The same without what is within tolerance or of no consequence."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
-    if left < held.rig.tolerance.response and (ordinary(choice.base) or not choice.explained):
-        # Nothing has a name, and nothing that matters is left to name.
+    unnamed = not choice.explained and plausible(choice.base)
+    if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed):
+        # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         calm = None if choice.explained else left
         return Choice(choice.base, choice.base, choice.rivals, True, True, calm=calm)
     if not choice.explained:
