@@ -32,7 +32,7 @@ from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
-from modallab.gap.search.fitting import Bench, baseline
+from modallab.gap.search.fitting import Bench, baseline, ordinary
 from modallab.gap.search.intervals import intervals
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.twin.bench import Twin
@@ -41,6 +41,8 @@ Array = NDArray[np.float64]
 
 SEED = 20240501
 USUAL = "The rig file states no tolerances: a lab's usual ones stand for them; the budget lists them."
+CALM = "No effect explains what is left, and it does not matter: {:.2%} of the response on records held out."
+STRAINED = "All in all the bench is put together less well than its rig file states, though no number alone is a gap."
 
 
 def diagnose(
@@ -109,7 +111,7 @@ def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen:
         return choose(bench, explain(bench, base), matters)
     with part(0.1, 0.5):
         stepped = choose(bench, [nonlinear_level(bench, base)], matters, unseen)
-    if stepped.explained:
+    if stepped.explained and stepped.calm is None:
         return stepped
     with part(0.5, 1.0):
         linear = choose(bench, explain(bench, base), matters)
@@ -122,6 +124,8 @@ def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool,
         *(n for n in prepared.notes if not (nonlinear and n == ONE_LEVEL)),
         *contradictions(choice, prepared),
         *(d.why for d in choice.dismissed),
+        *([] if choice.calm is None else [CALM.format(choice.calm)]),
+        *([] if choice.calm is None or ordinary(choice.base) else [STRAINED]),
         *(
             f"Does no harm: {f.effect.replace('_', ' ')}, {harm(prepared, f):.1%} of the response."
             for f in shows

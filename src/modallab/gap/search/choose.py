@@ -15,7 +15,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import unexplained
 from modallab.gap.search.explain import HOLDS
-from modallab.gap.search.fitting import Bench, excess, ordinary, without
+from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
 from modallab.gap.search.worth import Dismissed, worthwhile
 
@@ -50,6 +50,8 @@ class Choice:
         explained: whether nothing structured is left.
         flat: whether there was nothing to explain.
         dismissed: effects that would explain something, but are not worth a name.
+        calm: share of the response that no effect explains and that moves nothing that matters; None where all of the
+            gap is explained, or where it matters.
     """
 
     base: Fit
@@ -58,6 +60,7 @@ class Choice:
     explained: bool
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
+    calm: float | None = None
 
     @property
     def believed(self) -> Fit:
@@ -126,9 +129,12 @@ def stepped(fit: Fit) -> bool:
 
 def _that_matters(choice: Choice, held: Reduced) -> Choice:
     """The same without what is within tolerance or of no consequence."""
-    least = held.rig.tolerance.response
-    if ordinary(choice.base) and unexplained(held, forward(twin_of(choice.base, held), held)) < least:
-        return Choice(choice.base, choice.base, choice.rivals, True, True)
+    left = unexplained(held, forward(twin_of(choice.base, held), held))
+    unnamed = not choice.explained and plausible(choice.base)
+    if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed):
+        # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
+        calm = None if choice.explained else left
+        return Choice(choice.base, choice.base, choice.rivals, True, True, calm=calm)
     if not choice.explained:
         return choice
     fit, dismissed = worthwhile(choice.fit, held)

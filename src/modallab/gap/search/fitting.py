@@ -19,6 +19,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
+from modallab.gap.model.tolerances import MOST
 from modallab.gap.search.screen import OUTLIER
 from modallab.twin.candidate import Candidate
 
@@ -124,10 +125,22 @@ def ordinary(fit: Fit) -> bool:
     return squares < count + UNLIKELY * np.sqrt(2 * count)
 
 
+def plausible(fit: Fit) -> bool:
+    """Whether each number of the beam and of the assembly lies within what its tolerance may be, if not all together.
+
+    As in `ordinary`, the damping ratios do not count.
+    """
+    return bool(np.all(np.abs(_strained(fit)) <= MOST))
+
+
 def _strain(fit: Fit) -> tuple[float, int]:
-    free = fit.problem.free
-    own = np.concatenate([fit.u[:3], fit.u[3 + free.modes : free.size]])
+    own = _strained(fit)
     return float(own @ own), len(own)
+
+
+def _strained(fit: Fit) -> Array:
+    free = fit.problem.free
+    return np.concatenate([fit.u[:3], fit.u[3 + free.modes : free.size]])
 
 
 def rested(bench: Bench, fit: Fit) -> Fit:
