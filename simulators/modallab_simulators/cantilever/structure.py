@@ -102,7 +102,7 @@ class Structure:
         return taken
 
     def _same_way(self, other: "Structure") -> Floats:
-        """-1 for each mode whose shape is upside down to the other structure's: a shape's sign is nobody's, (modes,)."""
+        """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
         ours, theirs = self._basis.shapes(at), other._basis.shapes(at)
         along: Floats = np.sum(ours * theirs.conj(), axis=0).real
