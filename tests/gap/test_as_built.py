@@ -146,7 +146,13 @@ def test_the_diagnosed_twin_is_the_one_that_was_fitted(sound: Diagnosis, campaig
 
 def test_the_report_shows_curves_and_budget(sound: Diagnosis, campaign: Campaign) -> None:
     page = render(sound, campaign)
-    for shown in ("simulated before", "simulated after", "measured less after", "Budget of the gap", "driving point"):
+    for shown in (
+        "as the rig file describes it",
+        "with what was found",
+        "what is left",
+        "Budget of the gap",
+        "FRF of the hits",
+    ):
         assert shown in page
 
 

@@ -7,7 +7,9 @@ from modallab.cli.demo_rig import demo_rig
 from modallab.core.errors import ConfigurationError
 from modallab.core.rig import FORCE_SHARE, Rig, Tolerance
 from modallab_simulators.cantilever.address import Settings, parse
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import DRIFT_S, Altered
+from modallab_simulators.cantilever.loads import Drive
+from modallab_simulators.cantilever.site import Site
 from modallab_simulators.cantilever.tolerances import MOST, NOISE, as_built
 from modallab_simulators.cantilever.truth import draw_truth
 
@@ -50,3 +52,21 @@ def test_waves_of_stiffness_and_mass_move_frequencies_as_the_energy_says(rig: Ri
     before, after = (truth.modes("impact").omega(3) for truth in (plain, built))
     assert np.all(np.abs(after / before - 1) < 0.02)
     assert np.all(after != before)
+
+
+@pytest.mark.parametrize("damper", [0.0, 0.5])
+def test_the_beam_goes_on_moving_as_it_did_while_its_stiffness_drifts(rig: Rig, damper: float) -> None:
+    # Solvers turn shapes upside down as they please; the motion under way must not follow them.
+    tolerance = Tolerance.usual().model_copy(update={"stiffness_drift": 0.01, "damper_n_s_per_m": damper})
+    stated = rig.model_copy(update={"tolerance": tolerance})
+    settings = parse("sim://cantilever?seed=1&tolerances=stated&effect=added_mass,mass=0.05,x=0.8")
+    site = Site(draw_truth(settings, stated), stated, "sine", 1000.0)
+    force = Drive(0.31, np.sin(0.2 * np.arange(site.structure.times(0)[1])))
+    _, state = site.structure.advance(site.structure.at_rest, [force])
+    for share in np.linspace(0.1, 1.0, 10):
+        before = site.structure
+        after = site.age(share * DRIFT_S)
+        assert after is not before
+        seen, _ = before.advance(state, [])
+        goes_on, _ = after.advance(after.taken_over(before, state), [])
+        assert np.abs(goes_on - seen)[:, 0].max() < 0.05 * np.abs(seen).max()

@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 
 
 _TINY = 1e-150
+_ALONG = 101
+"""Places along the beam at which shapes are compared."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,8 +97,16 @@ class Structure:
         p, q, z = self._basis.poles, other._basis.poles, state[:count]
         place = z.imag / other._basis.scale
         taken = state.copy()
-        taken[:count] = z.real + (q.real - p.real) * place + 1j * place * self._basis.scale
+        moved = z.real + (q.real - p.real) * place + 1j * place * self._basis.scale
+        taken[:count] = moved * self._same_way(other)
         return taken
+
+    def _same_way(self, other: "Structure") -> Floats:
+        """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
+        at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
+        ours, theirs = self._basis.shapes(at), other._basis.shapes(at)
+        along: Floats = np.sum(ours * theirs.conj(), axis=0).real
+        return np.where(along < 0, -1.0, 1.0)
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""

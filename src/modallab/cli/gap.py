@@ -42,7 +42,7 @@ def _diagnose(arguments: argparse.Namespace) -> int:
         return _compare(console, campaign, arguments)
     with waiting("reading the records", progress=not arguments.hush):
         diagnosis = diagnose(campaign, arguments.hold_out)
-    console.print(sentence(diagnosis), markup=False)
+    console.print(sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
     calibrate = diagnosis.budget.calibrate if diagnosis.budget is not None else []
     next_one = f"Next: {diagnosis.next_experiment}"
     for line in (in_percent(diagnosis.gap), *diagnosis.where.why, *diagnosis.notes, *calibrate, next_one):

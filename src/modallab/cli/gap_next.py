@@ -46,7 +46,7 @@ def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: ar
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
         diagnosis = diagnose(whole)
-    console.print(sentence(diagnosis), markup=False)
+    console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:
             draft.write_text(diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")

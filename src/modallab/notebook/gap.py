@@ -34,7 +34,7 @@ class GapFound:
     @property
     def sentence(self) -> str:
         """The verdict in one sentence."""
-        return sentence(self.diagnosis)
+        return sentence(self.diagnosis, [c.name for c in self.campaign.rig.channels])
 
     @property
     def effects(self) -> list[Found]:

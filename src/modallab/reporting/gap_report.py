@@ -3,21 +3,22 @@
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import BudgetRow, Diagnosis
+from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
+from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
-from modallab.gap.report.summary import in_percent, place_in_words, sentence
+from modallab.gap.report.summary import own_error, sentence
 from modallab.gap.revisions.history import history
 from modallab.reporting.figures.gap_curves import gap_curves
-from modallab.reporting.figures.gap_pictures import bench_picture, budget_bars, pair_bars, shrink_bar
+from modallab.reporting.figures.gap_pictures import bench_picture
+from modallab.reporting.gap_budget import budget_section
+from modallab.reporting.gap_candidates import candidates_section, residual_section, shrink_section
 from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.gap_words import both, of_parameter, place_of, sure, typeset, units
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import plate
 from modallab.twin.effects import model_of
-
-LEAST_SHARE = 0.005
-"""Share of the gap below which a part is left out of the table."""
 
 
 def write_gap_report(path: Path, diagnosis: Diagnosis, campaign: Campaign) -> None:
@@ -35,63 +36,80 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
     """The whole page as text."""
     return page(
         f"The gap of {campaign.rig.name}",
-        (sentence(diagnosis), in_percent(diagnosis.gap)),
-        _place(diagnosis, campaign),
-        _effects(diagnosis),
-        _shrink(diagnosis),
-        _curves(diagnosis, campaign),
-        _budget(diagnosis),
-        _evidence(diagnosis),
-        _split(diagnosis),
-        _revisions(campaign),
+        typeset(sentence(diagnosis, [c.name for c in campaign.rig.channels])),
+        _width(diagnosis),
+        _place(diagnosis, campaign.rig),
+        _effects(diagnosis, campaign.rig),
+        shrink_section(diagnosis),
         _next(diagnosis),
+        _curves(diagnosis, campaign),
+        budget_section(diagnosis),
+        candidates_section(diagnosis),
+        residual_section(diagnosis),
+        _revisions(campaign),
     )
 
 
-def _place(diagnosis: Diagnosis, campaign: Campaign) -> Markup:
+def _width(diagnosis: Diagnosis) -> Markup:
+    """The gap in both its measures: noise units, and percent of the response."""
+    gap = diagnosis.gap
+    rows = [
+        ["as the rig file describes the bench", "–", *both(gap.share_nominal)],
+        ["the same, as near as its tolerances allow", units(gap.before), *both(gap.share_before)],
+    ]
+    if diagnosis.effects:
+        rows.append(["with what was found", units(gap.after), *both(gap.share_after)])
+    head = ["simulation", "noise units", "% at resonance", "% away from it"]
+    said = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
+    note = (
+        "In noise units, 1 is noise alone. The percentages are of the response: the median over all records, without "
+        "their noise. "
+    )
+    return tag("section", said, tag("p", note + typeset(own_error(gap))))
+
+
+def _place(diagnosis: Diagnosis, rig: Rig) -> Markup:
     where = diagnosis.where
+    within = None
     if where.stage is None:
-        said = "Nothing stands out: what is left is noise."
+        said = "Nothing stands out: what is left lies within noise and tolerances."
     else:
-        channels = ", ".join(where.channels) if where.channels else "no single channel"
+        placed = [place_of(f, rig) for f in diagnosis.effects if f.place.get("x_m") == where.x_m is not None]
         at = f", {where.x_m:.3f} m from the clamp" if where.x_m is not None else ""
-        said = f"Stage: {where.stage}{at}. Channels: {channels}. Seen in: {' and '.join(where.tests) or 'no test'}."
-    why = tag("ul", *(tag("li", w) for w in where.why)) if where.why else None
-    return section("Where it lies", captioned(bench_picture(campaign.rig, where), said), why)
+        if placed:
+            at = f", {placed[0][0]}" + (f" (95 %: {placed[0][1]})" if placed[0][1] else "")
+            within = _within_m(diagnosis)
+        channels = f" Channels: {', '.join(where.channels)}." if where.channels else ""
+        tests = f" Seen in the {' and the '.join(where.tests)} test." if where.tests else ""
+        said = f"Stage: {where.stage}{at}.{channels}{tests}"
+    why = tag("ul", *(tag("li", typeset(w)) for w in where.why)) if where.why else None
+    picture = tag("div", bench_picture(rig, where, within), class_="drawn")
+    return section("Where it lies", captioned(picture, typeset(said)), why)
 
 
-def _effects(diagnosis: Diagnosis) -> Markup | None:
+def _within_m(diagnosis: Diagnosis) -> tuple[float, float] | None:
+    for found in diagnosis.effects:
+        x, x_m, share = found.place.get("x"), found.place.get("x_m"), found.interval.get("x")
+        if share is not None and isinstance(x, float) and isinstance(x_m, float) and x:
+            return share[0] * x_m / x, share[1] * x_m / x
+    return None
+
+
+def _effects(diagnosis: Diagnosis, rig: Rig) -> Markup | None:
     if not diagnosis.effects:
         return None
-    rows: list[list[str]] = []
-    for found in diagnosis.effects:
-        kind = kind_of(found.effect)
-        for parameter in kind.parameters:
-            low, high = found.interval.get(parameter.name, (float("nan"), float("nan")))
-            rows.append(
-                [
-                    model_of(found.effect).spoken,
-                    f"{parameter.name} {f'({parameter.unit})' if parameter.unit else ''}",
-                    f"{found.parameters[parameter.name]:.5g}",
-                    f"{low:.5g} to {high:.5g}",
-                    f"{found.probability:.2f}",
-                ]
-            )
-        if not kind.parameters:
-            rows.append([model_of(found.effect).spoken, place_in_words(found), "", "", f"{found.probability:.2f}"])
-    head = ["effect", "parameter", "value", "95 % interval", "probability"]
-    return section("What causes it", table("Effects judged present", head, rows, numeric=(2, 3, 4)))
+    tables = [_effect(found, rig) for found in diagnosis.effects]
+    return section("What causes it", tag("div", *tables, class_="pair" if len(tables) > 1 else ""))
 
 
-def _shrink(diagnosis: Diagnosis) -> Markup | None:
-    shrink = diagnosis.shrink
-    if shrink.closed is None:
-        return None
-    said = (
-        f"Share of the reducible gap that the effect closes on {len(shrink.held_out)} records no fit has seen: from "
-        f"{shrink.before:.3g} to {shrink.after:.3g} noise units. The whisker is the 95 % interval by bootstrap."
-    )
-    return section("How far it shrinks", captioned(shrink_bar(shrink), said))
+def _effect(found: Found, rig: Rig) -> Markup:
+    """A table of one effect: its place and its numbers, each with its interval."""
+    place, interval = place_of(found, rig)
+    tail = " from the clamp"
+    rows = [["place" + tail * place.endswith(tail), place.removesuffix(tail), interval]] if place else []
+    rows += [[p.name, *of_parameter(found, p)] for p in kind_of(found.effect).parameters]
+    caption = f"{model_of(found.effect).spoken}, probability {sure(found.probability)}"
+    return table(caption[0].upper() + caption[1:], ["", "value", "95 % interval"], rows, numeric=(1, 2))
 
 
 def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
@@ -99,73 +117,11 @@ def _curves(diagnosis: Diagnosis, campaign: Campaign) -> Markup | None:
     if figure is None:
         return None
     said = (
-        "Measured; simulated before, as the rig file has the bench; simulated after, with all that was found; and what "
-        "is left between the last and the measurement. The channel, the hits and the sine are those that are off most."
+        "What was measured; what the simulation gives as the rig file describes the bench, and with what was found; "
+        "and what is left between the latter and the measurement: below the curves of an FRF, and in a panel of its "
+        "own for a record. Channels, hits and sine are those with the widest gap."
     )
     return section("What was measured, and what was simulated", plate(figure, "curves", said, said))
-
-
-def _mostly(row: BudgetRow) -> str:
-    """Test, channel, band and mode with the most of a part."""
-    most = {division: max(by, key=lambda name: abs(by[name])) for division, by in row.by.items() if by}
-    spoken = {"test": "{}", "channel": "{}", "band": "{} Hz", "mode": "mode {}"}
-    return ", ".join(spoken[division].format(name) for division, name in most.items())
-
-
-def _budget(diagnosis: Diagnosis) -> Markup | None:
-    budget = diagnosis.budget
-    if budget is None or not budget.rows:
-        return None
-    rows = [
-        [r.said, "" if r.sigmas is None else f"{r.sigmas:+.1f}", f"{r.share:.1%}", _mostly(r)]
-        for r in budget.rows
-        if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")
-    ]
-    head = ["part", "moved (sigma)", "share", "mostly in"]
-    said = (
-        "Shares of the squares of measured less simulated as the rig file has the bench, the response of each record "
-        "counting alike. A negative share works against the others; parts below half a percent are left out."
-    )
-    picture = captioned(budget_bars(budget), said)
-    usual = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
-    stands = (
-        tag("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {usual}.") if usual else None
-    )
-    first = tag("ul", *(tag("li", line) for line in budget.calibrate)) if budget.calibrate else None
-    return section(
-        "Where it comes from", picture, first, table("Budget of the gap", head, rows, numeric=(1, 2)), stands
-    )
-
-
-def _evidence(diagnosis: Diagnosis) -> Markup | None:
-    if not diagnosis.candidates:
-        return None
-    rows = [
-        [" and ".join(c.effects).replace("_", " "), f"{c.gap:.2f}", f"{c.probability:.3f}"]
-        for c in diagnosis.candidates
-    ]
-    head = ["explanation", "gap it leaves (noise units)", "probability"]
-    return section("The candidates", table("Explanations that were fitted to the end", head, rows, numeric=(1, 2)))
-
-
-def _split(diagnosis: Diagnosis) -> Markup:
-    gap = diagnosis.gap
-    picture = pair_bars(gap.by_channel, gap.after_by_channel)
-    said = (
-        "Rms residual of each channel in noise units, on a logarithmic scale: before, and with the effects; 1 is noise."
-    )
-    bands = [[f"{k} Hz", f"{v:.1%}"] for k, v in gap.by_band.items()]
-    tests = [[k, f"{v:.3g}"] for k, v in {**gap.by_test, **gap.by_level, **gap.by_order}.items()]
-    return section(
-        "The residual, before and after",
-        captioned(picture, said),
-        tag(
-            "div",
-            table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
-            table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
-            class_="pair",
-        ),
-    )
 
 
 def _revisions(campaign: Campaign) -> Markup | None:
@@ -173,5 +129,5 @@ def _revisions(campaign: Campaign) -> Markup | None:
 
 
 def _next(diagnosis: Diagnosis) -> Markup:
-    notes = tag("ul", *(tag("li", n) for n in diagnosis.notes)) if diagnosis.notes else None
-    return section("What to do next", tag("p", diagnosis.next_experiment), notes)
+    notes = tag("ul", *(tag("li", typeset(n)) for n in diagnosis.notes)) if diagnosis.notes else None
+    return section("What to do next", tag("p", typeset(diagnosis.next_experiment)), notes)

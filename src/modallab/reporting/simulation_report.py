@@ -6,8 +6,9 @@ from modallab.core.diagnosis import Found
 from modallab.formats.atomic import replacing
 from modallab.gap.simulations.compare import Compared
 from modallab.gap.simulations.said import sentence_of
-from modallab.reporting.figures.gap_pictures import pair_bars
-from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.gap_candidates import channel_bars
+from modallab.reporting.gap_page import page, section
+from modallab.reporting.gap_words import sure
 from modallab.reporting.markup import Markup, table, tag
 from modallab.twin.effects import model_of
 
@@ -37,15 +38,15 @@ def _effects(found: Compared) -> Markup | None:
 def _row(whose: str, found: Found) -> list[str]:
     numbers = ", ".join(f"{name} = {value:.5g}" for name, value in found.parameters.items())
     place = ", ".join(f"{name} {value}" for name, value in found.place.items() if name != "x")
-    return [whose, model_of(found.effect).spoken, numbers, place, f"{found.probability:.2f}"]
+    return [whose, model_of(found.effect).spoken, numbers, place, sure(found.probability)]
 
 
 def _channels(found: Compared) -> Markup:
     said = (
-        "Rms of measured less simulated of each channel in noise units, on a logarithmic scale, on "
-        f"{len(found.records)} records: as the simulation is, and corrected; 1 is noise. Nothing is fitted."
+        f"The gap of each channel on {len(found.records)} records, before: as the simulation is, and after: corrected. "
+        "Nothing is fitted. 1 is noise alone."
     )
-    return section("Channel by channel", captioned(pair_bars(found.by_channel, found.after_by_channel), said))
+    return section("Channel by channel", channel_bars(found.by_channel, found.after_by_channel, "channels", said))
 
 
 def _notes(found: Compared) -> Markup:

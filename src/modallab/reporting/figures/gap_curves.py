@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.rig import Channel
+from modallab.core.units import SI_UNIT
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.calibrated import believed_twin, diagnosed_twin
 from modallab.reporting.figures import style
@@ -23,81 +26,103 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 PERIODS = 4
 """Periods of a sine that are shown."""
-HIT_S = 0.12
+HIT_S = 0.04
 """Length of a hit's record that is shown."""
 BAND = 0.2
 """Share of the rate up to which FRFs are shown."""
+BELOW = 300
+"""An FRF's axis ends at most so many times below the lowest curve, however small the residual."""
+MEASURED, BEFORE, AFTER, LEFT = (
+    "measured",
+    "simulated as the rig file describes it",
+    "with what was found",
+    "what is left",
+)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Seen:
     """A record measured and simulated, (channels, n) each."""
 
+    responses: tuple[Channel, ...]
     signals: Signals
     before: Array
     after: Array
 
 
 def gap_curves(diagnosis: Diagnosis, campaign: Campaign) -> Figure | None:
-    """FRFs and records of the channel with the largest gap; None where no record can be simulated.
+    """FRFs and records of the channels with the largest gap; None where no record can be simulated.
 
-    Panels: the FRF from the hits that are off most, on that channel and at the driving point; one of those hits, and
-    the sine block that is off most, in time. Each with measured, simulated as the rig file has it, simulated after the
-    diagnosis, and measured less the last.
+    Panels: the FRF from the hits that are off most, on the worst channel and at the driving point, or on the channel
+    next to worst; one of those hits, and the sine block that is off most, in time, each with its residual beside it.
     """
     twins = believed_twin(campaign.rig), diagnosed_twin(diagnosis, campaign.rig, of_others=False)
-    channel = _worst(diagnosis.gap.by_channel, [c.name for c in campaign.rig.responses])
-    if channel is None:
+    ranked = _ranked(diagnosis.gap.by_channel, [c.name for c in campaign.rig.responses])
+    if not ranked:
         return None
-    row = [c.name for c in campaign.rig.responses].index(channel)
+    rows = {c.name: row for row, c in enumerate(campaign.rig.responses)}
+    worst, row = ranked[0], rows[ranked[0]]
     draws: list[Callable[[Axes], None]] = []
     hits = _hits(diagnosis, campaign)
     if hits:
         seen = [_seen(b, campaign, twins) for b in hits]
-        draws.append(lambda axes: _frf(axes, seen, row, f"{channel}, hits at point {hits[0].drive_point}"))
-        driving = [i for i, c in enumerate(campaign.rig.responses) if c.point == hits[0].drive_point]
-        if driving and driving[0] != row:
-            name = campaign.rig.responses[driving[0]].name
-            draws.append(lambda axes: _frf(axes, seen, driving[0], f"{name}, the driving point"))
-        draws.append(lambda axes: _record(axes, seen[0], row, _about_hit(seen[0]), f"{channel}, {hits[0].name}"))
+        for name in dict.fromkeys((worst, *_driving(campaign, hits[0]), *ranked[1:2])):
+            title = f"{name}, FRF of the hits at point {hits[0].drive_point}"
+            draws.append(partial(_frf, seen=seen, row=rows[name], title=title))
+        del draws[2:]
+        title = f"{worst}, a hit at point {hits[0].drive_point}"
+        draws += _record_and_residual(seen[0], row, _about_hit(seen[0]), title)
     sine = _sine(diagnosis, campaign)
     if sine is not None:
         one = _seen(sine, campaign, twins)
-        draws.append(lambda axes: _record(axes, one, row, _periods(one), f"{channel}, {sine.name}"))
+        level = f", {sine.level}" if sine.level else ""
+        title = f"{worst}, sine of {sine.frequency_hz:.4g} Hz{level}"
+        draws += _record_and_residual(one, row, _periods(one), title)
     return _drawn(draws) if draws else None
+
+
+def _driving(campaign: Campaign, hit: Block) -> list[str]:
+    return [c.name for c in campaign.rig.responses if c.point == hit.drive_point][:1]
+
+
+def _record_and_residual(seen: _Seen, row: int, shown: slice, title: str) -> list[Callable[[Axes], None]]:
+    return [
+        partial(_record, seen=seen, row=row, shown=shown, title=title),
+        partial(_residual, seen=seen, row=row, shown=shown, title=f"{title}: {LEFT}"),
+    ]
 
 
 def _drawn(draws: Sequence[Callable[[Axes], None]]) -> Figure:
     with style.look():
-        figure, panels = style.grid(len(draws), min(2, len(draws)))
+        figure, panels = style.grid(len(draws), 2)
         for draw, axes in zip(draws, panels, strict=True):
             draw(axes)
-        style.legend(figure, panels[0].lines)
+        lines = {str(line.get_label()): line for axes in panels for line in axes.lines}
+        style.legend(figure, [lines[name] for name in (MEASURED, BEFORE, AFTER, LEFT)])
     return figure
 
 
-def _worst(gaps: dict[str, float], names: Sequence[str]) -> str | None:
-    known = {name: gap for name, gap in gaps.items() if name in names}
-    return max(known, key=lambda name: known[name]) if known else None
+def _ranked(gaps: dict[str, float], names: Sequence[str]) -> list[str]:
+    return sorted((name for name in gaps if name in names), key=lambda name: -gaps[name])
 
 
 def _hits(diagnosis: Diagnosis, campaign: Campaign) -> list[Block]:
     hits = [b for b in campaign.blocks if b.test == "impact" and b.drive_point is not None]
     pieces = {f"impact_p{b.drive_point:02d}" for b in hits}
-    worst = _worst(diagnosis.gap.by_record, sorted(pieces))
-    return [b for b in hits if f"impact_p{b.drive_point:02d}" == worst]
+    worst = _ranked(diagnosis.gap.by_record, sorted(pieces))[:1]
+    return [b for b in hits if f"impact_p{b.drive_point:02d}" in worst]
 
 
 def _sine(diagnosis: Diagnosis, campaign: Campaign) -> Block | None:
     sines = {b.name: b for b in campaign.blocks if b.test == "sine" and b.frequency_hz and b.drive_point is not None}
-    worst = _worst(diagnosis.gap.by_record, list(sines))
-    return None if worst is None else sines[worst]
+    worst = _ranked(diagnosis.gap.by_record, list(sines))
+    return sines[worst[0]] if worst else None
 
 
 def _seen(block: Block, campaign: Campaign, twins: tuple[Twin, Twin]) -> _Seen:
     last = float(max(1, *(b.order for b in campaign.blocks)))
     before, after = (predict_record(twin, campaign.rig, block, last) for twin in twins)
-    return _Seen(to_signals(block, campaign.rig), before, after)
+    return _Seen(tuple(campaign.rig.responses), to_signals(block, campaign.rig), before, after)
 
 
 def _frf(axes: Axes, seen: Sequence[_Seen], row: int, title: str) -> None:
@@ -119,25 +144,50 @@ def _frf(axes: Axes, seen: Sequence[_Seen], row: int, title: str) -> None:
             [s.after[row] for s in seen],
         )
     )
-    _four(axes, hz[shown], [np.abs(v) for v in (measured, before, after, measured - after)])
+    curves = [np.abs(v) for v in (measured, before, after)]
+    _three(axes, hz[shown], curves)
+    axes.plot(hz[shown], np.abs(measured - after), label=LEFT, **_LEFT)
     style.logarithmic(axes)
-    style.label(axes, title, "frequency [Hz]", "response per force")
+    style.logarithmic(axes, "x")
+    low, high = axes.get_ylim()
+    axes.set_ylim(max(low, float(min(c.min() for c in curves)) / BELOW), high)
+    style.label(axes, title, "frequency [Hz]", f"response per force [{_per_force(seen[0], row)}]")
 
 
 def _record(axes: Axes, seen: _Seen, row: int, shown: slice, title: str) -> None:
-    measured = seen.signals.responses[row]
-    t = 1e3 * np.arange(len(measured)) / seen.signals.rate_hz
-    curves = [measured, seen.before[row], seen.after[row], measured - seen.after[row]]
-    _four(axes, t[shown], [c[shown] for c in curves])
-    style.label(axes, title, "time [ms]", "response [SI]")
+    curves = [seen.signals.responses[row], seen.before[row], seen.after[row]]
+    _three(axes, _ms(seen, shown), [c[shown] for c in curves])
+    style.label(axes, title, "time [ms]", f"response [{_unit(seen, row)}]")
 
 
-def _four(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[np.floating[Any]]]) -> None:
+def _residual(axes: Axes, seen: _Seen, row: int, shown: slice, title: str) -> None:
+    left = seen.signals.responses[row] - seen.after[row]
+    axes.plot(_ms(seen, shown), left[shown], label=LEFT, **_LEFT)
+    style.label(axes, title, "time [ms]", f"measured less simulated [{_unit(seen, row)}]")
+
+
+def _unit(seen: _Seen, row: int) -> str:
+    return SI_UNIT[seen.responses[row].quantity].replace("^2", "²")
+
+
+def _per_force(seen: _Seen, row: int) -> str:
+    unit = _unit(seen, row)
+    return f"({unit})/N" if "/" in unit else f"{unit}/N"
+
+
+def _ms(seen: _Seen, shown: slice) -> Array:
+    times_ms: Array = np.arange(seen.signals.force.size, dtype=np.float64) * (1e3 / seen.signals.rate_hz)
+    return times_ms[shown]
+
+
+_LEFT: dict[str, Any] = {"color": style.WARNING, "linewidth": 0.9}
+
+
+def _three(axes: Axes, at: NDArray[np.floating[Any]], curves: Sequence[NDArray[np.floating[Any]]]) -> None:
     looks: tuple[tuple[str, dict[str, Any]], ...] = (
-        ("measured", {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}),
-        ("simulated before", {"color": style.SOFT, "linewidth": 1.0}),
-        ("simulated after", {"color": style.MODEL, "linewidth": 1.5, "linestyle": "--"}),
-        ("measured less after", {"color": style.WARNING, "linewidth": 0.8}),
+        (MEASURED, {"color": style.MEASURED, "linewidth": 3.6, "alpha": 0.5}),
+        (BEFORE, {"color": style.SOFT, "linewidth": 1.0}),
+        (AFTER, {"color": style.MODEL, "linewidth": 1.5, "linestyle": "--"}),
     )
     for (name, look), values in zip(looks, curves, strict=True):
         axes.plot(at, values, label=name, **look)

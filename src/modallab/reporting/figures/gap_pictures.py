@@ -1,158 +1,100 @@
-"""The pictures of a diagnosis, as SVG in the colours of the page."""
+"""The bench of a diagnosis with the place marked, as SVG in the colours of the page."""
 
-import math
+from collections.abc import Callable
 
-from modallab.core.diagnosis import Budget, Shrink, Where
-from modallab.core.rig import Rig
+from modallab.core.diagnosis import Where
+from modallab.core.rig import Channel, Rig
 from modallab.reporting.markup import Markup, tag
 
-WIDTH = 760
-LONGEST = 12
-"""Bars of a budget."""
+WIDTH = 420
+"""Of the drawing's own units: about a phone's, so that its text is legible there."""
+LEFT, RIGHT = 44, 404
+"""Clamp and tip."""
+STAGES = ("excitation", "structure", "sensor", "acquisition")
+LETTER = 7.0
+"""Width of a letter of 12 units."""
 
 
-def bench_picture(rig: Rig, where: Where) -> Markup:
-    """The beam with its clamp, accelerometers, hit and shaker, the chain below, what is concerned marked."""
+def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None = None) -> Markup:
+    """The beam with its clamp, accelerometers and shaker, the chain below, what is concerned marked.
+
+    Args:
+        rig: what stands on the bench.
+        where: the gap lies.
+        within_m: 95 % interval of the place.
+    """
     length = rig.beam.length_m if rig.beam is not None else max((p.x_m for p in rig.points), default=1.0)
 
     def at(x: float) -> float:
-        return 90 + 600 * x / length
+        return LEFT + (RIGHT - LEFT) * x / length
 
-    marked = set(where.channels)
+    structure = where.stage == "structure"
     parts: list[Markup] = [
-        _rect(60, 60, 30, 90, "soft", where.stage == "structure" and where.x_m is not None and where.x_m == 0.0),
-        _rect(90, 98, 600, 14, "measured", where.stage == "structure" and where.x_m is None),
-        _text(75, 48, "clamp", "middle"),
+        _rect(20, 44, 24, 62, "soft", structure and where.x_m == 0.0),
+        _rect(LEFT, 70, RIGHT - LEFT, 10, "measured", structure and where.x_m is None),
+        _text(4, 36, "clamp", "start"),
     ]
-    for channel in rig.responses:
-        if channel.point is None:
-            continue
-        x = at(rig.x_of(channel.point))
-        hot = channel.name in marked
-        parts.append(_rect(x - 9, 80, 18, 18, "warning" if hot else "ink", hot))
-        parts.append(_text(x, 72, channel.name, "middle", hot))
+    parts += _sensors(rig, where, at)
     if rig.shaker_point is not None:
         x, hot = at(rig.x_of(rig.shaker_point)), where.stage == "excitation"
+        said = "shaker, hammer and floor" if hot else "shaker"
         parts += [
-            _line(x, 112, x, 150, "warning" if hot else "ink"),
-            _rect(x - 20, 150, 40, 26, "warning" if hot else "soft", hot),
-            _text(x, 192, "shaker, hammer and floor" if hot else "shaker", "middle", hot),
+            _line(x, 80, x, 104, "warning" if hot else "ink"),
+            _rect(x - 16, 104, 32, 20, "soft", hot),
+            _text(x, 138, said, "middle", hot),
         ]
     if where.x_m is not None:
         x = at(where.x_m)
+        if within_m is not None:
+            low, high = (at(min(max(v, 0.0), length)) for v in within_m)
+            parts.append(_rect(low, 84, max(high - low, 1.0), 4, "warning", True))
         parts.append(
-            tag("circle", cx=f"{x:.1f}", cy="105", r="20", fill="none", stroke="var(--warning)", stroke_width="3")
+            tag("circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5")
         )
-        parts.append(_text(min(max(x, 90), 640), 142, f"{where.x_m:.3f} m", "middle", True))
-    parts += _chain(where)
+        parts.append(_text(min(max(x, LEFT), RIGHT - 16), 104, f"{where.x_m:.3f} m", "middle", True))
     return tag(
         "svg",
         *parts,
-        viewBox=f"0 0 {WIDTH} 290",
+        *_chain(where),
+        viewBox=f"0 0 {WIDTH} 190",
         width="100%",
         role="img",
         aria_label="The bench with the place marked",
     )
 
 
-def _chain(where: Where) -> list[Markup]:
-    stages = ("excitation", "structure", "sensor", "acquisition")
-    parts: list[Markup] = []
-    for i, stage in enumerate(stages):
-        x, hot = 60 + i * 175, where.stage == stage
-        parts.append(
-            tag(
-                "rect",
-                x=str(x),
-                y="222",
-                width="130",
-                height="44",
-                rx="6",
-                fill="var(--warning)" if hot else "var(--shade)",
-                stroke="var(--soft)",
-            )
-        )
-        colour = "var(--paper)" if hot else "var(--ink)"
-        parts.append(tag("text", stage, x=str(x + 65), y="249", text_anchor="middle", fill=colour, font_size="15"))
-        if i < len(stages) - 1:
-            parts.append(_line(x + 132, 244, x + 173, 244, "soft"))
+def _sensors(rig: Rig, where: Where, at: Callable[[float], float]) -> list[Markup]:
+    marked = set(where.channels)
+    placed = [(c, at(rig.x_of(c.point))) for c in rig.responses if c.point is not None]
+    parts = [_rect(x - 6, 58, 12, 12, "ink", c.name in marked) for c, x in placed]
+    parts += [_text(x, 52, c.name, "middle", c.name in marked) for c, x in _readable(placed, marked)]
     return parts
 
 
-def pair_bars(before: dict[str, float], after: dict[str, float]) -> Markup:
-    """Two bars a channel on a logarithmic scale that begins at one."""
-    names = list(before)
-    top = max([*before.values(), 10.0])
-    scale = 480 / math.log10(top)
+def _readable(placed: list[tuple[Channel, float]], marked: set[str]) -> list[tuple[Channel, float]]:
+    """Those whose names do not run into one another, what is concerned first."""
+    kept: list[tuple[Channel, float]] = []
+    for one, x in sorted(placed, key=lambda p: p[0].name not in marked):
+        if all(abs(x - other) > LETTER * (len(one.name) + len(c.name)) / 2 + 3 for c, other in kept):
+            kept.append((one, x))
+    return kept
+
+
+def _chain(where: Where) -> list[Markup]:
     parts: list[Markup] = []
-    for i, name in enumerate(names):
-        y = 20 + 34 * i
-        parts.append(_text(78, y + 16, name, "end"))
-        for value, colour, offset in ((before[name], "soft", 0), (after.get(name, 1.0), "second", 12)):
-            width = max(1.5, scale * math.log10(max(value, 1.0)))
-            parts.append(
-                tag("rect", x="90", y=str(y + offset), width=f"{width:.1f}", height="10", fill=f"var(--{colour})")
+    for i, stage in enumerate(STAGES):
+        x, hot = 8 + i * 104, where.stage == stage
+        parts.append(
+            tag(
+                "rect", x=str(x), y="152", width="88", height="28", rx="5",
+                fill="var(--warning)" if hot else "var(--shade)", stroke="var(--soft)",
             )
-            parts.append(_text(96 + width, y + offset + 9, f"{value:.3g}", "start", size=11))
-    parts.append(_text(90, 14, "grey: without the effect; green: with it", "start", size=12))
-    return tag(
-        "svg",
-        *parts,
-        viewBox=f"0 0 {WIDTH} {30 + 34 * len(names)}",
-        width="100%",
-        role="img",
-        aria_label="Residual of each channel before and after",
-    )
-
-
-def shrink_bar(shrink: Shrink) -> Markup:
-    """The share of the gap that is closed, with its interval, beside the best rival's."""
-    rows: list[tuple[str, float, tuple[float, float] | None, str]] = [
-        ("this diagnosis", shrink.closed or 0.0, shrink.interval, "second"),
-        *((f"best rival: {name.replace('_', ' ')}", value, None, "soft") for name, value in shrink.rival.items()),
-    ]
-    parts: list[Markup] = []
-    for i, (name, value, interval, colour) in enumerate(rows):
-        y = 30 + 62 * i
-        parts.append(_text(40, y - 8, f"{name}: {value:.1%}", "start"))
-        parts.append(tag("rect", x="40", y=str(y), width="640", height="20", fill="var(--shade)"))
-        width = 640 * min(max(value, 0.0), 1.0)
-        parts.append(tag("rect", x="40", y=str(y), width=f"{width:.1f}", height="20", fill=f"var(--{colour})"))
-        if interval is not None:
-            low, high = (40 + 640 * min(max(v, 0.0), 1.0) for v in interval)
-            parts.append(_line(low, y + 10, high, y + 10, "ink"))
-            parts += [_line(x, y + 4, x, y + 16, "ink") for x in (low, high)]
-    return tag(
-        "svg",
-        *parts,
-        viewBox=f"0 0 {WIDTH} {20 + 62 * len(rows)}",
-        width="100%",
-        role="img",
-        aria_label="Share of the gap that is closed",
-    )
-
-
-def budget_bars(budget: Budget) -> Markup:
-    """A bar for each of the largest parts of the gap, to the left where it works against the others."""
-    rows = budget.rows[:LONGEST]
-    most = max([abs(r.share) for r in rows] or [1.0])
-    colours = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
-    parts: list[Markup] = []
-    for i, row in enumerate(rows):
-        y, length = 10 + 26 * i, 280 * abs(row.share) / max(most, 1e-9)
-        left = 400 - length if row.share < 0 else 400
-        parts.append(_text(295, y + 14, row.said, "end", size=12))
-        parts.append(_rect(left, y, max(length, 1.0), 18, colours[row.kind], False))
-        parts.append(_text(690 if row.share >= 0 else 410, y + 14, f"{row.share:.1%}", "start", size=12))
-    parts.append(_line(400, 4, 400, 10 + 26 * len(rows), "soft"))
-    return tag(
-        "svg",
-        *parts,
-        viewBox=f"0 0 {WIDTH} {20 + 26 * len(rows)}",
-        width="100%",
-        role="img",
-        aria_label="Share of the gap of each part",
-    )
+        )  # fmt: skip
+        colour = "var(--paper)" if hot else "var(--ink)"
+        parts.append(tag("text", stage, x=str(x + 44), y="170", text_anchor="middle", fill=colour, font_size="12"))
+        if i < len(STAGES) - 1:
+            parts.append(_line(x + 89, 166, x + 103, 166, "soft"))
+    return parts
 
 
 def _rect(x: float, y: float, width: float, height: float, colour: str, hot: bool) -> Markup:
@@ -162,7 +104,7 @@ def _rect(x: float, y: float, width: float, height: float, colour: str, hot: boo
         y=f"{y:.1f}",
         width=f"{width:.1f}",
         height=f"{height:.1f}",
-        rx="3",
+        rx="2",
         fill="var(--warning)" if hot else f"var(--{colour})",
     )
 
@@ -179,14 +121,14 @@ def _line(x1: float, y1: float, x2: float, y2: float, colour: str) -> Markup:
     )
 
 
-def _text(x: float, y: float, text: str, anchor: str, hot: bool = False, size: int = 13) -> Markup:
+def _text(x: float, y: float, text: str, anchor: str, hot: bool = False) -> Markup:
     return tag(
         "text",
         text,
         x=f"{x:.1f}",
         y=f"{y:.1f}",
         text_anchor=anchor,
-        font_size=str(size),
+        font_size="12",
         fill="var(--warning)" if hot else "var(--ink)",
         font_weight="600" if hot else "400",
     )

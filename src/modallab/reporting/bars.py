@@ -1,0 +1,50 @@
+"""Horizontal bars as text and boxes of the page, legible at any width."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from modallab.reporting.markup import Markup, tag
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A bar of a figure.
+
+    Attributes:
+        label: what it is of.
+        value: its length, to the left of zero where it is negative.
+        said: the value in words.
+        colour: name of a colour of the page.
+        whisker: (low, high) of an interval.
+    """
+
+    label: str
+    value: float
+    said: str
+    colour: str
+    whisker: tuple[float, float] | None = None
+
+
+def bars(rows: Sequence[Bar], alt: str, least: float = 0.0) -> Markup:
+    """The bars on one linear scale, from the most negative value, or zero, to the largest, or `least`."""
+    values = [v for row in rows for v in (row.value, *(row.whisker or ()))]
+    low, high = min([*values, 0.0]), max([*values, least, 1e-9])
+
+    def at(value: float) -> float:
+        return 100 * (value - low) / (high - low)
+
+    return tag("ul", *(_bar(row, at(0.0), at) for row in rows), class_="bars", aria_label=alt)
+
+
+def _bar(row: Bar, zero: float, at: Callable[[float], float]) -> Markup:
+    end = at(row.value)
+    parts = [_box(min(zero, end), abs(end - zero), f"background:var(--{row.colour})")]
+    if row.whisker is not None:
+        low, high = (at(v) for v in row.whisker)
+        parts.append(_box(low, max(high - low, 0.2), "top:40%;bottom:40%;background:var(--ink)"))
+    track = tag("span", *parts, class_="track", aria_hidden="true")
+    return tag("li", tag("span", row.label), track, tag("b", row.said))
+
+
+def _box(left: float, width: float, more: str) -> Markup:
+    return tag("i", style=f"left:{left:.2f}%;width:{max(width, 0.15):.2f}%;{more}")

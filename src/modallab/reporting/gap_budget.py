@@ -1,0 +1,47 @@
+"""The budget of a gap on its page: where it comes from, part by part."""
+
+from modallab.core.diagnosis import Budget, BudgetRow, Diagnosis
+from modallab.reporting.bars import Bar, bars
+from modallab.reporting.gap_page import captioned, section
+from modallab.reporting.gap_words import mostly, part_of, typeset
+from modallab.reporting.markup import Markup, table, tag
+
+LEAST_SHARE = 0.005
+"""Share of the gap below which a part is left out of the table."""
+LONGEST = 12
+"""Bars of a budget."""
+COLOURS = {"tolerance": "measured", "effect": "warning", "model": "model", "noise": "soft"}
+SAID = (
+    "Shares of the squares of measured less simulated as the rig file describes the bench; the response of each record "
+    "counts alike. Blue: what lies within the tolerances. A negative share works against the others. The table "
+    "leaves out tolerances below half a percent."
+)
+
+
+def budget_section(diagnosis: Diagnosis) -> Markup | None:
+    """Bars of the largest parts, what to calibrate first, and the table; None where there is no budget."""
+    budget = diagnosis.budget
+    if budget is None or not budget.rows:
+        return None
+    largest = [Bar(typeset(r.said), r.share, part_of(r.share), COLOURS[r.kind]) for r in budget.rows[:LONGEST]]
+    first = tag("ul", *(tag("li", typeset(line)) for line in budget.calibrate)) if budget.calibrate else None
+    picture = captioned(bars(largest, "Share of the gap of each part"), SAID)
+    return section("Where it comes from", picture, first, _table(budget), _usual(budget))
+
+
+def _table(budget: Budget) -> Markup:
+    listed = [r for r in budget.rows if abs(r.share) > LEAST_SHARE or r.kind in ("model", "noise", "effect")]
+    head = ["part", "share", "moved [σ]", "mostly in"]
+    return table("Budget of the gap", head, [_row(r) for r in listed], numeric=(1, 2), class_="wide")
+
+
+def _row(row: BudgetRow) -> list[str]:
+    moved = "" if row.sigmas is None else f"{row.sigmas:+.1f}".replace("-", "\u2212")
+    return [typeset(row.said), part_of(row.share), moved, mostly(row)]
+
+
+def _usual(budget: Budget) -> Markup | None:
+    if not budget.usual:
+        return None
+    listed = ", ".join(f"{name} {value:g}" for name, value in budget.usual.items())
+    return tag("p", f"The rig file states no tolerances. A lab's usual ones stand for them: {listed}.")

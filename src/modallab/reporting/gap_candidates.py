@@ -1,0 +1,75 @@
+"""What a diagnosis compared: explanations with what they leave, and the residual before and after."""
+
+from modallab.core.diagnosis import Diagnosis
+from modallab.reporting.bars import Bar, bars
+from modallab.reporting.figures import style
+from modallab.reporting.figures.log_bars import Row, log_bars
+from modallab.reporting.gap_page import captioned, section
+from modallab.reporting.gap_words import named, part_of, probability_of, sure, units
+from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.sections.section import plate
+
+
+def candidates_section(diagnosis: Diagnosis) -> Markup | None:
+    """The gap that each explanation leaves, beside that without any; None where none was fitted."""
+    if not diagnosis.candidates:
+        return None
+    rows = [Row("no effect", (diagnosis.gap.before,))]
+    rows += [
+        Row(named(c.effects), (c.gap,), f", probability {sure(probability_of(c, diagnosis))}")
+        for c in diagnosis.candidates
+    ]
+    said = (
+        "The gap that each explanation leaves once it is fitted, beside the gap without any effect. 1 is noise alone."
+    )
+    figure = log_bars(rows, ("gap",), (style.MEASURED,), above=True)
+    return section("The candidates", plate(figure, "candidates", said, said, columns=1))
+
+
+def shrink_section(diagnosis: Diagnosis) -> Markup | None:
+    """The share of the gap that is closed on held-out records, beside the best rival's."""
+    shrink = diagnosis.shrink
+    if shrink.closed is None:
+        return None
+    rows = [Bar("this diagnosis", shrink.closed, part_of(shrink.closed), "second", shrink.interval)]
+    rows += [
+        Bar(f"best other explanation: {named(name.split('+'))}", closed, part_of(closed), "soft")
+        for name, closed in shrink.rival.items()
+    ]
+    ends = [part_of(v) for v in shrink.interval or ()]
+    # An interval that is narrower than the digits shown says nothing more.
+    interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
+    said = (
+        f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
+        f"seen{interval}: from {units(shrink.before)} to {units(shrink.after)} noise units."
+    )
+    return section("How far it shrinks", captioned(bars(rows, "Share of the gap that is closed", 1.0), said))
+
+
+def channel_bars(before: dict[str, float], after: dict[str, float], name: str, said: str) -> Markup:
+    """Two bars a channel on a logarithmic axis: before and after."""
+    rows = [Row(channel, (gap, after.get(channel))) for channel, gap in before.items()]
+    figure = log_bars(rows, ("before", "after"), (style.SOFT, style.SECOND))
+    return plate(figure, name, said, said, columns=1)
+
+
+def residual_section(diagnosis: Diagnosis) -> Markup:
+    """The gap by channel, before and after, and by band, test, level and time."""
+    gap = diagnosis.gap
+    said = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
+    bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
+    tests = [
+        *([f"{k} test", units(v)] for k, v in gap.by_test.items()),
+        *([f"level {k}", units(v)] for k, v in gap.by_level.items()),
+        *([f"{k} of the time", units(v)] for k, v in gap.by_order.items()),
+    ]
+    return section(
+        "The residual, before and after",
+        channel_bars(gap.by_channel, gap.after_by_channel, "channels", said) if gap.by_channel else None,
+        tag(
+            "div",
+            table("Share of the squares by band, before", ["band", "share"], bands, numeric=(1,)),
+            table("Gap by test, level and time, before", ["part", "noise units"], tests, numeric=(1,)),
+            class_="pair",
+        ),
+    )
