@@ -5,7 +5,7 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
+from scipy import ndimage, signal
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -19,18 +19,28 @@ DRIVEN_DB = 20.0
 """A line is driven where the force's spectrum, smoothed over some lines, is within this of its highest."""
 
 SMOOTHED = 9
+PERIODIC = ("pseudo-random", "chirp")
+LEFT_OUT = 1e-3
+"""Share of the strongest neighbour's power below which a line of a periodic drive holds no drive."""
 
 
-def broadband_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def broadband_frf(
+    signals: Sequence[Signals],
+    rig: Rig,
+    band_hz: tuple[float, float],
+    driven_by: Sequence[Signals] | None = None,
+) -> Frf:
     """H1 and ordinary coherence of blocks of one level.
 
     Blocks of random drive get a Hann window, which keeps leakage low and widens every peak by a line and a half. Blocks
-    of the other signals hold whole periods, or a burst and its decay, and get none.
+    of the other signals hold whole periods, or a burst and its decay, and get none. Of a periodic drive the lines that
+    it leaves out are left out: there the FRF would be noise over noise.
 
     Args:
         signals: blocks, equal in rate and length.
         rig: names, points and quantities.
         band_hz: lines to give.
+        driven_by: blocks whose force says which lines are driven; None for `signals`.
 
     Raises:
         DataError: no blocks, blocks that differ, of several signals or of another test, or a band without lines.
@@ -45,6 +55,8 @@ def broadband_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, fl
         )
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)
+    if first.block.test in PERIODIC:
+        chosen = _driven(chosen, driven_by or signals)
     window = _window(n, hann=first.block.test == "random")
     force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
@@ -78,6 +90,19 @@ def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
     half = SMOOTHED // 2
     low, high = max(1, int(driven[0]) + half - 1), int(driven[-1]) - half + 1
     return low * rate / n, max(low + 4, ceil(high)) * rate / n
+
+
+def _driven(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:
+    """Those of the lines that a periodic drive holds.
+
+    Raises:
+        DataError: fewer than 4.
+    """
+    power = np.mean([np.abs(_spectrum(s.force, np.ones(s.force.size))) ** 2 for s in signals], axis=0)
+    used = chosen[power[chosen] > LEFT_OUT * ndimage.maximum_filter1d(power, SMOOTHED)[chosen]]
+    if used.size < 4:
+        raise DataError(f"the drive holds {used.size} lines of the band", remedy="widen the band")
+    return used
 
 
 def of_one_level(signals: Sequence[Signals]) -> list[Signals]:

@@ -24,6 +24,11 @@ MOST_LINES = 9000
 
 MOST_RECORDS = 4
 
+CLEAR = 9.0
+"""Times its variance that an FRF's square is where it stands out: noise alone is so at one line in twenty."""
+LEAST_CLEAR = 0.2
+"""Share of the lines where one of the responses must."""
+
 
 def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
     """FRF of one level's blocks of random or burst-random drive, as fine as the joined record is long.
@@ -61,6 +66,25 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
         variance=(variance / power)[:, None],
         averages=(count,),
     )
+
+
+def check_followed(frf: Frf) -> None:
+    """Reject an FRF that does not stand out of its own noise: the drive was off, or it is not what was recorded.
+
+    Raises:
+        DataError: the responses follow the force at few of the lines.
+    """
+    if frf.variance is None:
+        return
+    clear = np.abs(frf.values) ** 2 > CLEAR * frf.variance
+    share = float(np.mean(clear.any(axis=(0, 1))))
+    if share < LEAST_CLEAR:
+        raise DataError(
+            f"the responses do not follow the force: at {100 * share:.0f} % of the lines only the FRF stands out of "
+            "its noise",
+            remedy="check that the drive was on and the force channel is the force; without a force, identify the "
+            "responses alone (--response-only)",
+        )
 
 
 def contiguous(signals: Sequence[Signals]) -> list[list[Signals]]:

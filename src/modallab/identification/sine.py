@@ -40,6 +40,8 @@ from modallab.signals.signals import Signals
 Real = NDArray[np.float64]
 
 LOWEST_LINE = 2
+LEAST_LINES = 3
+"""A resonance has a frequency, a damping and a size: fewer sines hold none."""
 STAND_INS = (2.0,)
 """A pole that begins at this multiple of the upper edge stands for all modes above the band."""
 STATES_FIRST = 4
@@ -70,6 +72,11 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     band = options.band_hz or default_band(signals)
     used = [s for s in signals if band[0] <= s.tone.frequency_hz <= band[1]]
     frf = stepped_frf(used, rig)
+    if frf.frequency_hz.size < LEAST_LINES:
+        raise IdentificationError(
+            f"the sines between {band[0]:.4g} and {band[1]:.4g} Hz hold {frf.frequency_hz.size} drive frequencies, too few",
+            remedy=f"record at least {LEAST_LINES}, some on either side of each resonance, or widen the band",
+        )
     start = _start_poles(frf, options, band)
     fit = _refined(used, rig, start, band, FIRST_LOOK if options.refined else 0)
     keep = chosen(fit, band, options, first=True)

@@ -80,14 +80,14 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         half = len(ordered) // 2
         if half < 2:
             raise DataError(f"there are {len(ordered)} blocks", remedy="record at least four")
-        return broadband_frf(ordered[:half], rig, band), broadband_frf(ordered[half:], rig, band)
+        return broadband_frf(ordered[:half], rig, band, ordered), broadband_frf(ordered[half:], rig, band, ordered)
 
     def levels() -> tuple[Frf, Frf]:
         names = sorted({s.block.level or "" for s in signals})
         if len(names) != 2:
             raise DataError(f"the blocks are of {len(names)} drive levels", remedy="drive at two")
         one, other = ([s for s in signals if (s.block.level or "") == name] for name in names)
-        return broadband_frf(one, rig, band), broadband_frf(other, rig, band)
+        return broadband_frf(one, rig, band, signals), broadband_frf(other, rig, band, signals)
 
     judges: list[Judge] = [
         ("linearity", lambda: linearity(*levels())),

@@ -15,7 +15,7 @@ from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
 from modallab.frf.broadband import broadband_frf, driven_band, of_one_level
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.frf.joined import joined_frf
+from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.impact import default_band, identify_impact
@@ -191,7 +191,9 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
     made = joined_frf if test in ("random", "burst-random") else broadband_frf
     # Its lines count alike: what varies from line to line is the drive's own level, and the next look has another.
-    frf = replace(made(of_one_level(every), campaign.rig, band), coherence=None, variance=None)
+    measured = made(of_one_level(every), campaign.rig, band)
+    check_followed(measured)
+    frf = replace(measured, coherence=None, variance=None)
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)

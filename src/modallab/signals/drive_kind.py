@@ -2,11 +2,12 @@
 
 A hit is a few contacts that last for a small part of the block. A sine is explained by one tone. A chirp's frequency
 moves one way all the time. What is left is random, in bursts if it stops within the block, and pseudo-random if every
-block repeats the last.
+block repeats the last, in its size as well.
 """
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +32,16 @@ ONE_WAY = 0.85
 STEPS = 32
 STOPPED = 0.85
 """Share of the block in which a burst acts at most."""
-REPEATED = 0.9
-"""Correlation of one block's force with the next from which the drive is periodic."""
-LOOKS_LIKE: dict[Test, str] = {
+NOT_REPEATED = 0.02
+"""Share of the force's power that the difference of one block from the next has at most where the drive is periodic:
+a force that is let go by hand has the same course each time, but not the same size."""
+MOST_PAIRS = 0.8
+"""Share of the pairs of blocks that this holds for."""
+ONE_SIDED = 4.0
+"""Times its scatter that the mean of a static force is: a burst of random drive swings to both sides."""
+Look = Test | Literal["release"]
+LOOKS_LIKE: dict[Look, str] = {
+    "release": "a static force that was let go",
     "impact": "a hit",
     "sine": "a steady sine",
     "random": "random drive that goes on all the time, or no drive at all",
@@ -43,7 +51,13 @@ LOOKS_LIKE: dict[Test, str] = {
 }
 
 
-def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
+_REMEDY = (
+    "identify the responses alone after the release (--response-only): what held the structure before is no hit and no "
+    "drive"
+)
+
+
+def mislabelled(signals: Sequence[Signals]) -> dict[str, Look]:
     """The records of which the force is not that of the test they are labelled as, and what it looks like instead.
 
     Records without any force are none of them.
@@ -51,7 +65,7 @@ def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
     Args:
         signals: blocks of one test, equal in rate and length.
     """
-    found: dict[str, Test] = {}
+    found: dict[str, Look] = {}
     broadband: dict[Test, list[Signals]] = {}
     for s in signals:
         label = s.block.test
@@ -66,7 +80,7 @@ def mislabelled(signals: Sequence[Signals]) -> dict[str, Test]:
         seen = looks_like([s.force for s in of_it], of_it[0].rate_hz)
         # One block alone cannot show that the next is the same.
         alone = len(of_it) == 1 and {label, seen} == {"random", "pseudo-random"}
-        if seen != label and not alone:
+        if seen != label and not alone and not _is_periodic_sweep(label, seen, of_it):
             found |= {s.block.name: seen for s in of_it}
     return found
 
@@ -82,7 +96,7 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
     """
     wrong = mislabelled(signals)
     if not wrong:
-        return list(signals), ()
+        return list(signals), _sweep_note(signals)
     name, kind = next(iter(wrong.items()))
     label = next(s.block.test for s in signals if s.block.name == name)
     if 2 * len(wrong) >= len(signals):
@@ -90,16 +104,30 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
         raise DataError(
             f"{len(wrong)} of {len(signals)} records are labelled {label}, but their force looks like {other}",
             where=f"record {name}",
-            remedy=f"import them as the test they are (--test {kind}), or check that the force channel is the force",
+            remedy=_REMEDY
+            if kind == "release"
+            else f"import them as the test they are (--test {kind}), or check that the force channel is the force",
         )
     kept = [s for s in signals if s.block.name not in wrong]
     listed = ", ".join(f"{n} ({LOOKS_LIKE[k]})" for n, k in wrong.items())
     return kept, (f"Left out, because their force is not that of a test labelled {label}: {listed}.",)
 
 
-def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
+def _is_periodic_sweep(label: Test, seen: Look, signals: Sequence[Signals]) -> bool:
+    """Whether a chirp is labelled as periodic, which it is if every block repeats the last; so is any multisine."""
+    return label == "pseudo-random" and seen == "chirp" and len(signals) > 1 and _repeats([s.force for s in signals])
+
+
+def _sweep_note(signals: Sequence[Signals]) -> tuple[str, ...]:
+    periodic = [s for s in signals if s.block.test == "pseudo-random"]
+    if not periodic or looks_like([s.force for s in periodic], periodic[0].rate_hz) == "pseudo-random":
+        return ()
+    return ("The force looks like a chirp that every block repeats; it is taken as the periodic drive that it is.",)
+
+
+def looks_like(forces: Sequence[Real], rate_hz: float) -> Look:
     """The kind of test that forces (n,) in N of blocks of one level are of, by their majority."""
-    votes: list[Test] = [_of_block(force, rate_hz) for force in forces]
+    votes: list[Look] = [_of_block(force, rate_hz) for force in forces]
     most = max(votes, key=votes.count)
     repeats = most in ("random", "burst-random") and len(forces) > 1 and _repeats(forces)
     if repeats:
@@ -107,7 +135,9 @@ def looks_like(forces: Sequence[Real], rate_hz: float) -> Test:
     return most
 
 
-def _of_block(force: Real, rate_hz: float) -> Test:
+def _of_block(force: Real, rate_hz: float) -> Look:
+    if _is_let_go(force):
+        return "release"
     if is_hit(force):
         return "impact"
     if tone_share(force, rate_hz) > ONE_TONE:
@@ -122,7 +152,19 @@ def is_hit(force: Real) -> bool:
     level = np.abs(force - np.median(force))
     loud = level > CONTACT * level.max(initial=0.0)
     contacts = int(np.count_nonzero(np.diff(loud.astype(np.int8), prepend=0) == 1))
-    return 0 < contacts <= MOST_CONTACTS and float(loud.mean()) <= LONGEST
+    # Where the record begins within a contact, what it began with is not known.
+    return 0 < contacts <= MOST_CONTACTS and float(loud.mean()) <= LONGEST and not loud[0]
+
+
+def _is_let_go(force: Real) -> bool:
+    """Whether a force (n,) is there from the start, steady, and then gone."""
+    low, high = np.sort([float(np.median(force[:3])), float(np.median(force[-force.size // 4 :]))])
+    acting = np.abs(force - np.median(force[-force.size // 4 :])) > (high - low) / 2
+    gone = int(np.argmin(acting))
+    if not acting[0] or acting[gone:].any() or gone < 3:
+        return False
+    held = force[:gone] - np.median(force[-force.size // 4 :])
+    return abs(float(held.mean())) > ONE_SIDED * float(held.std())
 
 
 def tone_share(force: Real, rate_hz: float) -> float:
@@ -142,7 +184,11 @@ def tone_share(force: Real, rate_hz: float) -> float:
 
 def _is_its_sine(signals: Signals) -> bool:
     power = float(np.var(signals.force))
-    return power > 0 and 1 - float(signals.tone.residual_rms[0]) ** 2 / power > ONE_TONE
+    try:
+        found = signals.tone
+    except DataError:
+        return False
+    return power > 0 and 1 - float(found.residual_rms[0]) ** 2 / power > ONE_TONE
 
 
 def _moves_one_way(force: Real) -> bool:
@@ -163,6 +209,7 @@ def _active_share(force: Real) -> float:
 
 def _repeats(forces: Sequence[Real]) -> bool:
     centred = [f - f.mean() for f in forces]
-    pairs = pairwise(centred)
-    likeness = [float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300) for a, b in pairs]
-    return float(np.median(likeness)) > REPEATED
+    powers = [(float(np.sum((a - b) ** 2)), float(a @ a + b @ b) / 2) for a, b in pairwise(centred)]
+    changes = [change / max(power, 1e-300) for change, power in powers]
+    # The first block may still be running in, and one of many may be odd.
+    return float(np.quantile(changes[len(changes) > 1 :], MOST_PAIRS)) < NOT_REPEATED
