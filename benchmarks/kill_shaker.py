@@ -118,7 +118,7 @@ class Trial:
         handle.close()
 
     def wait_for_volts(self) -> None:
-        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 30.0)
+        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 60.0)
         # Anywhere in a period.
         time.sleep(np.random.default_rng().uniform(0.0, 0.1))
 

@@ -14,7 +14,7 @@ from modallab_simulators.ni_daqmx_server.breakages import arm
 from modallab_simulators.ni_daqmx_server.clock import BenchClock
 from modallab_simulators.ni_daqmx_server.input_task import InputTask
 from modallab_simulators.ni_daqmx_server.line_task import LineTask
-from modallab_simulators.ni_daqmx_server.lines import Hold, OutputLine
+from modallab_simulators.ni_daqmx_server.lines import MEMORY_S, Hold, OutputLine
 from modallab_simulators.ni_daqmx_server.max_config import Saved
 from modallab_simulators.ni_daqmx_server.modules import Module
 from modallab_simulators.ni_daqmx_server.output_task import OutputTask, WatchdogTask
@@ -300,7 +300,13 @@ class SimulatedSystem:
             self.clear(task.name)
 
     def trace(self, over_s: float, rate_hz: float) -> list[float]:
-        """What stood on the shaker's line over the last `over_s`, oldest first."""
+        """What stood on the shaker's line over the last `over_s`, oldest first.
+
+        Raises:
+            ValueError: it is not known for so long.
+        """
+        if over_s > MEMORY_S:
+            raise ValueError(f"a line is remembered for {MEMORY_S:g} s, not for {over_s:g} s")
         now = self.clock.now()
         return self.shaker_line.volts(now - np.arange(round(over_s * rate_hz))[::-1] / rate_hz).tolist()
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-MEMORY_S = 3.0
+MEMORY_S = 6.0
+"""What was before is forgotten: no trace may look back further."""
 
 
 class Wave(Protocol):
