@@ -8,14 +8,14 @@ import pytest
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.core.rig import Rig
+from modallab.core.rig import Rig, Tolerance
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.model.candidates import of_channel
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.search.intervals import deviations
+from modallab.gap.search.intervals import deviations, tolerated
 
 GAIN = 1.05
 
@@ -60,3 +60,13 @@ def test_noise_alone_is_believed_by_its_curvature(rig: Rig, data: Reduced) -> No
 def test_what_is_left_smooth_counts_for_more_than_as_much_noise(rig: Rig, data: Reduced) -> None:
     fit = fitted(rig, rippled(data))
     assert deviations(fit)[-1] > 1.5 * by_noise(fit)
+
+
+def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:
+    wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 4})
+    stated = rig.model_copy(update={"tolerance": Tolerance(sensitivity=0.02)})
+    assert tolerated(wrong, stated) == pytest.approx(0.02 / 0.1)
+    # Nothing is added where the rig file does not speak of it, or where the tolerance is free beside the effect.
+    assert tolerated(wrong, rig.model_copy(update={"tolerance": Tolerance(youngs_modulus=0.01)})) == 0.0
+    damper = Effect(effect="local_damper", parameters={"c": 9.0}, place={"x": 0.5})
+    assert tolerated(damper, rig.model_copy(update={"tolerance": Tolerance.usual()})) == 0.0

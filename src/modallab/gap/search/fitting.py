@@ -152,10 +152,15 @@ def rested(bench: Bench, fit: Fit) -> Fit:
     if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
         return fit
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
-    u = fit.u.copy()
-    u[3 + bench.free.modes : bench.free.size] = 0.0
+    return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
+
+
+def at_rest(free: Nuisances, u: Array) -> Array:
+    """The same numbers with the assembly as the rig file has it and the beam within its tolerances."""
+    u = u.copy()
+    u[3 + free.modes : free.size] = 0.0
     u[:3] = np.clip(u[:3], -1.0, 1.0)
-    return on_all(bench, minimise(problem, u, 6, 1e-2))
+    return u
 
 
 def from_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit:

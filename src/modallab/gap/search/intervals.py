@@ -8,6 +8,8 @@ A cluster is what one channel answers in one record near one mode: where a model
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
@@ -33,21 +35,25 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
     100:2008).
 
     What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
-    are believed no better. So is what an effect declares of its own model (`Search.inexact`).
+    are believed no better. So is what an effect declares of its own model (`Search.inexact`), and what its own
+    tolerance adds: of a gain only the total is seen, and how much of it is the sensor's own percent nobody can tell.
     """
     fit = choice.fit
     deviation = deviations(fit)
     share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
     found: list[dict[str, tuple[float, float]]] = []
     at = fit.problem.free.size
-    for candidate in fit.problem.candidates:
+    for candidate, effect in zip(fit.problem.candidates, fit.effects, strict=True):
         own: dict[str, tuple[float, float]] = {}
+        shared = tolerated(effect, fit.problem.data.rig)
         off = float(np.hypot(share, search_of(candidate.effect).inexact))
         for slot in candidate.slots:
             u = float(fit.u[at])
             value = slot.value(u)
             low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
-            model = 1.96 * off * abs(value - slot.none) if slot.name != "x" else 0.0
+            # A gain of its own multiplies a wrong one.
+            sure = shared * (abs(value) if slot.none else 1.0)
+            model = 1.96 * float(np.hypot(off, sure)) * abs(value - slot.none) if slot.name != "x" else 0.0
             own[slot.name] = (
                 max(value - float(np.hypot(value - min(low, high), model)), slot.low),
                 min(value + float(np.hypot(max(low, high) - value, model)), slot.high),
@@ -55,6 +61,16 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
             at += 1
         found.append(own)
     return found
+
+
+def tolerated(effect: Effect, rig: Rig) -> float:
+    """What the tolerance that an effect stands for has in it, one deviation, as a share of the effect; 0 for none."""
+    search = search_of(effect.effect)
+    name = "sensitivity" if search.replaces_gain else search.replaces
+    # A sensitivity that the rig file does not speak of is exact.
+    if name not in rig.tolerance.model_fields_set:
+        return 0.0
+    return 1 / max(search.deviations(effect, rig), 1e-9)
 
 
 def deviations(fit: Fit) -> Array:

@@ -14,17 +14,19 @@ from modallab.core.progress import counted, part, report
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, all_rows, softened
 from modallab.gap.model.forward import forward
-from modallab.gap.model.prefit import start
+from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import (
     COARSE,
     STRAIGHT,
     Bench,
     annealed,
     at_poles,
+    at_rest,
     completed,
     finish,
     misfit,
     on_all,
+    ordinary,
     short,
 )
 from modallab.gap.search.screen import Begin, Screen
@@ -102,11 +104,12 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
     there = annealed(bench, fit, floor)
-    u, first = fit.u.copy(), bench.free.first_deviation
-    u[first : first + len(bench.free.deviations)] = 0.0
+    u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
     if there.gap > bench.flat and not np.array_equal(u, fit.u):
-        # The fit before had bent the deviations to a gap that was not theirs.
+        # The fit before had bent beam, gains and deviations to a gap that was not theirs.
         there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+    if bench.free.deviations and (there.gap > bench.flat or not ordinary(there)):
+        there = min((there, *_from_frequencies(bench, there)), key=_cost)
     strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
     if there.gap > bench.flat and strayed and len(bench.poles):
         begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
@@ -115,6 +118,20 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     if bench.flat < there.gap < PROMISING * before:
         there = min(there, finish(bench, fit, floor), key=_cost)
     return there
+
+
+def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
+    """A fit once more, its last effect as large as the frequencies of the ring-down want it; none if they do not.
+
+    What sits at the root or at every sensor an assembly does as well by many deviations, of the sensors' masses or of
+    the fields: from there nothing says that one number would do.
+    """
+    candidates = fit.problem.candidates
+    if not len(bench.poles) or len(candidates[-1].slots) != 1 or not model_of(candidates[-1].effect).moves_poles:
+        return []
+    former = fit.u[bench.free.size : -1]
+    (begin,) = starts(candidates, bench.free, bench.poles, 1, former)
+    return [annealed(bench, short(bench, candidates, begin.u, COARSE), COARSE / 6)]
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
