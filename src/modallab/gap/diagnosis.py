@@ -34,7 +34,7 @@ from modallab.gap.search.choose import Choice, choose, probabilities
 from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, baseline, ordinary
 from modallab.gap.search.intervals import intervals
-from modallab.gap.search.nonlinear import nonlinear_level
+from modallab.gap.search.stepped import search_stepped
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -107,15 +107,10 @@ def diagnose(
 def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
     """What the search says: effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
-    if base.gap <= bench.flat or not out_of_proportion(prepared):
+    overtones = out_of_proportion(prepared)
+    if base.gap <= bench.flat or overtones is None:
         return choose(bench, explain(bench, base), matters)
-    with part(0.1, 0.5):
-        stepped = choose(bench, [nonlinear_level(bench, base)], matters, unseen)
-    if stepped.explained and stepped.calm is None:
-        return stepped
-    with part(0.5, 1.0):
-        linear = choose(bench, explain(bench, base), matters)
-    return linear if linear.explained else replace(linear, rivals=(*linear.rivals, *stepped.rivals))
+    return search_stepped(bench, prepared, base, overtones, matters, unseen)
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

@@ -13,6 +13,7 @@ from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate, Slot
 
 Change = Callable[[Twin, Effect, Rig], Twin]
+Overtones = Literal["odd", "even"]
 Absorber = Literal["nothing", "damping ratios", "Young's modulus"]
 
 
@@ -31,6 +32,7 @@ class Search:
         rank: its turn among the candidates, smallest first.
         slots: its free numbers on a beam; one called "x" is its place along the beam.
         fixed: parameters that are not free.
+        forms: of its law, each by further parameters that are not free: rivals under one name.
         needs: the test that distinguishes it from what is free anyhow; None if either will do.
         absorbed_by: which numbers of the beam take its work over in a fit without it.
         replaces_gain: whether it stands for the sensitivity of its channel, which must then not be free beside it.
@@ -38,7 +40,9 @@ class Search:
         is_clock: whether its one number is the error of the clock that the generator's own lines show.
         inexact: relative deviation by which its size may be off, however well it fits: what it is on a bench is never
             quite what it is here.
-        looked_for: whether a diagnosis looks for it; not where its search has not been shown to end, and end right.
+        overtones: of an effect that depends on the size of the motion, those it makes: odd ones alone where it acts
+            alike both ways, even ones too where it does not.
+        rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
     """
@@ -46,13 +50,15 @@ class Search:
     rank: int
     slots: Callable[[Beam], tuple[Slot, ...]]
     fixed: tuple[tuple[str, float], ...] = ()
+    forms: tuple[tuple[tuple[str, float], ...], ...] = ((),)
     needs: Test | None = None
     absorbed_by: Absorber = "nothing"
     replaces_gain: bool = False
     replaces: str = ""
     is_clock: bool = False
     inexact: float = 0.0
-    looked_for: bool = True
+    overtones: Overtones = "odd"
+    rough: bool = False
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 
@@ -109,7 +115,8 @@ class EffectModel:
         if self.search is None or (self.kind.place == "shaker" and rig.shaker_point is None):
             return []
         assert rig.beam is not None
-        return [Candidate(self.kind.name, self.search.slots(rig.beam), self._place(rig, rows), self.search.fixed)]
+        slots, place = self.search.slots(rig.beam), self._place(rig, rows)
+        return [Candidate(self.kind.name, slots, place, (*self.search.fixed, *form)) for form in self.search.forms]
 
     def _place(self, rig: Rig, rows: tuple[int, ...]) -> tuple[tuple[str, Place], ...]:
         if self.kind.place == "force":

@@ -10,7 +10,7 @@ from modallab.core.effects import PlaceKind
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.twin.candidate import Candidate
-from modallab.twin.effect_model import EffectModel
+from modallab.twin.effect_model import EffectModel, Overtones
 from modallab.twin.effects import models, search_of
 
 
@@ -19,12 +19,12 @@ def of_bench(rig: Rig) -> list[Candidate]:
     return [c for m in _searched() if m.kind.place not in ("channel", "pair") for c in m.candidates(rig)]
 
 
-def of_motion(rig: Rig) -> list[Candidate]:
-    """Effects of the beam that depend on the size of the motion: each must be stepped in time, so they come last."""
+def of_motion(rig: Rig, overtones: Overtones) -> list[Candidate]:
+    """Effects of the beam that depend on the size of the motion and make such overtones; each is stepped in time."""
     found = [
         (m.search.rank, m)
         for m in models().values()
-        if m.search is not None and m.search.looked_for and not m.kind.linear
+        if m.search is not None and m.search.overtones == overtones and not m.kind.linear
     ]
     return [c for _, m in sorted(found, key=lambda f: f[0]) for c in m.candidates(rig)]
 

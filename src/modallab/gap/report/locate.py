@@ -19,6 +19,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.fitting import COARSE, Bench, excess, misfit
 from modallab.gap.search.round import channel_share
+from modallab.twin.effect_model import Overtones
 from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
@@ -176,16 +177,20 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
 
 
-def out_of_proportion(prepared: Prepared) -> bool:
-    """Whether the beam answers out of proportion, and alike both ways: third harmonics that the force does not hold.
+def out_of_proportion(prepared: Prepared) -> Overtones | None:
+    """Which overtones show that the beam answers out of proportion, if any do: harmonics that the force does not hold.
 
-    They must be on most channels: a channel that saturates has them alone. What answers one way only, as a crack that
-    opens, makes second harmonics too.
+    They must be on most channels: a channel that saturates has them alone. What answers alike both ways makes third
+    ones without second ones; what does not, as a crack that opens, makes second ones.
     """
     rows = [c.index for c in prepared.campaign.rig.responses]
     third, second = (_by_row(*_harmonics(prepared, (k,))) for k in (3, 2))
-    driven = float(third[prepared.campaign.rig.force_channel.index])
-    return driven <= OFTEN and float(np.median(third[rows])) > SEVERAL >= float(np.median(second[rows]))
+    force = prepared.campaign.rig.force_channel.index
+    if max(third[force], second[force]) > OFTEN:
+        return None
+    if float(np.median(second[rows])) > OFTEN:
+        return "even"
+    return "odd" if float(np.median(third[rows])) > SEVERAL else None
 
 
 def overtones(prepared: Prepared) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
-from modallab.gap.model.share import unexplained
+from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.explain import HOLDS
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
@@ -94,7 +94,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         fit.gap <= AT_FLOOR * bench.flat / 1.1
         or excess(fit) <= (1 - needed) * excess(base)
         or (held is not None and _closes(base, fit, held, needed))
-        or (unseen is not None and stepped(fit) and _share_closed(base, fit, unseen) >= CLOSED_STEPPED)
+        or (unseen is not None and stepped(fit) and _closes_unseen(base, fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held)
@@ -108,6 +108,23 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
     """
     before, after = (unexplained(held, forward(twin_of(f, held), held)) for f in (base, fit))
     return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
+
+
+def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
+    """Whether a fit closes enough of records it has not seen, in noise units or with each record counted alike.
+
+    In noise units a hit through every state of a rough law outweighs all sines: no law that is a little off follows it.
+    """
+    if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
+        return True
+    before, after = (_mean_square(f, unseen) for f in (base, fit))
+    return after <= (1 - CLOSED_STEPPED) * before
+
+
+def _mean_square(fit: Fit, data: Reduced) -> float:
+    """Mean over records of what a fit leaves besides noise, as a share of the response's squares, at most all of it."""
+    found = discrepancies(data, forward(twin_of(fit, data), data))
+    return float(np.mean([min(v**2, 1.0) for v in found.values()])) if found else 1.0
 
 
 def _share_closed(base: Fit, fit: Fit, unseen: Reduced) -> float:

@@ -7,8 +7,10 @@ from modallab.core.rig import Beam, Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, along_beam
 from modallab.twin.effect_model import EffectModel, Search, x_of
-from modallab.twin.effects.stiffness_loss import WIDTH
 from modallab.twin.nonlinear.element import Element, Law
+
+WIDTH = 0.05
+"""Half width of the loss over L."""
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -17,7 +19,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
-    return (Slot("EI_loss_open", "share", (0.4, 0.8), high=0.97), along_beam())
+    return (Slot("EI_loss_open", "share", (0.4, 0.75), high=0.97), along_beam())
 
 
 MODEL = EffectModel(
@@ -34,6 +36,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=False,
-    search=Search(rank=90, slots=_slots, looked_for=False),
+    # How far a crack weakens the beam beside it is a convention.
+    search=Search(rank=90, slots=_slots, inexact=0.05, rough=True, overtones="even"),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

@@ -24,8 +24,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_contact", "log", spread(3 * unit, 80 * unit, 4), power=-1.0),
-        Slot("gap", "log", spread(1e-5, 1e-3, 4)),
+        Slot("k_contact", "log", spread(20 * unit, 120 * unit, 3), power=-1.0),
+        Slot("gap", "log", spread(2.5e-5, 6e-4, 6)),
         # What still holds the root within the play; no joint lets a beam hang on nothing.
         Slot("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
     )
@@ -45,6 +45,7 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=True,
     once=True,
-    search=Search(rank=40, slots=_slots, looked_for=False),
+    # How a contact begins is a convention.
+    search=Search(rank=40, slots=_slots, inexact=0.05, rough=True),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )

@@ -17,7 +17,7 @@ from modallab.twin.structure import Modes, Structure
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
-PATTERNS = 3
+PATTERNS = 6
 """Ways in which the beam bends about a crack that are followed."""
 PLACES = 12
 """Places along the beam at which a drag is taken."""
@@ -42,7 +42,8 @@ class Element:
         x_m: its place from the clamp, m; of a drag, anywhere.
         numbers: of the law. Cubic: (k3 in N/m^3,). Friction: (stiffness of the slider in N m/rad, limit in N m), and
             how sharply it yields, if it is not ideal. Play: (stiffness in N m/rad, half the gap in rad). Crack: (share
-            of EI lost while open, half width in m). Drag: (force per length and squared velocity in N s^2/m^3,).
+            of EI lost while open, half width in m). Drag: (force per length and squared velocity in N s^2/m^3, number
+            of stations at which it acts; 0 for evenly).
     """
 
     law: Law
@@ -81,13 +82,22 @@ def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
     elif element.law is Law.CRACK:
         rows, gate = _opening(element, structure, modes), curvature_rows(element.x_m, length)[0]
     else:
-        at, weights = np.polynomial.legendre.leggauss(PLACES)
-        # Force and motion by the square root of the weight each: what is felt is what acts.
-        rows, gate = shape_rows(length * (at + 1) / 2, length), none
-        numbers = tuple((element.numbers[0] * weights * length / 2).tolist())
+        at, weights = _dragged(round(element.numbers[1]) if len(element.numbers) > 1 else 0)
+        rows, gate = shape_rows(length * at, length), none
+        numbers = tuple((element.numbers[0] * length * weights).tolist())
     return Coupling(
         element.law, numbers, rows @ modes.columns, gate @ modes.columns, np.concatenate([gate[None], rows])
     )
+
+
+def _dragged(stations: int) -> tuple[Array, Array]:
+    """(m,) places over L of a drag, and (m,) the share of each; the last station stands for half a bay."""
+    if not stations:
+        at, weights = np.polynomial.legendre.leggauss(PLACES)
+        return (at + 1) / 2, weights / 2
+    share = np.full(stations, 2.0)
+    share[-1] = 1.0
+    return np.arange(1, stations + 1) / stations, share / np.sum(share)
 
 
 def _opening(element: Element, structure: Structure, modes: Modes) -> Array:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CUBIC, PLAY, CRACK = 0, 2, 3
-YIELDS = 0.75
-"""Share of the yielding that stops when the motion turns round."""
+YIELDS = 0.5
+"""Share of the yielding that stops when the motion turns round: what turns back is as stiff as what never slipped."""
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

@@ -1,0 +1,93 @@
+"""Whether a linear effect stands beside one that is stepped in time.
+
+What the element adds to the records hardly depends on a linear effect beside it: it is taken off the records as the fit
+has it, what is left is searched as any linear bench is, and both are then fitted together (a linear and a nonlinear
+part in turn, as in Picard's iteration).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.progress import part
+from modallab.gap.conditioning.reduce import Reduced, thinned
+from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.forward import forward
+from modallab.gap.model.minimise import minimise
+from modallab.gap.search.fitting import Bench, excess, on_all
+from modallab.gap.search.nonlinear import on_all_records
+from modallab.gap.search.round import Level, round_of
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Candidate
+
+Array = NDArray[np.float64]
+
+WORTH = 0.3
+"""Share of what the stepped effect leaves, above the floor, that must be all that is left beside a linear one."""
+SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
+"""Effects that leave the root soft even where their element does nothing, and the stiffness that stays."""
+
+
+def beside(bench: Bench, fit: Fit) -> Level | None:
+    """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
+    without = _linear_part(bench, fit)
+    with part(0.0, 0.6):
+        level = round_of(without, on_all(without, _bare(without, fit)), finished=1)
+    if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
+        return None
+    found = level.fits[0]
+    added, stepped = found.problem.candidates[-1], fit.problem.candidates[-1]
+    before = fit.problem.candidates[:-1]
+    at = bench.free.size + sum(len(c.slots) for c in before)
+    # The root that the stepped effect leaves soft stands in its own numbers again.
+    own = found.u[len(found.u) - len(added.slots) :]
+    u = np.concatenate([found.u[:at], own, _with_root(fit.u[at:], stepped, found, at)])
+    problem = Problem(bench.data, bench.free, (*before, added, stepped))
+    joint = minimise(replace(problem, floor=0.002, held=(float(u[0]), float(u[1]), float(u[2]))), u, 2, 3e-2)
+    joint = on_all_records(bench, joint)
+    if excess(joint) > WORTH * excess(fit):
+        return None
+    return Level(fit, (joint,), level.screened)
+
+
+def _linear_part(bench: Bench, fit: Fit) -> Bench:
+    """The bench with what the element adds taken off its records."""
+    data = _taken_off(bench.data, fit.problem.twin(fit.u))
+    return replace(bench, data=data, thin=thinned(data, bench.poles))
+
+
+def _taken_off(data: Reduced, twin: Twin) -> Reduced:
+    answers = [w - o for w, o in zip(forward(twin, data), forward(replace(twin, element=None), data), strict=True)]
+    impacts = tuple(
+        replace(d, rows=replace(d.rows, y=d.rows.y - a)) for d, a in zip(data.impacts, answers, strict=False)
+    )
+    sines = data.sines
+    if sines is not None:
+        sines = replace(sines, rows=replace(sines.rows, y=sines.rows.y - answers[-1]))
+    return replace(data, impacts=impacts, sines=sines)
+
+
+def _bare(bench: Bench, fit: Fit) -> Fit:
+    """The fit without the element; the root that it leaves soft becomes a soft root."""
+    *before, stepped = fit.problem.candidates
+    at = bench.free.size + sum(len(c.slots) for c in before)
+    candidates, u = tuple(before), fit.u[:at]
+    if stepped.effect in SOFT:
+        root = next(c for c in of_bench(bench.data.rig) if c.effect == "clamp_rotation")
+        stiffness = stepped.at(fit.u[at:]).parameters[SOFT[stepped.effect]]
+        candidates, u = (*candidates, root), np.concatenate([u, [root.slots[0].coordinate(stiffness)]])
+    problem = Problem(bench.data, bench.free, candidates)
+    return Fit(problem, u, float(np.sum(fit.residual**2)), fit.residual, np.eye(len(u)))
+
+
+def _with_root(own: Array, stepped: Candidate, found: Fit, at: int) -> Array:
+    if stepped.effect not in SOFT:
+        return own
+    own, names = own.copy(), [s.name for s in stepped.slots]
+    root = found.problem.candidates[-2]
+    stiffness = root.at(found.u[at : at + 1]).parameters["k_rot"]
+    which = names.index(SOFT[stepped.effect])
+    own[which] = stepped.slots[which].coordinate(stiffness)
+    return own

@@ -1,0 +1,93 @@
+"""The search where overtones show that the beam answers out of proportion.
+
+Effects that depend on the size of the motion first; then a linear one beside the best of them; then linear ones alone,
+and one that is stepped beside those.
+"""
+
+import numpy as np
+
+from modallab.core.progress import part
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.forward import forward
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.share import discrepancies
+from modallab.gap.search.beside_stepped import beside
+from modallab.gap.search.choose import Choice, choose, stepped
+from modallab.gap.search.explain import explain, with_clock
+from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.nonlinear import nonlinear_level
+from modallab.gap.search.overtone_check import overtones_closed
+from modallab.gap.search.round import Level
+from modallab.twin.effect_model import Overtones
+
+LEFT = 0.01
+"""Share of the response, median over records, that no law leaves: more is another effect."""
+MADE = 0.5
+"""Share of the overtones that a law must make to be the one."""
+HELPS = 0.5
+"""Share of the gap below which what a linear effect leaves is worth a stepped one beside it."""
+
+
+def search_stepped(
+    bench: Bench, prepared: Prepared, base: Fit, overtones: Overtones, matters: Reduced | None, unseen: Reduced
+) -> Choice:
+    """What explains a bench that answers out of proportion.
+
+    Args:
+        bench: what to search.
+        prepared: the records.
+        base: the twin without effects.
+        overtones: which the records show.
+        matters: see `choose`.
+        unseen: see `choose`.
+    """
+    clocked = with_clock(bench)
+    levels = [] if clocked is None else [Level(base, (clocked,), ())]
+
+    def judged(listed: list[Level]) -> Choice:
+        return _by_overtones(choose(bench, listed, matters, unseen), prepared, unseen)
+
+    with part(0.0, 0.4):
+        levels = [*levels, nonlinear_level(bench, clocked or base, overtones)]
+    first = judged(levels)
+    if _named(first) and _left(first.fit, unseen) < LEFT:
+        return first
+    if levels[-1].fits:
+        with part(0.4, 0.6):
+            more = beside(bench, levels[-1].fits[0])
+        both = judged([*levels, more]) if more is not None else first
+        if _named(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates):
+            return both
+    if _named(first):
+        return first
+    with part(0.6, 0.8):
+        rounds = explain(bench, base)
+    linear = choose(bench, rounds, matters)
+    if linear.explained:
+        return linear
+    best = next((level.fits[0] for level in rounds if level.fits), None)
+    if best is not None and excess(best) < HELPS * excess(base) and best is not clocked:
+        with part(0.8, 1.0):
+            last = judged([rounds[0], nonlinear_level(bench, best, overtones)])
+        if _named(last) and stepped(last.fit):
+            return last
+    return Choice(linear.base, linear.fit, (*linear.rivals, *first.rivals), False, linear.flat, linear.dismissed)
+
+
+def _named(choice: Choice) -> bool:
+    """Whether it explains the gap, and does not merely say that what is left does not matter: others may explain it."""
+    return choice.explained and choice.calm is None
+
+
+def _by_overtones(choice: Choice, prepared: Prepared, unseen: Reduced) -> Choice:
+    """The same, explained only if the law makes the overtones that were measured."""
+    if not choice.explained or not stepped(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
+        return choice
+    return Choice(choice.base, choice.fit, choice.rivals, False, choice.flat, choice.dismissed)
+
+
+def _left(fit: Fit, unseen: Reduced) -> float:
+    found = discrepancies(unseen, forward(twin_of(fit, unseen), unseen))
+    return float(np.median(list(found.values()))) if found else 0.0
