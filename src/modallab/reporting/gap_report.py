@@ -8,6 +8,7 @@ from modallab.core.effects import kind_of
 from modallab.formats.atomic import replacing
 from modallab.gap.report.summary import in_percent, place_in_words, sentence
 from modallab.gap.revisions.history import history
+from modallab.reporting.described_section import described_section
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture, budget_bars, pair_bars, shrink_bar
 from modallab.reporting.gap_page import captioned, page, section
@@ -38,6 +39,7 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         (sentence(diagnosis), in_percent(diagnosis.gap)),
         _place(diagnosis, campaign),
         _effects(diagnosis),
+        described_section(diagnosis),
         _shrink(diagnosis),
         _curves(diagnosis, campaign),
         _budget(diagnosis),

@@ -12,6 +12,7 @@ from modallab.core.progress import report
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.locate import Location
@@ -19,6 +20,7 @@ from modallab.gap.report.measure import squares
 from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.round import channel_share
 from modallab.gap.unknown.description import Description, of_fit, stage_of
 from modallab.gap.unknown.fitted import fitted, priced
 from modallab.gap.unknown.on_beam import on_all_rows, trials
@@ -90,8 +92,16 @@ def _tried(
     if least < SOLVED * excess(base):
         return
     report(0.4, "the force that is missing")
-    for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench)]):
-        yield of_fit(base, fit, unseen)
+    # Where no channel was told to be off alone, the one that is off most is looked at all the same.
+    loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
+    alone = [] if rows else list(linear(bench, loudest))
+    for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench), *alone]):
+        yield of_fit(base, fit, unseen, _rows_of(fit))
+
+
+def _rows_of(fit: Fit) -> tuple[int, ...]:
+    """The channels on which the elements of a fit act alone."""
+    return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))
 
 
 def _worth(one: Description) -> float:

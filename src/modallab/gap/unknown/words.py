@@ -33,7 +33,7 @@ def _point(law: Numbers) -> str:
         parts.append(f"a damper of {law['c']:.4g} N s/m to ground")
     if "m" in law:
         parts.append(f"a mass of {1e3 * law['m']:.4g} g")
-    return ", ".join(parts)
+    return " and ".join(parts)
 
 
 def _beam(law: Numbers) -> str:
@@ -43,7 +43,7 @@ def _beam(law: Numbers) -> str:
         parts.append(f"a {pull} of {abs(law['tension']):.4g} N along the beam's axis")
     if "bedding" in law:
         parts.append(f"a stiffness of {law['bedding']:.4g} N/m to ground on each metre of the beam")
-    return ", ".join(parts)
+    return " and ".join(parts)
 
 
 def _side(law: Numbers) -> str:
