@@ -70,10 +70,10 @@ class Chain:
         corners = {c.index: c.ac_corner_hz for c in rig.channels}
         # Where all channels share a corner, the measured force has it already.
         own = corners if len(set(corners.values())) > 1 else {}
-        told = {c.index: float(lags_s[c.index]) for c in rig.responses if lags_s[c.index]}
+        stated = {c.index: float(lags_s[c.index]) for c in rig.responses if lags_s[c.index]}
         return replace(
             self,
-            lag_s=self.lag_s | {i: lag + self.lag_s.get(i, 0.0) for i, lag in told.items()},
+            lag_s=self.lag_s | {i: lag + self.lag_s.get(i, 0.0) for i, lag in stated.items()},
             own_corner_hz=self.own_corner_hz
             | {i: corner for i, corner in own.items() if corner and i != rig.force_channel.index},
         )

@@ -1,4 +1,4 @@
-"""Lost samples are told from those that merely stand still, by what the twin expects."""
+"""Lost samples are distinguished from those that merely stand still, by what the twin expects."""
 
 import numpy as np
 import pytest

@@ -92,7 +92,7 @@ def _tried(
     if least < SOLVED * excess(base):
         return
     report(0.4, "the force that is missing")
-    # Where no channel was told to be off alone, the one that is off most is looked at all the same.
+    # Where no channel is known to be off alone, the one that is off most is looked at all the same.
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
     alone = [] if rows else list(linear(bench, loudest))
     for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench), *alone]):

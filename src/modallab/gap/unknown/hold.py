@@ -9,7 +9,7 @@ from modallab.gap.unknown.volts import Channel
 
 Array = NDArray[np.float64]
 
-BEYOND = 6.0
+EXCEEDING = 6.0
 """Times the noise by which a sample must have been expected elsewhere to count as lost."""
 LEAST = 0.002
 """Smallest share of lost samples that is no chance."""
@@ -49,8 +49,8 @@ def _hold(channel: Channel, noise_v: float, kept: float) -> Hold:
         # Of a run of lost samples each is held from the last that was not.
         last = np.maximum.accumulate(np.where(same, 0, np.arange(len(u))))
         instead = u[last] if kept else np.zeros(len(u))
-        could = np.abs(u - (np.concatenate([u[:1], u[:-1]]) if kept else 0.0)) > BEYOND * noise_v
-        gone = same & (could | (np.abs(u - instead) > BEYOND * noise_v))
+        could = np.abs(u - (np.concatenate([u[:1], u[:-1]]) if kept else 0.0)) > EXCEEDING * noise_v
+        gone = same & (could | (np.abs(u - instead) > EXCEEDING * noise_v))
         made[name] = np.where(gone, instead, u)
         lost, seen = lost + int(np.count_nonzero(gone & could)), seen + int(np.count_nonzero(could))
     share = lost / max(seen, 1)
