@@ -4,6 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf
 
+import numpy as np
+from numpy.typing import NDArray
+
 from modallab_simulators.cantilever.attached import Absorber, Attachment
 from modallab_simulators.cantilever.beam import CantileverBeam
 from modallab_simulators.cantilever.cracked import Loss
@@ -15,12 +18,17 @@ from modallab_simulators.cantilever.sensor import Sensor
 
 Element = PointElement | CrackElement
 Rows = Mapping[int, float]
+Floats = NDArray[np.float64]
 
 DRIFT_S = 1800.0
 """Bench time over which a drift runs, unless it says otherwise."""
 
 
 def _no_rows() -> Rows:
+    return {}
+
+
+def _no_curves() -> Mapping[int, Callable[[Floats], Floats]]:
     return {}
 
 
@@ -87,7 +95,9 @@ class ChainChanges:
         noise: row -> factor on its noise.
         clips: rows cut at a level.
         knee_v: row -> towards which it saturates softly.
+        curves: row -> what it reads of what it would read, both in V.
         lost_share: row -> of its samples.
+        holds: rows that read the sample before in place of a lost one; others read 0.
         jitter_s: standard deviation of every instant.
         hum: volts and frequency in Hz of the mains; None without.
         clock: relative error of the converter's rate.
@@ -103,7 +113,9 @@ class ChainChanges:
     noise: Rows = field(default_factory=_no_rows)
     clips: tuple[Clip, ...] = ()
     knee_v: Rows = field(default_factory=_no_rows)
+    curves: Mapping[int, Callable[[Floats], Floats]] = field(default_factory=_no_curves)
     lost_share: Rows = field(default_factory=_no_rows)
+    holds: frozenset[int] = frozenset()
     jitter_s: float = 0.0
     hum: tuple[float, float] | None = None
     clock: float = 0.0

@@ -1,5 +1,6 @@
 """Preamplifiers and converter: from what a row sees to counts."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Self
@@ -60,6 +61,8 @@ class Chain:
         knee_v: (rows,) towards which a row saturates softly.
         lost_share: (rows,) of the samples.
         jitter_s: standard deviation of every instant.
+        curves: row -> what it reads of what it would read, both in V.
+        holds: rows that read the sample before in place of a lost one.
     """
 
     volts_per_si: Floats
@@ -73,6 +76,8 @@ class Chain:
     knee_v: Floats
     lost_share: Floats
     jitter_s: float
+    curves: Mapping[int, Callable[[Floats], Floats]]
+    holds: frozenset[int]
 
     @classmethod
     def of(cls, rig: Rig, test: Test, changes: ChainChanges) -> Self:
@@ -96,6 +101,8 @@ class Chain:
             np.array([changes.knee_v.get(row, inf) for row in rows]),
             np.array([changes.lost_share.get(row, 0.0) for row in rows]),
             changes.jitter_s,
+            changes.curves,
+            changes.holds,
         )
 
     def clipped(self, row: int, level_v: float) -> Self:
@@ -118,6 +125,8 @@ class Chain:
         counts = seen * (self.volts_per_si / self.volts_per_count)[:, None]
         for row in np.flatnonzero(np.isfinite(self.knee_v)):
             counts[row] /= np.sqrt(1 + (counts[row] * self.volts_per_count[row] / self.knee_v[row]) ** 2)
+        for row, curve in self.curves.items():
+            counts[row] = curve(counts[row] * self.volts_per_count[row]) / self.volts_per_count[row]
         counts += luck.noise * (self.noise_rms_v / self.volts_per_count).astype(np.float32)[:, None]
         if self.hum.volts:
             counts += self.hum.on(len(seen), times_s) / self.volts_per_count[:, None]
@@ -125,7 +134,7 @@ class Chain:
             level = self.clip_v[row] / self.volts_per_count[row]
             np.clip(counts[row], -level, level, out=counts[row])
         if luck.lost is not None:
-            counts[luck.lost] = 0.0
+            lose(counts, luck.lost, self.holds)
         np.rint(counts, out=counts)
         np.clip(counts, self.low, self.high, out=counts)
         return counts.astype(self.dtype)
@@ -133,6 +142,16 @@ class Chain:
     def overload(self, samples: NDArray[np.generic]) -> NDArray[np.bool_]:
         """Which rows stand at a full scale anywhere in `samples`, (rows,)."""
         return np.any((samples == self.high) | (samples == self.low), axis=1)
+
+
+def lose(counts: Floats, lost: NDArray[np.bool_], holds: frozenset[int]) -> None:
+    """Write what stands in place of lost samples: 0, or in rows that hold it the sample before, both (rows, n)."""
+    for row in np.flatnonzero(np.any(lost, axis=1)):
+        if int(row) in holds:
+            last = np.maximum.accumulate(np.where(lost[row], 0, np.arange(lost.shape[1])))
+            counts[row] = counts[row, last]
+        else:
+            counts[row, lost[row]] = 0.0
 
 
 def _volts_per_si(rig: Rig, channel: Channel, test: Test) -> float:

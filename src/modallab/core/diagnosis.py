@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
+from modallab.core.described import Alternative, Learned
 from modallab.core.effects import Effect, Stage
 from modallab.core.frozen import Frozen
 from modallab.core.versions import DIAGNOSIS
@@ -249,6 +250,32 @@ class Calibrated(Frozen):
     drift_curve: list[tuple[float, float]] = Field(default_factory=list[tuple[float, float]])
 
 
+class Described(Frozen):
+    """A gap that no effect of the catalogue explains: what it behaves like. Never a cause.
+
+    Attributes:
+        says: it in words, with its numbers.
+        stage: where what describes it acts; the tests on the residual may say otherwise.
+        elements: of the twin that behave so.
+        x_m: place from the clamp; None where it has none.
+        x_m_interval: 95 % of that place.
+        channels: rows concerned; empty if it is none of them.
+        shrink: how far it closes the gap on records that no fit has seen.
+        twin: the simulation's own numbers beside these elements.
+        alternatives: other descriptions that leave about as little.
+    """
+
+    says: str
+    stage: Stage
+    elements: list[Learned]
+    x_m: float | None
+    x_m_interval: tuple[float, float] | None
+    channels: list[str]
+    shrink: Shrink
+    twin: Calibrated
+    alternatives: list[Alternative]
+
+
 class Diagnosis(Frozen):
     """Where the gap lies, which effect causes it, how far it shrinks once that effect is in the twin.
 
@@ -264,6 +291,8 @@ class Diagnosis(Frozen):
         twin: the simulation as it was calibrated.
         notes: what was found on the way.
         budget: how far the calibration moved, against the tolerances; None in older documents.
+        described: what a gap without a name behaves like; None where a name explains it, where nothing describes it
+            on records held out, and in older documents.
     """
 
     format_version: Literal[1, 2] = DIAGNOSIS
@@ -278,3 +307,4 @@ class Diagnosis(Frozen):
     twin: Calibrated
     notes: list[str]
     budget: Budget | None = None
+    described: Described | None = None

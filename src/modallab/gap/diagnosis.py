@@ -35,6 +35,7 @@ from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, baseline, ordinary
 from modallab.gap.search.intervals import intervals
 from modallab.gap.search.stepped import search_stepped
+from modallab.gap.unknown.describe import describe
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -88,6 +89,8 @@ def diagnose(
     ranked = probabilities(choice)
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
+    with part(0.8, 0.96, "what it behaves like"):
+        described = describe(bench, prepared, choice, location, everything, unseen, [b.name for b in held])
     report(0.96, "budget")
     return Diagnosis(
         rig=campaign.rig.name,
@@ -101,6 +104,7 @@ def diagnose(
         twin=calibrated(choice.believed, everything),
         budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not stated),
         notes=_notes(prepared, choice, shows, stated, nonlinear),
+        described=described,
     )
 
 

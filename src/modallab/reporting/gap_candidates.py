@@ -1,6 +1,6 @@
 """What a diagnosis compared: explanations with what they leave, and the residual before and after."""
 
-from modallab.core.diagnosis import Diagnosis
+from modallab.core.diagnosis import Diagnosis, Shrink
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, log_bars
@@ -8,6 +8,8 @@ from modallab.reporting.gap_page import captioned, section
 from modallab.reporting.gap_words import named, part_of, probability_of, sure, units
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
+
+CLOSED = "Share of the gap that is closed"
 
 
 def candidates_section(diagnosis: Diagnosis) -> Markup | None:
@@ -43,7 +45,13 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
         f"seen{interval}: from {units(shrink.before)} to {units(shrink.after)} noise units."
     )
-    return section("How far it shrinks", captioned(bars(rows, "Share of the gap that is closed", 1.0), said))
+    return section("How far it shrinks", captioned(bars(rows, CLOSED, 1.0), said))
+
+
+def closed_bar(name: str, shrink: Shrink) -> Markup:
+    """One bar: the share of the gap that is closed on held-out records; empty where there was none to close."""
+    closed = shrink.closed or 0.0
+    return bars([Bar(name, closed, part_of(closed), "second", shrink.interval)], CLOSED, 1.0)
 
 
 def channel_bars(before: dict[str, float], after: dict[str, float], name: str, said: str) -> Markup:

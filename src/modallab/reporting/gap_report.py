@@ -9,6 +9,7 @@ from modallab.core.rig import Rig
 from modallab.formats.atomic import replacing
 from modallab.gap.report.summary import own_error, sentence
 from modallab.gap.revisions.history import history
+from modallab.reporting.described_section import described_section
 from modallab.reporting.figures.gap_curves import gap_curves
 from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
@@ -40,6 +41,7 @@ def render(diagnosis: Diagnosis, campaign: Campaign) -> str:
         _width(diagnosis),
         _place(diagnosis, campaign.rig),
         _effects(diagnosis, campaign.rig),
+        described_section(diagnosis),
         shrink_section(diagnosis),
         _next(diagnosis),
         _curves(diagnosis, campaign),

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.twin.elements import ELEMENTS
-from modallab.twin.structure import Structure, matrices, solve
+from modallab.twin.structure import OWN, Structure, matrices, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -19,8 +18,8 @@ def base_transmission(structure: Structure, x_m: Array, s: Complex) -> Complex:
     Relative motion is that under the inertia load -M 1 of the moving base.
     """
     modes = solve(structure)
-    _, mass = matrices(replace(structure))
-    rigid = np.zeros(2 * ELEMENTS + 2)
+    _, mass = matrices(replace(structure, hung=()))
+    rigid = np.zeros(OWN)
     rigid[0::2] = 1.0
     load = -(modes.columns.T @ (mass @ rigid))
     out = modes.at(x_m)

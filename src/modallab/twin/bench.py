@@ -42,6 +42,7 @@ class Chain:
         integrals: number -> times its sensor integrates the acceleration: 1 for a velocity, 2 for a displacement.
         lag_s: number -> s by which the rig file says that its samples lag.
         own_corner_hz: number -> corner of the AC coupling that the rig file tells of.
+        low_pass_hz: (number, corner of a first-order low-pass) of an accelerometer.
     """
 
     gain: dict[int, float] = field(default_factory=dict[int, float])
@@ -56,6 +57,7 @@ class Chain:
     integrals: dict[int, int] = field(default_factory=dict[int, int])
     lag_s: dict[int, float] = field(default_factory=dict[int, float])
     own_corner_hz: dict[int, float] = field(default_factory=dict[int, float])
+    low_pass_hz: tuple[tuple[int, float], ...] = ()
 
     @classmethod
     def of(cls, rig: Rig) -> Self:
@@ -68,10 +70,12 @@ class Chain:
         corners = {c.index: c.ac_corner_hz for c in rig.channels}
         # Where all channels share a corner, the measured force has it already.
         own = corners if len(set(corners.values())) > 1 else {}
+        stated = {c.index: float(lags_s[c.index]) for c in rig.responses if lags_s[c.index]}
         return replace(
             self,
-            lag_s={c.index: float(lags_s[c.index]) for c in rig.responses if lags_s[c.index]},
-            own_corner_hz={i: corner for i, corner in own.items() if corner and i != rig.force_channel.index},
+            lag_s=self.lag_s | {i: lag + self.lag_s.get(i, 0.0) for i, lag in stated.items()},
+            own_corner_hz=self.own_corner_hz
+            | {i: corner for i, corner in own.items() if corner and i != rig.force_channel.index},
         )
 
 
@@ -153,6 +157,8 @@ def transfer(chain: Chain, channels: tuple[int, ...], s: Complex) -> Complex:
             total[i] *= s / (s + 2 * np.pi * chain.own_corner_hz[channel])
         if channel in chain.integrals:
             total[i] *= np.where(s == 0, 0, 1 / np.where(s == 0, 1, s)) ** chain.integrals[channel]
+    for channel, corner_hz in chain.low_pass_hz:
+        total[channels.index(channel)] /= 1 + s / (2 * np.pi * corner_hz)
     for mount in chain.mounts:
         omega = 2 * np.pi * mount.hz
         total[channels.index(mount.channel)] *= (2 * mount.zeta * omega * s + omega**2) / (
@@ -180,6 +186,7 @@ def is_flat(chain: Chain) -> bool:
     return not (
         chain.corner_hz
         or chain.mounts
+        or chain.low_pass_hz
         or chain.delay_s
         or chain.skew_s
         or chain.integrals

@@ -17,6 +17,8 @@ MODES = 15
 """Modes kept: well past the band."""
 ROOT = 0.1
 """Relative deviation of a rotational spring at the root that a rig file states as "about" so much."""
+OWN = 2 * ELEMENTS + 2
+"""Degrees of freedom of the beam's elements; those of what hangs on it follow."""
 RIGID = 1e-9
 """Root compliance, in beam compliances, that counts as rigid."""
 
@@ -45,6 +47,9 @@ class Structure:
         rotation_springs: (x, N m/rad) to ground.
         dampers: (x, N s/m) to ground.
         losses: (x, share of EI lost there, half width in m).
+        hung: (x, kg, N/m) of masses that hang on a spring, each with a freedom of its own.
+        tension_n: axial force, N; negative where it pushes.
+        bedding: stiffness per length to ground, N/m^2.
     """
 
     length_m: float
@@ -62,6 +67,9 @@ class Structure:
     rotation_springs: Attached = ()
     dampers: Attached = ()
     losses: tuple[tuple[float, float, float], ...] = ()
+    hung: tuple[tuple[float, float, float], ...] = ()
+    tension_n: float = 0.0
+    bedding: float = 0.0
 
     @classmethod
     def of(cls, beam: Beam, damping_ratio: float) -> "Structure":
@@ -141,11 +149,11 @@ def alike(structure: Structure, other: Structure) -> bool:
 def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
     if structure.dampers:
         poles, mixing = _coupled(structure, omega, phi)
-        return Modes(poles, phi @ mixing, structure.length_m, out_of_band)
+        return Modes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
     zeta = structure.zeta
     damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
-    columns = (phi / np.sqrt(2j * damped)).astype(np.complex128)
-    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band)
+    columns = (phi[:OWN] / np.sqrt(2j * damped)).astype(np.complex128)
+    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band[:OWN, :OWN])
 
 
 _LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array, Array]] = OrderedDict()
@@ -154,7 +162,7 @@ _LOCK = Lock()
 
 
 def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
-    """(MODES,) rad/s, (n, MODES) shapes and (n, n) compliance beyond them.
+    """(MODES,) rad/s, (n, MODES) shapes and (n, n) compliance beyond them, n with what hangs on the beam.
 
     Remembered, as damping, chain and clock leave them as they are.
     """
@@ -184,7 +192,7 @@ def undamped_key(s: Structure) -> tuple[object, ...]:
     """What the undamped modes depend on; to remember them by."""
     size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
     fields = s.ei_field.tobytes(), s.mass_field.tobytes()
-    attached = s.masses, s.springs, s.rotation_springs, s.losses
+    attached = s.masses, s.springs, s.rotation_springs, s.losses, s.hung, s.tension_n, s.bedding
     return (*size, *fields, s.root_rotation, s.root_translation, *attached)
 
 
@@ -209,7 +217,25 @@ def matrices(structure: Structure) -> tuple[Array, Array]:
             places, values = np.array(attached).T
             own = rows(np.ascontiguousarray(places), length)
             total += own.T @ (values[:, None] * own)
-    return stiffness, mass
+    if structure.tension_n:
+        # The work of an axial force goes with the square of the slope, as the rotary inertia of unit rhoI does.
+        stiffness += structure.tension_n * pattern.rotary
+    if structure.bedding:
+        stiffness += structure.bedding * pattern.mass[0]
+    return (stiffness, mass) if not structure.hung else _with_hung(structure, stiffness, mass)
+
+
+def _with_hung(structure: Structure, stiffness: Array, mass: Array) -> tuple[Array, Array]:
+    """The same with a freedom more for each mass that hangs on a spring."""
+    size = OWN + len(structure.hung)
+    whole, heavy = np.zeros((size, size)), np.zeros((size, size))
+    whole[:OWN, :OWN], heavy[:OWN, :OWN] = stiffness, mass
+    for at, (x, kg, spring) in enumerate(structure.hung, OWN):
+        stretch = np.zeros(size)
+        stretch[:OWN], stretch[at] = shape_rows(x, structure.length_m)[0], -1.0
+        whole += spring * np.outer(stretch, stretch)
+        heavy[at, at] = kg
+    return whole, heavy
 
 
 def _with_field(patterns_of: Array, field_of: Array) -> Array:
@@ -220,7 +246,7 @@ def _with_field(patterns_of: Array, field_of: Array) -> Array:
 
 def _free(structure: Structure) -> NDArray[np.int64]:
     held = {i for i, c in enumerate((structure.root_translation, structure.root_rotation)) if c <= RIGID}
-    return np.array([i for i in range(2 * ELEMENTS + 2) if i not in held])
+    return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
 
 
 def _damping(structure: Structure, omega: Array, phi: Array) -> Array:
@@ -228,7 +254,7 @@ def _damping(structure: Structure, omega: Array, phi: Array) -> Array:
     damping = np.diag(2 * structure.zeta * omega)
     if structure.dampers:
         places, values = np.array(structure.dampers).T
-        own = shape_rows(np.ascontiguousarray(places), structure.length_m) @ phi
+        own = shape_rows(np.ascontiguousarray(places), structure.length_m) @ phi[:OWN]
         damping += own.T @ (values[:, None] * own)
     return damping
 
@@ -286,7 +312,7 @@ class Neighbours:
         else:
             return solve(structure)
         poles, mixing = self._coupled(structure, omega, phi)
-        return Modes(poles, phi @ mixing, structure.length_m, self._out_of_band)
+        return Modes(poles, phi[:OWN] @ mixing, structure.length_m, self._out_of_band[:OWN, :OWN])
 
     def _undamped(self, structure: Structure) -> tuple[Array, Array]:
         phi, squared = self._phi, self._omega**2

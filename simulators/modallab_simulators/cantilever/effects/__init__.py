@@ -11,6 +11,7 @@ from modallab.core.discovery import declared
 from modallab.core.effects import EffectKind, catalogue
 from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.effect_part import EffectPart
+from modallab_simulators.cantilever.learned import learned_parts
 
 
 @cache
@@ -25,12 +26,12 @@ def parts() -> Mapping[str, EffectPart]:
 
 
 def part_of(name: str) -> EffectPart:
-    """How this bench plays an effect.
+    """How this bench plays an effect, or a learned element.
 
     Raises:
         ConfigurationError: it can't.
     """
-    part = parts().get(name)
+    part = parts().get(name) or learned_parts().get(name)
     if part is None:
         raise ConfigurationError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(parts()))}")
     return part

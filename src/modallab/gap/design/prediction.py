@@ -1,6 +1,6 @@
 """A diagnosis at work: what the accelerometers of another campaign on the same rig would read."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,17 +8,20 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import as_volts, usable
 from modallab.gap.conditioning.reduce import Weights, sine_ratio
 from modallab.gap.model.predicted_records import predict_record
-from modallab.gap.report.calibrated import diagnosed_twin
+from modallab.gap.report.calibrated import carried, diagnosed_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
 from modallab.signals.signals import to_signals
+from modallab.twin.learned.row_curve import MODEL, curved
 
 Array = NDArray[np.float64]
+CURVE = MODEL.kind.name
 Records = Mapping[str, Array]
 """Record -> (channels, n) of the response channels, each in its own unit and direction."""
 
@@ -44,12 +47,21 @@ def predict(diagnosis: Diagnosis, other: Campaign) -> dict[str, Array]:
     last = float(max(1, *(b.order for b in other.blocks)))
     rows = [c.index for c in rig.responses]
     cut = {int(f.place["channel"]): float(f.place["level_v"]) for f in diagnosis.effects if "level_v" in f.place}
+    curves = _curves([*rig.known_effects, *carried(diagnosis)])
     found: dict[str, Array] = {}
     for b in blocks:
         si = predict_record(twin, rig, b, last, ratio)
         limit = np.array([cut.get(row, np.inf) for row in rows]) / np.abs(volts_per_si(rig, b.test)[rows])
+        for row, law in curves:
+            at, volts = rows.index(row), float(volts_per_si(rig, b.test)[row])
+            si[at] = curved(si[at] * volts, law) / volts
         found[b.name] = np.clip(si, -limit[:, None], limit[:, None]) * unit_per_si(rig)[rows, None]
     return found
+
+
+def _curves(effects: Iterable[Effect]) -> list[tuple[int, Mapping[str, float]]]:
+    """(row, law) of the static curves among them."""
+    return [(int(str(e.place["channel"])), e.parameters) for e in effects if e.effect == CURVE]
 
 
 def clock_of(campaign: Campaign, blocks: Sequence[Block]) -> float:

@@ -137,7 +137,13 @@ def _through(bare: StateSpace, chain: Chain, rows: tuple[int, ...], test: Test) 
         corner = 2 * np.pi * chain.corner_hz
         for k in range(len(rows)):
             found = _filtered(found, k, np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
-    delay = np.array([chain.delay_s - row * chain.skew_s for row in rows])
+    for row, hz in chain.low_pass_hz:
+        corner = 2 * np.pi * hz
+        found = _filtered(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [1.0], 0.0)
+    for row, hz in chain.own_corner_hz.items():
+        corner = 2 * np.pi * hz
+        found = _filtered(found, rows.index(row), np.array([[-corner]]), np.array([corner]), [-1.0], 1.0)
+    delay = np.array([chain.delay_s - row * chain.skew_s + chain.lag_s.get(row, 0.0) for row in rows])
     found = replace(found, delay_s=delay)
     return found if chain.swap is None else _exchanged(found, chain, rows, test)
 

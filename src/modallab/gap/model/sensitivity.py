@@ -202,6 +202,6 @@ def smooth_in(twin: Twin, other: Twin) -> bool:
     if twin.element is not None or other.element is not None:
         return False
     chain = replace(other.chain, gain=twin.chain.gain, shift=twin.chain.shift, force_gain=twin.chain.force_gain)
-    fields = ("corner_hz", "mounts", "delay_s", "skew_s", "swap")
+    fields = ("corner_hz", "mounts", "delay_s", "skew_s", "swap", "lag_s", "own_corner_hz", "low_pass_hz")
     alike = all(getattr(chain, f) == getattr(twin.chain, f) for f in fields)
     return alike and all(getattr(twin, f) == getattr(other, f) for f in ("ei_drift", "drift_curve", "clock"))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.diagnosis import Calibrated, Departure, Diagnosis
+from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.reduce import Reduced
@@ -55,7 +56,8 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
     Raises:
         DataError: the rig has no beam, or the diagnosis is not of as many modes as the twin has.
     """
-    numbers = diagnosis.twin
+    described = diagnosis.described
+    numbers = diagnosis.twin if described is None else described.twin
     if rig.beam is None or len(numbers.zeta) != MODES:
         raise DataError(
             f"the diagnosis holds {len(numbers.zeta)} damping ratios, the twin {MODES} modes",
@@ -75,9 +77,15 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
         twin = applied(twin, rig, _departures(numbers.departures, OF_HITS if of_others else ()))
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     twin = with_known(twin, rig)
-    for found in diagnosis.effects:
-        twin = apply(twin, found.as_effect(), rig)
+    for effect in carried(diagnosis):
+        twin = apply(twin, effect, rig)
     return twin if of_others else replace(twin, drift_curve=tuple(numbers.drift_curve))
+
+
+def carried(diagnosis: Diagnosis) -> list[Effect]:
+    """What a diagnosis adds to the twin: the effects found, or the elements that a gap without a name behaves like."""
+    learned = [] if diagnosis.described is None else diagnosis.described.elements
+    return [*(found.as_effect() for found in diagnosis.effects), *(element.as_effect() for element in learned)]
 
 
 def believed_twin(rig: Rig) -> Twin:

@@ -33,12 +33,21 @@ def sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
         return (
             f"A gap of {gap.before:.3g} noise units lies in the {where.stage}{at}, and none of the known effects "
-            f"explains it."
+            f"explains it.{_behaves(diagnosis)}"
         )
     parts = " and ".join(spoken(f, channels) for f in diagnosis.effects)
     closed = diagnosis.shrink.closed
     how_far = f", which closes {100 * closed:.1f} % of it on records held out" if closed is not None else ""
     return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
+
+
+def _behaves(diagnosis: Diagnosis) -> str:
+    """What a gap without a name behaves like, and how far that closes it."""
+    described = diagnosis.described
+    if described is None or described.shrink.closed is None:
+        return ""
+    says = described.says.rstrip(",")
+    return f" It behaves like {says}, which closes {described.shrink.closed:.1%} of it on records held out."
 
 
 def in_percent(gap: Gap) -> str:

@@ -19,16 +19,21 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
 
     Raises:
         RigError: the diagnosis is of another rig, or its effects are in the rig already.
-        DataError: the diagnosis names no effect.
+        DataError: the diagnosis names no effect, and describes none by what it behaves like.
     """
     if diagnosis.rig != rig.name:
         raise RigError(
             f"the diagnosis is of {diagnosis.rig!r}, the rig file of {rig.name!r}",
             remedy="name the rig file that the campaign was diagnosed with",
         )
-    effects = tuple(_as_known(found) for found in diagnosis.effects)
-    if diagnosis.verdict != "known" or not effects:
-        verdict = {"no_gap": "that there is no gap", "unknown": "that none of the known effects explains the gap"}
+    described = diagnosis.described
+    named = tuple(_as_known(found) for found in diagnosis.effects)
+    effects = named if described is None else tuple(element.as_effect() for element in described.elements)
+    if (diagnosis.verdict != "known" and described is None) or not effects:
+        verdict = {
+            "no_gap": "that there is no gap",
+            "unknown": "that none of the known effects explains the gap, and nothing describes it",
+        }
         raise DataError(
             f"the diagnosis says {verdict.get(diagnosis.verdict, 'no effect')}",
             where=rig.name,
@@ -40,7 +45,7 @@ def with_diagnosis(rig: Rig, diagnosis: Diagnosis, on: date, source: str = "") -
             where=rig.name,
             remedy="apply a diagnosis that was made with this revision of the rig",
         )
-    shrink = diagnosis.shrink
+    shrink = diagnosis.shrink if described is None else described.shrink
     revision = Revision(
         effects=effects, applied_on=on, before=shrink.before, after=shrink.after, closed=shrink.closed, source=source
     )

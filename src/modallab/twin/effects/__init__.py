@@ -10,6 +10,7 @@ from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.effect_model import EffectModel, NoChange, Search
+from modallab.twin.learned import elements
 
 
 @cache
@@ -36,12 +37,12 @@ def kinds() -> list[EffectKind]:
 
 
 def model_of(name: str) -> EffectModel:
-    """The model of an effect.
+    """The model of an effect, or of a learned element.
 
     Raises:
         FormatError: the catalogue has no such effect.
     """
-    model = models().get(name)
+    model = models().get(name) or elements().get(name)
     if model is None:
         raise FormatError(f"no effect is called {name!r}", remedy=f"use one of {', '.join(sorted(models()))}")
     return model
@@ -65,7 +66,8 @@ def apply(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     Raises:
         FormatError: the twin has no model of this effect.
     """
-    change = models()[effect.effect].change if effect.effect in models() else NoChange.NO_MODEL_YET
+    model = models().get(effect.effect) or elements().get(effect.effect)
+    change = model.change if model is not None else NoChange.NO_MODEL_YET
     if change is NoChange.NO_FORCE_PREDICTS_IT:
         return twin
     if isinstance(change, NoChange):

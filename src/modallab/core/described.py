@@ -1,0 +1,41 @@
+"""What a diagnosis says of a gap that no effect of the catalogue explains: what it behaves like."""
+
+from typing import Any
+
+from pydantic import Field
+
+from modallab.core.effects import Effect
+from modallab.core.frozen import Frozen
+
+
+class Learned(Frozen):
+    """A learned element of the twin: what the gap behaves like, and no cause.
+
+    Attributes:
+        element: its name: point_law, beam_law, side_mode, row_filter, row_curve or row_hold.
+        parameters: SI; a number that is not given is none.
+        interval: parameter -> (low, high) of 95 %.
+        place: channel, or x as a share of the length with x_m in metres.
+    """
+
+    element: str
+    parameters: dict[str, float]
+    interval: dict[str, tuple[float, float]] = Field(default_factory=dict[str, tuple[float, float]])
+    place: dict[str, Any] = Field(default_factory=dict[str, Any])
+
+    def as_effect(self) -> Effect:
+        """The element for the twin."""
+        place = {k: v for k, v in self.place.items() if k != "x_m"}
+        return Effect(effect=self.element, parameters=self.parameters, place=place)
+
+
+class Alternative(Frozen):
+    """Another description that was fitted to the end.
+
+    Attributes:
+        says: it in words.
+        gap: that it leaves on the records that were fitted, in noise units.
+    """
+
+    says: str
+    gap: float

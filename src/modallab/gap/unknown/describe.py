@@ -1,0 +1,139 @@
+"""What a gap behaves like that no effect explains, and how far that closes it on records that no fit has seen."""
+
+from collections.abc import Iterator, Sequence
+from typing import cast
+
+import numpy as np
+
+from modallab.core.described import Alternative
+from modallab.core.diagnosis import Described, Shrink
+from modallab.core.effects import Stage
+from modallab.core.progress import report
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.report.calibrated import calibrated
+from modallab.gap.report.locate import Location
+from modallab.gap.report.measure import squares
+from modallab.gap.report.shrinkage import shrink
+from modallab.gap.search.choose import Choice
+from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.round import channel_share
+from modallab.gap.unknown.description import Description, of_fit, stage_of
+from modallab.gap.unknown.fitted import fitted, priced
+from modallab.gap.unknown.on_beam import on_all_rows, trials
+from modallab.gap.unknown.on_row import by_sample, linear
+from modallab.gap.unknown.words import said
+
+SEED = 20240503
+SOLVED = 0.01
+"""Share of the excess at which nothing further is tried."""
+PAYS = 0.2
+"""Share of the gap on records held out that a description must close to be one."""
+ALTERNATIVES = 3
+"""Other descriptions that are named, if they leave no more than so many times as much:"""
+ABOUT = 3.0
+FEW = 2
+"""Channels that are looked at one by one."""
+
+
+def describe(
+    bench: Bench,
+    prepared: Prepared,
+    choice: Choice,
+    location: Location | None,
+    everything: Reduced,
+    unseen: Reduced,
+    held: Sequence[str],
+) -> Described | None:
+    """What the gap behaves like; None where it is explained, or where nothing closes it on records held out.
+
+    Args:
+        bench: what was searched.
+        prepared: the campaign.
+        choice: what the search says: that nothing explains it.
+        location: of the residual, before any effect was fitted.
+        everything: all records.
+        unseen: those that no fit has seen.
+        held: their names.
+    """
+    if choice.explained or choice.flat or location is None:
+        return None
+    found = sorted(_tried(bench, prepared, choice, location, unseen, held), key=_worth)
+    if not found:
+        return None
+    best = found[0]
+    closes = _shrink(choice, unseen, best, held)
+    if closes.closed is None or closes.interval is None or closes.closed < PAYS or closes.interval[0] <= 0:
+        return None
+    return _described(best, closes, found[1:], prepared.campaign.rig, everything)
+
+
+def _tried(
+    bench: Bench, prepared: Prepared, choice: Choice, location: Location, unseen: Reduced, held: Sequence[str]
+) -> Iterator[Description]:
+    """Descriptions fitted to the end: of the channels that stand out, then of the beam and of all channels."""
+    base, least = choice.base, np.inf
+    rows = location.channels if len(location.channels) <= FEW else ()
+    rows = tuple(r for r in rows if r in bench.data.channels)
+    seen = [b.name for b in prepared.blocks if b.name not in set(held)]
+    for row in rows:
+        report(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
+        for fit in fitted(bench, base, list(linear(bench, row)), 1):
+            least = min(least, excess(fit))
+            yield of_fit(base, fit, unseen, (row,))
+        if least < SOLVED * excess(base):
+            return
+        for one in by_sample(bench, prepared, seen, held, row):
+            least = min(least, excess(one.fit))
+            yield one
+    if least < SOLVED * excess(base):
+        return
+    report(0.4, "the force that is missing")
+    # Where no channel is known to be off alone, the one that is off most is looked at all the same.
+    loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
+    alone = [] if rows else list(linear(bench, loudest))
+    for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench), *alone]):
+        yield of_fit(base, fit, unseen, _rows_of(fit))
+
+
+def _rows_of(fit: Fit) -> tuple[int, ...]:
+    """The channels on which the elements of a fit act alone."""
+    return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))
+
+
+def _worth(one: Description) -> float:
+    """What it leaves per number; a description of fewer numbers goes first where both leave about as little."""
+    count = max(np.count_nonzero(one.fit.residual), 1)
+    # Elements that act sample by sample have numbers too, though no fit of lines knows of them.
+    more = sum(len(e.parameters) for e in one.learned) if not one.fit.problem.candidates else 0
+    return (priced(one.fit) + more * float(np.log(count))) / count
+
+
+def _shrink(choice: Choice, unseen: Reduced, best: Description, held: Sequence[str]) -> Shrink:
+    before = squares(twin_of(choice.base, unseen), unseen)
+    after = squares(twin_of(best.fit, best.unseen), best.unseen)
+    return shrink(list(held), before, after, {}, np.random.default_rng(SEED))
+
+
+def _described(
+    best: Description, closes: Shrink, others: Sequence[Description], rig: Rig, everything: Reduced
+) -> Described:
+    first = best.learned[0]
+    x = first.place.get("x_m")
+    share = first.interval.get("x")
+    length = rig.beam.length_m if rig.beam is not None else 1.0
+    near = [o for o in others if excess(o.fit) < ABOUT * excess(best.fit)]
+    return Described(
+        says=said(best.learned, rig),
+        stage=cast("Stage", stage_of(best)),
+        elements=list(best.learned),
+        x_m=x,
+        x_m_interval=(max(share[0], 0.0) * length, min(share[1], 1.0) * length) if x is not None and share else None,
+        channels=[rig.channels[row].name for row in best.rows],
+        shrink=closes,
+        twin=calibrated(best.fit, everything),
+        alternatives=[Alternative(says=said(o.learned, rig), gap=o.fit.gap) for o in near[:ALTERNATIVES]],
+    )

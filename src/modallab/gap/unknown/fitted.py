@@ -1,0 +1,86 @@
+"""Learned elements fitted to the records, the beam's own numbers free beside them, as any effect is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import Place
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.prefit import start, starts
+from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
+from modallab.twin.candidate import Candidate
+from modallab.twin.learned import elements
+
+Array = NDArray[np.float64]
+
+BEST = 2
+"""Elements that are fitted to the end."""
+BEGINS = 2
+"""Places to begin from by the poles of the ring-down."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """An element with places to begin from.
+
+    Attributes:
+        candidate: its numbers free.
+        begins: values of its numbers, SI, in the order of its slots; empty for the element's own first values.
+    """
+
+    candidate: Candidate
+    begins: tuple[tuple[float, ...], ...] = ()
+
+
+def element(
+    bench: Bench, name: str, numbers: Sequence[str], place: tuple[tuple[str, Place], ...] = (), room: float = 1.0
+) -> Candidate:
+    """A learned element with some of its numbers free; the others are none.
+
+    Args:
+        bench: what is searched.
+        name: of the element.
+        numbers: that are free.
+        place: the fixed part of its place.
+        room: share of its range that a number may go below 0, where several together could leave the beam unstable.
+    """
+    model = elements()[name]
+    beam = bench.data.rig.beam
+    assert model.search is not None
+    assert beam is not None
+    slots = {s.name: s for s in model.search.slots(beam)}
+    chosen = (slots[n] for n in numbers)
+    return Candidate(name, tuple(replace(s, low=s.low * room) if s.low < 0 else s for s in chosen), place)
+
+
+def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:
+    """A few steps from the best place to begin."""
+    c, size = trial.candidate, bench.free.size
+    own = [np.array([s.coordinate(v) for s, v in zip(c.slots, values, strict=True)]) for values in trial.begins]
+    begins = [np.concatenate([base.u[:size], o]) for o in own]
+    if len(bench.poles):
+        begins += [start((c,), o, bench.free, bench.poles).u for o in own]
+        begins += [] if own else [s.u for s in starts((c,), bench.free, bench.poles, BEGINS)]
+    if not own:
+        begins += [np.concatenate([base.u[:size], [s.coordinate(s.starts[0]) for s in c.slots]])]
+    floor = min(COARSE, max(misfit(base.problem, base.u), 0.003))
+    return min((short(bench, (c,), u, floor) for u in begins), key=_cost)
+
+
+def fitted(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
+    """The best of some elements brought to their end on all data, best first."""
+    looks = sorted((looked_at(bench, base, t) for t in trials), key=_cost)
+    floor = max(misfit(base.problem, base.u) / 6, 0.001)
+    return sorted((finish(bench, f, floor) for f in looks[:best]), key=priced)
+
+
+def priced(fit: Fit) -> float:
+    """Cost of a fit with the price of its elements' numbers (Schwarz, Ann. Stat. 6, 1978, 461)."""
+    numbers = sum(len(c.slots) for c in fit.problem.candidates)
+    return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost

@@ -1,0 +1,199 @@
+"""The force that is missing, estimated as an input at one place after another along the beam.
+
+On every line of a hit the residual is what an unknown force at x would leave on all accelerometers: one complex number
+to many channels, by weighted least squares (an input observer in the frequency domain; Maes, Gillijns and Lombaert,
+Mech. Syst. Signal Process. 98, 2018, 747, on what makes such an input identifiable). Beside it the beam's own numbers
+are free within their priors, to first order, and so is the state of each mode at the end of the block, which a force
+that is not known has left there. All three are linear; the forces are projected out line by line (Golub and Pereyra,
+SIAM J. Numer. Anal. 10, 1973, 413).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import ImpactData, Reduced
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.forward import forward, hit_ratios, on_clock
+from modallab.gap.model.minimise import jacobian
+from modallab.twin.bench import Twin, transfer
+from modallab.twin.predict import sensor_positions
+from modallab.twin.response import Hits
+from modallab.twin.structure import Modes, solve
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+PLACES = tuple(float(x) for x in np.linspace(0.04, 1.0, 25))
+"""Shares of the length at which a force is tried."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Missing:
+    """A force at one place.
+
+    Attributes:
+        x: its place, a share of the length.
+        left: squares in noise units that stay.
+        count: numbers they are of.
+        s: (lines,) rad/s, of all drive points side by side.
+        force: (lines,) N per N of the drive.
+        motion: (lines,) displacement there in m per N, the missing force's own part included.
+        sigma: (lines,) standard deviation of either part of the force.
+    """
+
+    x: float
+    left: float
+    count: int
+    s: Complex
+    force: Complex
+    motion: Complex
+    sigma: Array
+
+
+class MissingForce:
+    """The residual of a fit on hits, ready for a force at any place."""
+
+    def __init__(self, fit: Fit, data: Reduced) -> None:
+        """Linearise about a fit.
+
+        Args:
+            fit: the twin without effects.
+            data: records with hits.
+        """
+        self._data = replace(data, sines=None)
+        problem = Problem(self._data, fit.problem.free)
+        self._twin = problem.twin(fit.u)
+        self._modes = solve(self._twin.structure)
+        answers = forward(self._twin, self._data)
+        r = problem.left(self._twin, answers)
+        J = jacobian(problem, fit.u, r)
+        self._priors = problem.priors(fit.u)
+        self._parts = _cut(self._data, J)
+        self._residual = [
+            np.where(np.isfinite(d.rows.sigma), d.rows.whiten(d.rows.y - y), 0j)
+            for d, y in zip(self._data.impacts, answers, strict=True)
+        ]
+        self._ends = [_ends(self._twin, self._modes, d, self._data) for d in self._data.impacts]
+
+    def at(self, x: float) -> Missing:
+        """The force at a share of the length that leaves least."""
+        place = x * self._twin.structure.length_m
+        own = [self._seen(d, place) for d in self._data.impacts]
+        free = self._parts[0].shape[0]
+        sizes = [len(e) for e in self._ends]
+        size = free + sum(sizes)
+        normal, gradient = np.zeros((size, size)), np.zeros(size)
+        _, slope, weight = self._priors
+        normal[range(free), range(free)] = weight
+        gradient[:free] = slope
+        bare: list[Complex] = []
+        stacks: list[Complex] = []
+        first = free
+        for r, J, ends, h in zip(self._residual, self._parts, self._ends, own, strict=True):
+            columns = _beside(np.concatenate([J, ends]), h)
+            rest = _beside(r[None], h)[0]
+            at = np.r_[0:free, first : first + len(ends)]
+            flat = columns.reshape(len(columns), -1).view(np.float64)
+            normal[np.ix_(at, at)] += flat @ flat.T
+            gradient[at] += flat @ np.ascontiguousarray(rest).reshape(-1).view(np.float64)
+            bare.append(rest)
+            stacks.append(columns)
+            first += len(ends)
+        normal[range(free, size), range(free, size)] += 1e-9 * np.trace(normal) / size
+        step: Array = -np.linalg.solve(normal, gradient).astype(np.float64)
+        return self._solved(x, place, own, step, bare, stacks)
+
+    def _solved(
+        self, x: float, place: float, own: list[Complex], step: Array, bare: list[Complex], stacks: list[Complex]
+    ) -> Missing:
+        free, first, left, count = self._parts[0].shape[0], self._parts[0].shape[0], 0.0, 0
+        lines: list[Complex] = []
+        forces: list[Complex] = []
+        motions: list[Complex] = []
+        sigmas: list[Array] = []
+        zipped = zip(self._data.impacts, self._residual, self._parts, self._ends, own, bare, stacks, strict=True)
+        for d, r, J, ends, h, rest, columns in zipped:
+            moved = np.concatenate([step[:free], step[first : first + len(ends)]])
+            first += len(ends)
+            left += float(np.sum(np.abs(rest + np.tensordot(moved, columns, 1)) ** 2))
+            count += 2 * int(np.count_nonzero(r))
+            size: Array = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300).astype(np.float64)
+            whole = r + np.tensordot(moved, np.concatenate([J, ends]), 1)
+            force = np.sum(h.conj() * whole, axis=0) / size
+            lines.append(on_clock(d.source, self._twin).s)
+            forces.append(force)
+            motions.append(self._motion(d, place, force))
+            sigmas.append(1 / np.sqrt(size))
+        _, _, weight = self._priors
+        left += float(np.sum(weight * step[:free] ** 2))
+        s, force, motion = (np.concatenate(parts) for parts in (lines, forces, motions))
+        return Missing(x, left, count, s, force, motion, np.concatenate(sigmas))
+
+    def _seen(self, d: ImpactData, place: float) -> Complex:
+        """(channels, lines) what a unit force at a place leaves, in noise units."""
+        s = on_clock(d.source, self._twin).s
+        y = s**2 * transfer(self._twin.chain, self._data.channels, s) * self._compliance(self._sensors(), place, s)
+        return np.where(np.isfinite(d.rows.sigma), d.rows.whiten(y), 0j)
+
+    def _motion(self, d: ImpactData, place: float, force: Complex) -> Complex:
+        twin, s = self._twin, on_clock(d.source, self._twin).s
+        struck = twin.struck_x_m(d.piece.drive_x_m)
+        own, x = twin.hit_gain(d.piece.drive_x_m), np.array([place])
+        return own * self._compliance(x, struck, s)[0] + force * self._compliance(x, place, s)[0]
+
+    def _compliance(self, x_m: Array, place: float, s: Complex) -> Complex:
+        """(points, lines) displacement per N at a place."""
+        modes = self._modes
+        residue = modes.at(x_m) * modes.at(place)[0]
+        total = residue @ (1 / (s - modes.poles[:, None])) + residue.conj() @ (1 / (s - modes.poles.conj()[:, None]))
+        return total + self._twin.residual_compliance * modes.remainder(x_m, place)[:, None]
+
+    def _sensors(self) -> Array:
+        return sensor_positions(self._twin.chain, self._modes, self._data.channels, self._data.x_m)
+
+
+def _cut(data: Reduced, J: Array) -> list[Complex]:
+    """For each part of the data its (free, channels, lines) slopes."""
+    sizes = [d.rows.y.size for d in data.impacts]
+    half, found, at = sum(sizes), list[Complex](), 0
+    for d, size in zip(data.impacts, sizes, strict=True):
+        real, imag = J[at : at + size], J[half + at : half + at + size]
+        found.append((real + 1j * imag).T.reshape(-1, *d.rows.y.shape))
+        at += size
+    return found
+
+
+def _ends(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> Complex:
+    """(2 p, channels, lines) what modes leave that ring on at the end of the block, in noise units.
+
+    One column for the real and one for the imaginary part of each.
+    """
+    source: Hits = on_clock(d.source, twin)
+    # What has died away by the end leaves nothing.
+    block_s = source.n * source.dt
+    rings = np.exp(modes.poles.real * block_s) > 1e-7
+    poles = modes.poles[rings]
+    psi = modes.at(sensor_positions(twin.chain, modes, data.channels, data.x_m))[:, rings]
+    columns: list[Complex] = []
+    ratios = hit_ratios(twin, d, data)
+    amplitude = psi * poles**2 * transfer(twin.chain, data.channels, poles)
+    conjugate = psi.conj() * poles.conj() ** 2 * transfer(twin.chain, data.channels, poles.conj())
+    _, tail = source.kernel(poles, ratios)
+    _, tail_conj = source.kernel(poles.conj(), ratios)
+    for p in range(len(poles)):
+        up, down = np.outer(amplitude[:, p], tail[p]), np.outer(conjugate[:, p], tail_conj[p])
+        for column in (up + down, 1j * (up - down)):
+            white: Complex = np.where(np.isfinite(d.rows.sigma), d.rows.whiten(column), 0j)
+            columns.append(white / max(float(np.linalg.norm(white)), 1e-300))
+    shape = (0, *d.rows.y.shape)
+    return np.array(columns) if columns else np.zeros(shape, dtype=np.complex128)
+
+
+def _beside(columns: Complex, h: Complex) -> Complex:
+    """(k, channels, lines) without what a force on each line explains."""
+    size = np.maximum(np.sum(np.abs(h) ** 2, axis=0), 1e-300)
+    along = np.einsum("cl,kcl->kl", h.conj(), columns) / size
+    return np.ascontiguousarray(columns - h * along[:, None, :])

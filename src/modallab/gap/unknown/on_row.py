@@ -1,0 +1,112 @@
+"""What the gap behaves like if it is in one channel: a linear operator first, then lost samples or a static curve."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+from modallab.core.described import Learned
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced, reduce
+from modallab.gap.model.fit import Fit, all_rows
+from modallab.gap.model.forward import forward
+from modallab.gap.report.initial_gap import bench_of, weights_of
+from modallab.gap.search.fitting import Bench, baseline, finish
+from modallab.gap.unknown.curve import Curve, curve_of, refined
+from modallab.gap.unknown.description import Description
+from modallab.gap.unknown.fitted import Trial, element
+from modallab.gap.unknown.hold import hold_of
+from modallab.gap.unknown.volts import Channel, channel_of, freed
+
+Array = NDArray[np.float64]
+
+LINEAR = (("gain",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"), ("mount_hz", "mount_zeta"))
+"""Terms of an operator on one channel that are tried together."""
+LEFT = 0.003
+"""Relative model error that is forgiven while a twin meets the channel again that it was fitted without."""
+
+
+def linear(bench: Bench, row: int) -> Iterator[Trial]:
+    """Linear operators on one channel."""
+    for names in LINEAR:
+        yield Trial(element(bench, "row_filter", names, (("channel", row),)))
+
+
+def without(bench: Bench, prepared: Prepared, fitted: Sequence[Block], row: int) -> Fit:
+    """The twin as the other channels have it."""
+    masked = prepared.masked | {(b.name, row) for b in prepared.blocks}
+    return baseline(bench_of(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
+
+
+def by_sample(
+    bench: Bench, prepared: Prepared, names: Iterable[str], held: Iterable[str], row: int
+) -> Iterator[Description]:
+    """Operators on one channel that must be looked at sample by sample.
+
+    Args:
+        bench: what is searched.
+        prepared: the campaign.
+        names: records that may be fitted.
+        held: records that no fit may see.
+        row: the channel.
+    """
+    chosen = set(names)
+    fitted = [b for b in prepared.blocks if b.name in chosen]
+    alone = without(bench, prepared, fitted, row)
+    channel = channel_of(prepared, alone.problem.twin(alone.u), row)
+    lost = hold_of(channel, float(prepared.noise_v[row]))
+    if lost is not None:
+        spread = 1.96 * lost.spread
+        learned = Learned(
+            element="row_hold",
+            parameters={"share": lost.share, "kept": lost.kept},
+            interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
+            place={"channel": row},
+        )
+        yield _again(bench, prepared, alone, channel, lost.made, learned, set(held) or chosen)
+    curve, interval = _curve(prepared, alone, channel, fitted)
+    learned = Learned(element="row_curve", parameters=curve.law, interval=interval, place={"channel": row})
+    yield _again(bench, prepared, alone, channel, curve.made(channel), learned, set(held) or chosen)
+
+
+def _curve(
+    prepared: Prepared, alone: Fit, channel: Channel, fitted: Sequence[Block]
+) -> tuple[Curve, dict[str, tuple[float, float]]]:
+    """The channel's static curve with the intervals of its numbers."""
+    used = [b for b in fitted if (b.name, channel.row) not in prepared.masked]
+    # A twin predicts sines sample by sample, of hits no more than their lines.
+    sines = [b for b in used if b.test == "sine"]
+    begin = curve_of(channel, [b.name for b in sines or used])
+    data = reduce(prepared.campaign, fitted, weights_of(prepared))
+    answers = forward(alone.problem.twin(alone.u), data)
+    at = data.channels.index(channel.row)
+
+    def residual(curve: Curve) -> Array:
+        clean = reduce(prepared.campaign, freed(fitted, channel, curve.made(channel)), weights_of(prepared))
+        parts = [(r.y - y)[at] / r.sigma[at] for r, y in zip(all_rows(clean), answers, strict=True)]
+        return np.concatenate([*(p.real for p in parts), *(p.imag for p in parts)])
+
+    return refined(begin, residual)
+
+
+def _again(
+    bench: Bench,
+    prepared: Prepared,
+    alone: Fit,
+    channel: Channel,
+    made: Mapping[str, Array],
+    learned: Learned,
+    held: set[str],
+) -> Description:
+    """The twin with the channel once more, its records freed of what the operator does."""
+    clean = replace(prepared, blocks=freed(prepared.blocks, channel, made))
+    own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
+    again = bench_of(clean, own, bench.free, bench.allowed)
+    fit = finish(again, alone, LEFT)
+    return Description(fit, _unseen(clean, held), (learned,), (channel.row,))
+
+
+def _unseen(prepared: Prepared, held: set[str]) -> Reduced:
+    return reduce(prepared.campaign, [b for b in prepared.blocks if b.name in held], weights_of(prepared))

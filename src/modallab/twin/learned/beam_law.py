@@ -1,0 +1,57 @@
+"""A force all along the beam that follows its shape or its deflection."""
+
+from dataclasses import replace
+
+from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.rig import Beam, Rig
+from modallab.twin.bench import Twin
+from modallab.twin.candidate import Slot, both_signs
+from modallab.twin.effect_model import EffectModel, Search
+
+STABLE = 2.2
+"""In EI/L^2: a cantilever buckles under pi^2/4 of it."""
+BEDDED = 8.0
+"""In EI/L^4: a bedding that pushes away leaves it unstable at 12.4, the square of 3.516."""
+
+
+def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
+    s, law = twin.structure, effect.parameters
+    s = replace(s, tension_n=s.tension_n + law.get("tension", 0.0), bedding=s.bedding + law.get("bedding", 0.0))
+    return replace(twin, structure=s)
+
+
+def _slots(beam: Beam) -> tuple[Slot, ...]:
+    axial = beam.bending_stiffness_n_m2 / beam.length_m**2
+    per_length = axial / beam.length_m**2
+    return (
+        Slot("tension", "plain", both_signs(0.2 * axial, 2 * axial, 3), scale=axial, low=-STABLE * axial),
+        Slot(
+            "bedding",
+            "plain",
+            both_signs(0.5 * per_length, 7 * per_length, 3),
+            scale=per_length,
+            low=-BEDDED * per_length,
+        ),
+    )
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "beam_law",
+        "structure",
+        (
+            Parameter("tension", "N", 1e-3, 1e6, signed=True),
+            Parameter("bedding", "N/m^2", 1e-3, 1e7, signed=True),
+        ),
+        "all",
+        "a force per length of tension times the curvature less bedding times the displacement; numbers that are not "
+        "given are none",
+    ),
+    rank=20,
+    spoken="a force all along the beam that follows its shape",
+    change=_change,
+    moves_poles=True,
+    once=True,
+    search=Search(rank=20, slots=_slots),
+    experiment="Look for what pulls or presses the beam along its axis, or lies along it, and repeat the hits.",
+)

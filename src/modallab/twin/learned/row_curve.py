@@ -1,0 +1,57 @@
+"""A static curve between what one channel would read and what it reads."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.effects import EffectKind, Parameter
+from modallab.twin.effect_model import EffectModel, NoChange
+
+Array = NDArray[np.float64]
+
+
+def curved(volts: Array, law: Mapping[str, float]) -> Array:
+    """(n,) V that a channel reads of what it would read in one record, by its law.
+
+    tanh_v: v tanh(u / v). knee_v, power: u / (1 + |u / v|^power)^(1 / power). With tanh_share or knee_share v is that
+    share of the record's largest |u|. square, cubic: u + square u^2 + cubic u^3.
+    """
+    peak = float(np.max(np.abs(volts), initial=0.0)) or 1.0
+    if "tanh_v" in law or "tanh_share" in law:
+        level = law["tanh_v"] if "tanh_v" in law else law["tanh_share"] * peak
+        return level * np.tanh(volts / level)
+    if "knee_v" in law or "knee_share" in law:
+        level = law["knee_v"] if "knee_v" in law else law["knee_share"] * peak
+        power = law.get("power", 2.0)
+        return volts / (1 + np.abs(volts / level) ** power) ** (1 / power)
+    return volts + law.get("square", 0.0) * volts**2 + law.get("cubic", 0.0) * volts**3
+
+
+MODEL = EffectModel(
+    kind=EffectKind(
+        "row_curve",
+        "sensor",
+        (
+            Parameter("tanh_v", "V", 0.05, 1e4),
+            Parameter("tanh_share", "", 0.1, 100.0),
+            Parameter("knee_v", "V", 0.05, 1e4),
+            Parameter("knee_share", "", 0.1, 100.0),
+            Parameter("power", "", 0.5, 20.0),
+            Parameter("square", "1/V", 1e-6, 1.0, signed=True),
+            Parameter("cubic", "1/V^2", 1e-6, 1.0, signed=True),
+        ),
+        "channel",
+        "one channel reads a curve of what it would read, u in V: v tanh(u / v) with v = tanh_v, or "
+        "u / (1 + |u / v|^power)^(1 / power) with v = knee_v, v a share of each record's own peak where it is given "
+        "so, or u + square u^2 + cubic u^3",
+        linear=False,
+    ),
+    rank=40,
+    spoken="a curve between sensor and record",
+    change=NoChange.NO_FORCE_PREDICTS_IT,
+    moves_poles=False,
+    once=False,
+    search=None,
+    experiment="Repeat the hits softer: what a curve bends is straight where little is read.",
+)
