@@ -232,9 +232,10 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
     first = _seen(exact, fit)
     # A hit runs through every state of a law at once: what is a little wrong there must not lead the sines astray.
     sines = replace(exact, data=replace(bench.data, impacts=()))
-    for floor in (LOOKED / 5, LOOKED / 50):
+    rough = search_of(fit.problem.candidates[-1].effect).rough
+    for floor in (*((LOOKED, LOOKED / 3) if rough else ()), LOOKED / 5, LOOKED / 50):
         fit = minimise(replace(sines, floor=floor, held=_beam(fit.u)), fit.u, 2, 3e-2)
-    if search_of(fit.problem.candidates[-1].effect).rough:
+    if rough:
         # The damping of the high modes shows in the hits alone.
         after = minimise(replace(exact, floor=LOOKED, held=_beam(fit.u)), fit.u, 2, 3e-2)
         near = replace(sines, floor=LOOKED / 50)
