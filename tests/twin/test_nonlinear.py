@@ -7,9 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Twin
-from modallab.twin.nonlinear.element import Element, Law
+from modallab.twin.nonlinear import stepping
+from modallab.twin.nonlinear.element import Element, Law, coupling
 from modallab.twin.predict import predict_hit, predict_sine
-from modallab.twin.structure import Structure
+from modallab.twin.structure import Structure, solve
 
 RATE = 2000.0
 CHANNELS = (1, 2)
@@ -85,3 +86,16 @@ def test_a_drag_only_takes_energy() -> None:
     free, held = twin(0.0, None), twin(0.0, Element(Law.DRAG, 0.0, (20.0,)))
     late = slice(1200, None)
     assert np.linalg.norm(hit(held, 80.0)[:, late]) < np.linalg.norm(hit(free, 80.0)[:, late])
+
+
+def test_a_joint_that_turns_back_is_as_stiff_as_one_that_never_slipped() -> None:
+    onward, back = (stepping.hysteresis(100.0, 1.0, 1.2, moved, 0.0, 0.0, 0.9) for moved in (0.001, -0.001))
+    assert back == pytest.approx(0.9 - 100.0 * 0.001)
+    assert onward < 0.9 + 0.3 * 100.0 * 0.001
+
+
+def test_a_drag_in_stations_and_an_even_one_have_the_same_total() -> None:
+    modes = solve(BEAM)
+    even, lumped = (coupling(Element(Law.DRAG, 0.0, (3.0, n)), BEAM, modes) for n in (0.0, 5.0))
+    assert sum(lumped.numbers) == pytest.approx(sum(even.numbers))
+    assert len(lumped.numbers) == 5

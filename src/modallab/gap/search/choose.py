@@ -83,7 +83,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     if plain and not _small_but_plain(levels):
         return Choice(base, base, (), True, True)
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
-    while len(chain) > 1 and excess(chain[-1]) > HOLDS * excess(chain[-2]):
+    while len(chain) > 1 and not _holds(chain[-2], chain[-1], unseen):
         chain.pop()
     fit = prune(bench, chain[-1])
     rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
@@ -108,6 +108,13 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
     """
     before, after = (unexplained(held, forward(twin_of(f, held), held)) for f in (base, fit))
     return after < held.rig.tolerance.response and after**2 <= (1 - needed) * before**2
+
+
+def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
+    """Whether without the last effect of a fit more of the gap would come back than may."""
+    if excess(fit) <= HOLDS * excess(before):
+        return True
+    return unseen is not None and stepped(fit) and _closes_unseen(before, fit, unseen)
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:

@@ -29,11 +29,11 @@ from modallab.twin.effects import search_of
 
 Array = NDArray[np.float64]
 
-BLOCKS = 8
+BLOCKS = 6
 """Sine blocks of a first look that a linear beam explains worst."""
 FEWEST = 4
 """The same where starts are compared."""
-SPREAD = 4
+SPREAD = 5
 """Every so many frequencies are looked at as well: about a resonance a start is right or wrong, not nearly right."""
 LOOKED = 0.1
 """Relative error that is forgiven in a first look."""
@@ -43,7 +43,7 @@ CLOSE = 2.0
 """The same of what is fitted to all records."""
 WRONG = 0.5
 """Share of what a linear beam leaves on few records from which an effect explains nothing."""
-LONGER = 3
+LONGER = 2
 """Effects that are fitted on few records to the end."""
 PLACES = 3
 """Places along the beam at which an effect that has one is begun from."""
@@ -232,8 +232,14 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
     first = _seen(exact, fit)
     # A hit runs through every state of a law at once: what is a little wrong there must not lead the sines astray.
     sines = replace(exact, data=replace(bench.data, impacts=()))
-    for floor in (LOOKED / 5, LOOKED / 50):
+    rough = search_of(fit.problem.candidates[-1].effect).rough
+    for floor in (*((LOOKED, LOOKED / 3) if rough else ()), LOOKED / 5, LOOKED / 50):
         fit = minimise(replace(sines, floor=floor, held=_beam(fit.u)), fit.u, 2, 3e-2)
+    if rough:
+        # The damping of the high modes shows in the hits alone.
+        after = minimise(replace(exact, floor=LOOKED, held=_beam(fit.u)), fit.u, 2, 3e-2)
+        near = replace(sines, floor=LOOKED / 50)
+        return _seen(exact, after if _seen(near, after).cost < 2 * _seen(near, fit).cost else fit)
     best = min(first, _seen(exact, fit), key=_cost)
     fit = minimise(replace(exact, floor=LOOKED / 5, held=_beam(fit.u)), fit.u, 2, 3e-2)
     best = min(best, _seen(exact, fit), key=_cost)

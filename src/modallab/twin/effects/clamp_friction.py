@@ -22,10 +22,10 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_slip", "log", spread(4 * unit, 14 * unit, 2)),
-        Slot("k_stick", "log", spread(20 * unit, 80 * unit, 2), power=-1.0),
-        Slot("moment_limit", "log", spread(1e-5 * unit, 1e-3 * unit, 4), power=-1.0),
-        Slot("sharpness", "log", (1.5,), low=0.2, high=100.0, power=0.0),
+        Slot("k_slip", "log", spread(7 * unit, 22 * unit, 2)),
+        Slot("k_stick", "log", spread(40 * unit, 140 * unit, 2), power=-1.0),
+        Slot("moment_limit", "log", spread(1.5e-5 * unit, 2e-3 * unit, 5), power=-1.0),
+        Slot("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
 
 

@@ -82,10 +82,10 @@ def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
     elif element.law is Law.CRACK:
         rows, gate = _opening(element, structure, modes), curvature_rows(element.x_m, length)[0]
     else:
-        whole, *stations = element.numbers
+        per_length, *stations = numbers
         at, weights = _dragged(round(stations[0]) if stations else 0)
         rows, gate = shape_rows(length * at, length), none
-        numbers = tuple((whole * length * weights).tolist())
+        numbers = tuple((per_length * length * weights).tolist())
     return Coupling(
         element.law, numbers, rows @ modes.columns, gate @ modes.columns, np.concatenate([gate[None], rows])
     )
