@@ -21,6 +21,8 @@ SUBSETS = (("k",), ("m",), ("c",), ("k", "c"), ("k", "m"), ("hung",), ("k", "hun
 """Terms that are tried together."""
 RESONANCES = 120
 """Resonances tried between the first line and the last."""
+FINER = 21
+"""Those tried again between the neighbours of the best."""
 WIDTH = 0.01
 """Damping ratio of a hung mass, so that no line lies on its pole."""
 FORGIVEN = 0.02
@@ -67,8 +69,14 @@ def _best(
     if not hung:
         return (*_solved(columns, target), 0.0)
     s, w = motion
-    tried = [(*_solved([*columns, _hung(s, float(f)) * w], target), float(f)) for f in hz]
-    return min(tried, key=_left)
+
+    def tried(at: Array) -> list[tuple[float, Array, float]]:
+        return [(*_solved([*columns, _hung(s, float(f)) * w], target), float(f)) for f in at]
+
+    coarse = min(tried(hz), key=_left)
+    step = float(hz[1] / hz[0])
+    # A light mass is felt within a percent of its resonance: a fit begun farther off does not find it.
+    return min([coarse, *tried(np.geomspace(coarse[2] / step, coarse[2] * step, FINER))], key=_left)
 
 
 def _left(solved: tuple[float, Array, float]) -> float:

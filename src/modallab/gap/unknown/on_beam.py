@@ -12,6 +12,8 @@ EACH = 2
 """Places at which the same terms are begun from."""
 MOST = 6
 """Laws at a place that are fitted in short."""
+LEAST = 3
+"""Places at which the force leaves least, whatever its law."""
 ALONG = (("tension",), ("bedding",), ("tension", "bedding"))
 """Terms of a force all along the beam that are tried together."""
 WHOLE = (("gain",), ("delay",), ("low_pass_hz",), ("high_pass_hz",), ("gain", "delay"))
@@ -34,12 +36,21 @@ def on_all_rows(bench: Bench) -> Iterator[Trial]:
 
 
 def _likely(bench: Bench, base: Fit) -> list[Law]:
-    """The likeliest laws of a missing force, at no more than a few places each."""
+    """The likeliest laws of a missing force at no more than a few places each, and those where any force leaves least.
+
+    Near the root a force is known so badly that any law describes it: its place must be looked at by itself.
+    """
     if not bench.data.impacts:
         return []
-    missing = MissingForce(base, bench.data)
-    found = sorted((law for x in PLACES for law in laws(missing.at(x))), key=lambda law: law.price)
+    estimator = MissingForce(base, bench.data)
+    places = [(missing.left, laws(missing)) for missing in map(estimator.at, PLACES)]
     by_terms: dict[tuple[str, ...], list[Law]] = {}
-    for law in found:
+    for law in sorted((law for _, found in places for law in found), key=_price):
         by_terms.setdefault(tuple(law.numbers), []).append(law)
-    return sorted((law for some in by_terms.values() for law in some[:EACH]), key=lambda law: law.price)[:MOST]
+    likely = sorted((law for some in by_terms.values() for law in some[:EACH]), key=_price)[:MOST]
+    least = sorted(places, key=lambda place: place[0])[:LEAST]
+    return list({id(law): law for law in (*likely, *(law for _, found in least for law in found[:EACH]))}.values())
+
+
+def _price(law: Law) -> float:
+    return law.price
