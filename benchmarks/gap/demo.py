@@ -12,6 +12,7 @@ from modallab.bench.simulated import simulated_bench
 from modallab.cli.demo import demo_plans
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.errors import ModallabError
 from modallab.core.rig import Tolerance
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
@@ -51,7 +52,11 @@ def main() -> None:
     for effects in ([], arguments.effect) if arguments.effect else ([],):
         good = 0
         for seed in range(1, arguments.seeds + 1):
-            diagnosis, took = run(seed, effects)
+            try:
+                diagnosis, took = run(seed, effects)
+            except ModallabError as error:
+                print(f"{seed} ENDED: {error.what}", flush=True)
+                continue
             good += right(diagnosis, effects)
             mark = "right" if right(diagnosis, effects) else "WRONG"
             print(f"{seed} {mark} {took:.0f} s: {sentence(diagnosis)}", flush=True)
