@@ -13,20 +13,22 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign
 
 def test_the_demo_leaves_everything_in_one_folder(demo):
     assert {"report.html", "campaign.h5", "models.json", "rig.yaml"} <= {p.name for p in demo.iterdir()}
-    assert len(read_campaign(demo / "campaign.h5").blocks) == 39
+    assert len(read_campaign(demo / "campaign.h5").blocks) == 47
 
 
 def test_both_tests_find_the_bench_that_was_built(demo):
     document = json.loads((demo / "models.json").read_text())
-    true_f = np.array(json.loads(document["provenance"]["bench.frequency_hz"]))[:3]
-    true_z = np.array(json.loads(document["provenance"]["bench.damping_ratio"]))[:3]
     limits = {"impact": (2e-4, 0.03), "sine": (1e-3, 0.05)}
     for model in document["models"]:
+        # The shaker hangs on the beam in its own test.
+        of = "bench.sine_" if model["test"] == "sine" else "bench."
+        true_f = np.array(json.loads(document["provenance"][f"{of}frequency_hz"]))[:3]
+        true_z = np.array(json.loads(document["provenance"][f"{of}damping_ratio"]))[:3]
         f, z = np.array(model["frequency_hz"])[:3], np.array(model["damping_ratio"])[:3]
         assert np.all(np.abs(f / true_f - 1) < limits[model["test"]][0])
         assert np.all(np.abs(z / true_z - 1) < limits[model["test"]][1])
         assert np.min(model["frac"]) > 0.99
-        assert model["half_power"][0] > 5 * true_z[0]
+        assert model["half_power"][0] > 4 * true_z[0]
 
 
 def test_the_demos_campaign_is_identified_again_alike(demo, tmp_path):

@@ -96,8 +96,8 @@ def test_a_model_is_kept_as_a_document_and_as_a_report(recorded: ml.Model, tmp_p
 
 def test_a_recording_is_short_to_read_and_can_be_kept(demo: Path, tmp_path: Path) -> None:
     recording = ml.load(demo)
-    assert repr(recording) == "<Recording of 'elastic link, demonstration bench': 15 impact records, 24 sine records>"
-    assert len(ml.load(recording.save(tmp_path / "again.h5")).campaign.blocks) == 39
+    assert repr(recording) == "<Recording of 'elastic link, demonstration bench': 15 impact records, 32 sine records>"
+    assert len(ml.load(recording.save(tmp_path / "again.h5")).campaign.blocks) == 47
 
 
 def test_the_state_space_is_the_frf(twin: ml.DiagnosedTwin) -> None:

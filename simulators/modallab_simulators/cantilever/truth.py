@@ -99,18 +99,34 @@ class Truth:
         # The root's spring stays what it is in N m/rad.
         return replace(beam, bending_stiffness_n_m2=beam.bending_stiffness_n_m2 * change, kappa=beam.kappa / change)
 
+    def _modal(self, test: Test) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Natural frequencies in rad/s and damping ratios of the modes to 1 kHz, local dampers included."""
+        modes = self.modes(test)
+        count = modes.count_below(2 * pi * BAND_HZ)
+        dampers = self.effects.altered.structure.dampers
+        if not dampers:
+            return modes.omega(count), self._damping(modes, count)
+        poles = DampedBasis(modes, self._damping(modes, KEPT), dampers, np.inf).poles[:count]
+        return np.abs(poles), -poles.real / np.abs(poles)
+
     def facts(self) -> dict[str, str]:
         """What was drawn, as text: numbers in SI units, arrays as JSON, modes to 1 kHz, shapes (modes, points).
 
-        Modes are those of the impact test before any drift; without local dampers.
+        Modes are those before any drift, of the impact test unless they are said to be of the sine test, in which the
+        shaker hangs on the beam. Shapes are without local dampers.
         """
         modes, beam = self.modes("impact"), self.true.beam
         count = modes.count_below(2 * pi * BAND_HZ)
+        omega, zeta = self._modal("impact")
+        hung_omega, hung_zeta = self._modal("sine")
         shapes = modes.shapes(np.array([p.x_m for p in self.rig.points]), count).T
         return {
             "seed": str(self.seed),
-            "frequency_hz": json.dumps((modes.omega(count) / (2 * pi)).tolist()),
-            "damping_ratio": json.dumps(self._damping(modes, count).tolist()),
+            "frequency_hz": json.dumps((omega / (2 * pi)).tolist()),
+            "damping_ratio": json.dumps(zeta.tolist()),
+            "sine_frequency_hz": json.dumps((hung_omega / (2 * pi)).tolist()),
+            "sine_damping_ratio": json.dumps(hung_zeta.tolist()),
+            "stiffness_drift": repr(self.drift),
             "points": json.dumps([p.id for p in self.rig.points]),
             "shapes_per_sqrt_kg": json.dumps(shapes.tolist()),
             "youngs_modulus_pa": repr(self.true.youngs_modulus_pa),

@@ -46,7 +46,9 @@ def _add_demo(commands: _Commands) -> None:
         metavar="NAME,NUMBER=VALUE,...",
         help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
     )
-    demo.add_argument("--as-built", action="store_true", help="a little of everything is wrong with the bench")
+    demo.add_argument(
+        "--clean", action="store_true", help="on an ideal bench (default: a little off everywhere, as benches are)"
+    )
     demo.add_argument(
         "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
     )

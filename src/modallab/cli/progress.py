@@ -21,6 +21,7 @@ class Display:
             console=console,
         )
         self._tasks: dict[str, TaskID] = {}
+        self._said = set[str]()
 
     def notify(self, event: EventView) -> None:
         """Show an event."""
@@ -31,7 +32,9 @@ class Display:
             self._bars.update(self._tasks[event.run], completed=said["done"], description=said["what"])
         elif event.kind == "hit_rejected":
             self._say(f"  hit at point {said['point']} rejected: {said['reason']}")
-        elif event.kind in ("notice", "failed"):
+        elif event.kind in ("notice", "failed") and said["what"] not in self._said:
+            # What holds of several runs is said once.
+            self._said.add(said["what"])
             self._say(f"  {said['what']}")
 
     def _say(self, text: str) -> None:

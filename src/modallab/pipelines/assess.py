@@ -16,6 +16,9 @@ from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.selection.assumptions import (
+    CHANGE_LIMIT,
+    SIGMAS,
+    Allowance,
     Verdict,
     driving_point,
     linearity,
@@ -50,14 +53,41 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
     def frf(chosen: Groups) -> Frf:
         return _with_noise(impact_frf(chosen, rig, band, damping_shift=shift), noise, chosen)
 
+    def both(choose: Callable[[Groups], tuple[Groups, Groups]]) -> tuple[Frf, Frf]:
+        one, other = choose(groups)
+        return frf(one), frf(other)
+
+    by_hits, by_places = allowances(rig, band[1])
     judges: list[Judge] = [
-        ("linearity", lambda: linearity(*(frf(g) for g in _two_levels(groups)))),
-        ("time invariance", lambda: time_invariance(*(frf(g) for g in _first_and_last(groups)))),
-        ("reciprocity", lambda: reciprocity(frf(groups))),
+        ("linearity", lambda: linearity(*both(_two_levels), by_hits)),
+        ("time invariance", lambda: time_invariance(*both(_first_and_last), by_hits)),
+        ("reciprocity", lambda: reciprocity(frf(groups), by_places)),
         ("driving point", lambda: driving_point(frf(groups))),
     ]
     least = least_strength(fit, model_error(fit, flat))
     return _assessed(model, fit, judges, least)
+
+
+def allowances(rig: Rig, hz: float) -> tuple[Allowance, Allowance]:
+    """What the rig's tolerances allow two FRFs to differ by: of other hits at the same points; of points exchanged.
+
+    Where a bending wave passes, a place that is off by d changes the motion by up to k d, k its wave number:
+    k^4 = omega^2 rho A / EI (Cremer, Heckl and Petersson, Structure-Borne Sound, 2005, ch. 3).
+
+    Args:
+        rig: with its tolerances.
+        hz: highest frequency that counts.
+    """
+    t, beam = rig.tolerance, rig.beam
+    if beam is None:
+        return Allowance(), Allowance()
+    k = (2 * np.pi * hz) ** 0.5 * (beam.mass_kg / beam.length_m / beam.bending_stiffness_n_m2) ** 0.25
+    hit = np.hypot(k * t.hit_position_m, t.hit_gain)
+    sensor = np.hypot(k * t.position_m, t.sensitivity if t.of_assembly else 0.0)
+    said = f"as hits may land {1e3 * t.hit_position_m:g} mm off" if t.hit_position_m else "by the rig's tolerances"
+    of_two = SIGMAS * np.sqrt(2) * np.array([hit, np.hypot(hit, sensor)])
+    one, other = (Allowance(float(share), said) if share > CHANGE_LIMIT else Allowance() for share in of_two)
+    return one, other
 
 
 def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Rig) -> Assessment:

@@ -53,8 +53,13 @@ def truth_of(campaign: Campaign) -> Truth | None:
     damping = campaign.provenance.get("bench.damping_ratio")
     if frequency is None or damping is None:
         return None
-    bench = campaign.provenance.get("bench", "the bench")
-    return Truth(np.array(json.loads(frequency)), np.array(json.loads(damping)), f"the simulated bench {bench}")
+    source = f"the simulated bench {campaign.provenance.get('bench', 'the bench')}"
+    drift = float(campaign.provenance.get("bench.stiffness_drift", 0.0))
+    hung_hz, hung_zeta = (campaign.provenance.get(f"bench.sine_{name}") for name in ("frequency_hz", "damping_ratio"))
+    sine = None
+    if hung_hz is not None and hung_zeta is not None:
+        sine = Truth(np.array(json.loads(hung_hz)), np.array(json.loads(hung_zeta)), source, None, drift)
+    return Truth(np.array(json.loads(frequency)), np.array(json.loads(damping)), source, sine, drift)
 
 
 def _outcome(campaign: Campaign, item: Identified, rejected: Sequence[tuple[Block, str]]) -> Outcome:

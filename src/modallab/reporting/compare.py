@@ -1,7 +1,7 @@
 """The same mode in several tests, beside the truth: what tables and figures of modes are made from."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, isfinite, nan
 from typing import Literal
 
@@ -20,7 +20,7 @@ Verdict = Literal["agree", "borderline", "disagree", "unknown"]
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One mode as one test saw it. Unknown numbers are NaN; damping is a ratio, zeta; confidence is 0 to 1."""
+    """One mode as one test saw it, with the truth. Unknown is NaN; damping is a ratio, zeta; confidence is 0 to 1."""
 
     test: Test | None
     frequency_hz: float
@@ -30,21 +30,32 @@ class Reading:
     half_power: float
     half_power_floor: float
     confidence: float = nan
+    true_frequency_hz: float = nan
+    true_damping: float = nan
+    true_drift: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """One mode, in every test that saw it, with the truth where it is known (else NaN)."""
+    """One mode, in every test that saw it."""
 
     number: int
     readings: tuple[Reading, ...]
-    true_frequency_hz: float = nan
-    true_damping: float = nan
 
     @property
     def frequency_hz(self) -> float:
         """The frequency to call it by: the first test's."""
         return self.readings[0].frequency_hz
+
+    @property
+    def true_frequency_hz(self) -> float:
+        """Of the first test's mode; NaN where it is not known."""
+        return self.readings[0].true_frequency_hz
+
+    @property
+    def true_damping(self) -> float:
+        """Of the first test's mode; NaN where it is not known."""
+        return self.readings[0].true_damping
 
     @property
     def best(self) -> Reading:
@@ -73,8 +84,9 @@ def modes(
             groups[here].append(readings[place])
         groups += fresh
     groups.sort(key=lambda group: group[0].frequency_hz)
-    true = _truths([g[0].frequency_hz for g in groups], truth)
-    return tuple(Mode(i + 1, tuple(g), *true[i]) for i, g in enumerate(groups))
+    if truth is not None:
+        groups = _beside_truth(groups, truth)
+    return tuple(Mode(i + 1, tuple(g)) for i, g in enumerate(groups))
 
 
 def deviation(a: float, a_sigma: float, b: float, b_sigma: float) -> float:
@@ -103,8 +115,20 @@ def _readings(model: ModalModel, confidence: Confidence) -> list[Reading]:
     return [Reading(model.test, *(float(c[i]) for c in columns)) for i in range(model.n_modes)]
 
 
-def _truths(frequency_hz: list[float], truth: Truth | None) -> list[tuple[float, float]]:
-    if truth is None:
-        return [(nan, nan)] * len(frequency_hz)
-    places = nearest(frequency_hz, truth.frequency_hz)
-    return [(nan, nan) if j is None else (float(truth.frequency_hz[j]), float(truth.damping_ratio[j])) for j in places]
+def _beside_truth(groups: Sequence[Sequence[Reading]], truth: Truth) -> list[list[Reading]]:
+    """The readings with the truth of their own test, each mode with one and the same true mode."""
+    known: list[list[Reading]] = []
+    for group, place in zip(groups, nearest([g[0].frequency_hz for g in groups], truth.frequency_hz), strict=True):
+        known.append([r if place is None else _true(r, truth.of(r.test), place) for r in group])
+    return known
+
+
+def _true(reading: Reading, truth: Truth, place: int) -> Reading:
+    if place >= len(truth.frequency_hz):
+        return reading
+    return replace(
+        reading,
+        true_frequency_hz=float(truth.frequency_hz[place]),
+        true_damping=float(truth.damping_ratio[place]),
+        true_drift=abs(truth.drift) / 2,
+    )

@@ -45,11 +45,19 @@ class Truth:
         frequency_hz: (modes,) undamped natural frequencies.
         damping_ratio: (modes,) zeta.
         source: who says so, to be read after "the truth is known from".
+        sine: the same with what hangs on the beam in the sine test, if that is another.
+        drift: relative change of the stiffness over the campaign, at whose beginning the frequencies are these.
     """
 
     frequency_hz: NDArray[np.float64]
     damping_ratio: NDArray[np.float64]
     source: str = ""
+    sine: "Truth | None" = None
+    drift: float = 0.0
+
+    def of(self, test: Test | None) -> "Truth":
+        """The modes of a test."""
+        return self.sine if test == "sine" and self.sine is not None else self
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -30,7 +30,7 @@ def modal_table(
     Returns:
         a table to be printed by rich; it fits into 80 columns.
     """
-    table = Table(title="Modal model", caption=_caption(models), box=box.SIMPLE_HEAD, padding=0, show_edge=False)
+    table = Table(title="Modal model", caption=_caption(models, truth), box=box.SIMPLE_HEAD, padding=0, show_edge=False)
     table.title_justify = table.caption_justify = "left"
     for heading in ("mode", "test"):
         table.add_column(heading, no_wrap=True, min_width=6 if heading == "test" else 4)
@@ -57,21 +57,23 @@ def _cells(mode: Mode, reading: Reading, true: bool) -> list[str]:
     ]
     if not true:
         return cells
-    if not isfinite(mode.true_frequency_hz):
+    if not isfinite(reading.true_frequency_hz):
         return [*cells, UNKNOWN, UNKNOWN]
     return [
         *cells,
-        alike(mode.true_frequency_hz, reading.frequency_sigma_hz),
-        alike(100 * mode.true_damping, 100 * reading.damping_sigma),
+        alike(reading.true_frequency_hz, reading.frequency_sigma_hz),
+        alike(100 * reading.true_damping, 100 * reading.damping_sigma),
     ]
 
 
-def _caption(models: Sequence[ModalModel]) -> str:
+def _caption(models: Sequence[ModalModel], truth: Truth | None) -> str:
     if not models:
         return "No test could be identified."
     if not any(m.n_modes for m in models):
         return "No mode was found in the band."
+    by = 0.0 if truth is None else 100 * truth.drift
+    drift = f" True values are those at the start; the bench's stiffness then drifts by {by:+.2g} %." if by else ""
     return (
         "4.80(3) stands for 4.80 ± 0.03, one standard deviation. "
-        "If the beam still rings at its end, half-power reads the block, not the beam."
+        "If the beam still rings at its end, half-power reads the block, not the beam." + drift
     )

@@ -12,7 +12,7 @@ from modallab.core.block import Campaign
 from modallab.core.documents.pages import EventView
 from modallab.core.errors import PlanError
 from modallab.core.plan import ImpactPlan, SinePlan
-from modallab.core.rig import Rig
+from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.known_modes import with_known_modes
 from modallab.service.campaigns.local_session import record_campaign
@@ -26,24 +26,28 @@ def link_rig() -> Rig:
 
 
 def test_the_demo_does_both_tests_of_the_paper() -> None:
-    impact, sine = demo_plans()
+    impact, sine, again = demo_plans()
     assert isinstance(impact, ImpactPlan)
     assert isinstance(sine, SinePlan)
     assert (impact.points, impact.hits, impact.rate_hz) == (DEMO_POINTS, 5, 2000.0)
     assert (len(sine.frequencies_hz), sine.rate_hz, list(sine.levels_v)) == (24, 1000.0, ["low"])
+    # Whether the bench answers in proportion needs a second level, at frequencies of the first.
+    assert isinstance(again, SinePlan)
+    assert set(again.frequencies_hz) < set(sine.frequencies_hz)
+    assert again.levels_v["high"] > 1.5 * sine.levels_v["low"]
 
 
-def test_the_demos_campaign_has_15_good_hits_and_24_sine_blocks(demo: Path, link_rig: Rig, tmp_path: Path) -> None:
+def test_the_demos_campaign_has_15_good_hits_and_32_sine_blocks(demo: Path, link_rig: Rig, tmp_path: Path) -> None:
     shutil.copytree(demo / "data", tmp_path / "data")
     with Store(tmp_path / "data") as store:
         campaign = campaign_of(store, [run.id for run in store.catalogue.runs()])
         events = EventLog(store.catalogue.engine).after(0, 1000)
-    assert [len(campaign.of("impact")), len(campaign.of("sine"))] == [15, 24]
-    assert [b.order for b in campaign.blocks] == list(range(39))
-    assert len({b.name for b in campaign.blocks}) == 39
+    assert [len(campaign.of("impact")), len(campaign.of("sine"))] == [15, 32]
+    assert [b.order for b in campaign.blocks] == list(range(47))
+    assert len({b.name for b in campaign.blocks}) == 47
     assert {b.duration_s for b in campaign.blocks} == {1.024}
-    assert len([e for e in events if e.kind == "block" and e.content["accepted"]]) == 39
-    assert campaign.rig == link_rig
+    assert len([e for e in events if e.kind == "block" and e.content["accepted"]]) == 47
+    assert campaign.rig == link_rig.model_copy(update={"tolerance": Tolerance.usual()})
 
 
 def test_a_plan_that_the_rig_cannot_do_ends_the_session_and_what_was_kept_stays(link_rig: Rig, tmp_path: Path) -> None:

@@ -218,9 +218,11 @@ def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
     notice = f"longest burst {longest:.4g} s: "
     excitation = setup.rig.excitation
     if not setup.bench.info.streams_bursts:
-        notice += "whatever dies, the output is at 0 V by itself after at most so long"
+        notice += "if any process fails, the output returns to 0 V by itself within that time"
     elif excitation is not None and excitation.watchdog_s is not None:
-        notice += f"whatever dies, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+        notice += (
+            f"if any process fails, the device's watchdog brings the output to 0 V after {excitation.watchdog_s:g} s"
+        )
     else:
         waived = excitation.watchdog_waived if excitation is not None else ""
         notice += (

@@ -43,25 +43,41 @@ class Verdict:
     words: str
 
 
-def linearity(low: Frf, high: Frf) -> Verdict:
+@dataclass(frozen=True, slots=True)
+class Allowance:
+    """By what share two FRFs of one structure may differ since a bench is no better than its tolerances.
+
+    Attributes:
+        share: three standard deviations.
+        why: in words, to be read after "are allowed".
+    """
+
+    share: float = CHANGE_LIMIT
+    why: str = ""
+
+
+USUAL = Allowance()
+
+
+def linearity(low: Frf, high: Frf, allowed: Allowance = USUAL) -> Verdict:
     """FRFs of two drive levels: for a linear structure they are one.
 
     Raises:
         DataError: the two are not FRFs of the same outputs, inputs and lines, or noise leaves it open.
     """
-    return _unchanged("linearity", low, high, "The FRFs of the two levels")
+    return _unchanged("linearity", low, high, "The FRFs of the two levels", allowed)
 
 
-def time_invariance(first: Frf, last: Frf) -> Verdict:
+def time_invariance(first: Frf, last: Frf, allowed: Allowance = USUAL) -> Verdict:
     """FRFs from the first and from the last blocks of a test.
 
     Raises:
         DataError: as for `linearity`.
     """
-    return _unchanged("time invariance", first, last, "The first and the last FRFs")
+    return _unchanged("time invariance", first, last, "The first and the last FRFs", allowed)
 
 
-def reciprocity(frf: Frf) -> Verdict:
+def reciprocity(frf: Frf, allowed: Allowance = USUAL) -> Verdict:
     """H_jk against H_kj, the worst pair of points at which there is both a sensor and a hit.
 
     Raises:
@@ -79,7 +95,7 @@ def reciprocity(frf: Frf) -> Verdict:
     away = [_difference(values[a[0], b[1]], values[b[0], a[1]]) for a, b in pairs]
     noise = [_expected(frf, a, b) for a, b in pairs]
     worst = int(np.argmax(np.array(away) - SIGMAS * np.array(noise)))
-    return _verdict("reciprocity", away[worst], noise[worst], "FRFs with input and output exchanged")
+    return _verdict("reciprocity", away[worst], noise[worst], "FRFs with input and output exchanged", allowed)
 
 
 def proportional_damping(model: ModalModel) -> Verdict:
@@ -109,8 +125,8 @@ def proportional_damping(model: ModalModel) -> Verdict:
         value, limit, MOST_PHASE_RAD, f"noise alone turns the points of a mode by {np.degrees(limit):.2g} degrees"
     )
     words = (
-        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move out of phase by "
-        f"{np.degrees(value):.2g} degrees on average; {np.degrees(limit):.2g} are allowed."
+        f"The points of mode {worst + 1} ({model.frequency_hz[worst]:.4g} Hz) move {np.degrees(value):.2g} degrees out "
+        f"of phase on average; up to {np.degrees(limit):.2g} degrees is allowed."
     )
     return Verdict("proportional damping", value <= limit, value, limit, words)
 
@@ -149,13 +165,13 @@ def driving_point(frf: Frf) -> Verdict:
     if worst <= CHANGE_LIMIT and max(known) < LEAST_LINES:
         raise _unsaid(f"{100 * max(known):.2g} % of the driving point's lines stand out of the noise")
     words = (
-        "A driving-point mobility has a negative real part, as no passive structure has, at "
-        f"{100 * worst:.1f} % of its lines; {100 * CHANGE_LIMIT:.0f} % are allowed."
+        "The real part of a driving-point mobility, which no passive structure can make negative, is negative at "
+        f"{100 * worst:.2g} % of the lines; up to {100 * CHANGE_LIMIT:.0f} % is allowed."
     )
     return Verdict("driving point", worst <= CHANGE_LIMIT, worst, CHANGE_LIMIT, words)
 
 
-def _unchanged(assumption: Assumption, one: Frf, other: Frf, subject: str) -> Verdict:
+def _unchanged(assumption: Assumption, one: Frf, other: Frf, subject: str, allowed: Allowance) -> Verdict:
     a, b = convert(one, one.quantity), convert(other, one.quantity)
     same = a.values.shape == b.values.shape and np.allclose(a.frequency_hz, b.frequency_hz, rtol=1e-6)
     if not same or a.outputs != b.outputs or a.input_points != b.input_points:
@@ -165,7 +181,7 @@ def _unchanged(assumption: Assumption, one: Frf, other: Frf, subject: str) -> Ve
         )
     parts = [(_difference(x, y), _noise_of(a, b, o, i)) for (o, i, x, y) in _each(a.values, b.values)]
     worst = max(parts, key=lambda p: p[0] - SIGMAS * p[1])
-    return _verdict(assumption, worst[0], worst[1], subject)
+    return _verdict(assumption, worst[0], worst[1], subject, allowed)
 
 
 def _each(
@@ -195,12 +211,14 @@ def _expected(frf: Frf, a: tuple[int, int], b: tuple[int, int]) -> float:
     return float(np.sqrt(np.mean(frf.variance[a[0], b[1]] + frf.variance[b[0], a[1]]) / level))
 
 
-def _verdict(assumption: Assumption, value: float, noise: float, subject: str) -> Verdict:
-    limit = max(CHANGE_LIMIT, SIGMAS * noise)
+def _verdict(assumption: Assumption, value: float, noise: float, subject: str, allowed: Allowance) -> Verdict:
+    least = max(CHANGE_LIMIT, allowed.share)
+    limit = max(least, SIGMAS * noise)
     _require_a_limit(
         value, limit, MOST_CHANGE, f"noise alone makes the FRFs differ by {100 * limit:.2g} % of their level"
     )
-    words = f"{subject} differ by {100 * value:.2g} % of their level at worst; {100 * limit:.2g} % are allowed."
+    why = f", {allowed.why}" if allowed.why and limit == allowed.share else ""
+    words = f"{subject} differ by at most {100 * value:.2g} %; up to {100 * limit:.2g} % is allowed{why}."
     return Verdict(assumption, value <= limit, value, limit, words)
 
 

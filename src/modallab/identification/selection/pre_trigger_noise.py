@@ -39,6 +39,7 @@ def model_error_notes(ratio: float) -> tuple[str, ...]:
     if not ratio > MODEL_ERROR_FROM:
         return ()
     return (
-        f"The fit's residual is {ratio:.3g} times the pre-trigger noise: something acts that no linear modes explain. "
-        "The uncertainties are too small, and weak modes may stand for what is wrong.",
+        f"The fit's residual is {ratio:.3g} times the pre-trigger noise: linear modes do not explain all of it. Hits "
+        "that land off their points, a drift or a nonlinearity do that. The stated uncertainties are too small, and "
+        "weak modes may not be real.",
     )

@@ -78,36 +78,41 @@ def _row(mode: Mode, reading: Reading, true: bool) -> list[str]:
         with_sigma(100 * reading.damping, 100 * reading.damping_sigma),
         plain(100 * reading.half_power, 3) if isfinite(reading.half_power) else "not readable",
     ]
-    return cells + (_truth(mode, reading) if true else [])
+    return cells + (_truth(reading) if true else [])
 
 
-def _truth(mode: Mode, reading: Reading) -> list[str]:
-    if not isfinite(mode.true_frequency_hz):
+def _truth(reading: Reading) -> list[str]:
+    if not isfinite(reading.true_frequency_hz):
         return [UNKNOWN, UNKNOWN]
     return [
-        _true(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz),
-        _true(100 * reading.damping, 100 * reading.damping_sigma, 100 * mode.true_damping),
+        _true(reading.frequency_hz, reading.frequency_sigma_hz, reading.true_frequency_hz, reading.true_drift),
+        _true(100 * reading.damping, 100 * reading.damping_sigma, 100 * reading.true_damping),
     ]
 
 
-def _true(value: float, sigma: float, truth: float) -> Markup:
-    gap = deviation(value, sigma, truth, 0.0)
+def _true(value: float, sigma: float, truth: float, drift: float = 0.0) -> Markup:
+    gap = deviation(value, sigma, truth, truth * drift)
     error = relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
     return join([alike(truth, sigma), tag("br"), tag("small", error)])
 
 
 def _too_sure(modes: tuple[Mode, ...]) -> Markup | None:
     """Where the truth shows that a stated uncertainty is too small."""
-    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _off(m, r)]
+    off = [f"mode {m.number} ({r.test or 'FRFs'})" for m in modes for r in m.readings if _off(r)]
     if not off:
         return None
     return paragraph(f"More than 3 σ off the truth: {listed(off)}. There the stated uncertainty is too small.")
 
 
-def _off(mode: Mode, reading: Reading) -> bool:
+def _off(reading: Reading) -> bool:
     gaps = (
-        deviation(reading.frequency_hz, reading.frequency_sigma_hz, mode.true_frequency_hz, 0.0),
-        deviation(reading.damping, reading.damping_sigma, mode.true_damping, 0.0),
+        deviation(
+            reading.frequency_hz,
+            reading.frequency_sigma_hz,
+            reading.true_frequency_hz,
+            reading.true_frequency_hz * reading.true_drift,
+        ),
+        deviation(reading.damping, reading.damping_sigma, reading.true_damping, 0.0),
     )
     return any(verdict(gap) == "disagree" for gap in gaps)
 
