@@ -27,7 +27,7 @@ from modallab.formats.campaign.campaign_hdf5 import write_campaign
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
 TRUE_MASS = {"effect": "added_mass", "family": "structure", "parameters": {"mass": 0.05}, "place": {"x": 0.8}}
 SOUND = BlindRequest(trials=0, none=1, seed=4, later=False)
-PLAY = {"effect": "clearance", "family": "structure", "parameters": {}, "place": {"x": 0.0}}
+NAMELESS = {"effect": "support_resonance", "family": "structure", "parameters": {}, "place": {"x": 0.0}}
 """No diagnosis looks for it yet: that it does not know is the right answer."""
 
 
@@ -139,12 +139,12 @@ def test_the_outcome_sums_up_effect_by_effect(rig: Rig) -> None:
     trials = [
         _trial(rig, "right", [TRUE_MASS], MASS, seen=0.989),
         _trial(rig, "missed", [TRUE_MASS]),
-        _trial(rig, "strange", [PLAY]),
+        _trial(rig, "strange", [NAMELESS]),
     ]
     found = outcome(trials, "ab", "cd")
     by_name = {e.effect: e for e in found.effects}
     assert by_name["added_mass"].said == {"added_mass": 1, "unknown": 1}
-    assert (by_name["added_mass"].right, by_name["clearance"].right) == (1, 1)
+    assert (by_name["added_mass"].right, by_name["support_resonance"].right) == (1, 1)
     figures = {figure.name: figure for figure in found.figures}
     assert figures["shrinkage predicted less seen, median"].value == pytest.approx(0.01)
     assert figures["gap shut in a later campaign"].value == 1.0

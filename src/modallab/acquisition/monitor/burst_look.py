@@ -77,11 +77,12 @@ class BurstLook:
         middle = self._hop * HOP_S - self.later_s - (self._gap + self._earlier / 2) * self._dt
         return float(self.burst.envelope(np.array([middle]))[0])
 
-    @property
-    def steady(self) -> bool:
-        """Whether both windows lie past the rise and before the fall."""
-        begins = (self._hop * HOP_S) - (self._earlier + self._gap) * self._dt - self.later_s
-        return begins >= self.burst.ramp_s and self._hop * HOP_S <= self.burst.duration_s - self.burst.ramp_s
+    def steady(self, later_s: float | None = None, earlier_s: float = EARLIER_S) -> bool:
+        """Whether both windows of this look lie past the rise and before the fall."""
+        end_s = self._hop * HOP_S
+        later_s = self.later_s if later_s is None else later_s
+        begins_s = end_s - (self._whole_periods(earlier_s) + self._gap) * self._dt - later_s
+        return begins_s >= self.burst.ramp_s and end_s <= self.burst.duration_s - self.burst.ramp_s
 
     def cut_off(self, samples: Samples) -> NDArray[np.bool_]:
         """(channels,) whether the last period, as delivered, has flat tops."""

@@ -84,7 +84,7 @@ class ExpectedForce:
         if tone[force] <= least[force]:
             others = np.delete(tone > OTHERS_SEEN * look.sigma_v, force)
             expected = self.last.force_n_per_v / FORCE_BRACKET / per_v * drive if self.last else 0.0
-            if (others.any() and drive > OTHERS_FROM) or look.steady or expected > least[force]:
+            if (others.any() and drive > OTHERS_FROM) or look.steady() or expected > least[force]:
                 raise not_believed(f"{self._name} shows no force at {look.burst.amplitude_v * drive:.3g} V of drive")
         elif self.last is not None and foreseen.misfit[force] < 0.1 * foreseen.level[force]:
             change = foreseen.amplitude[force] * per_v / self.last.force_n_per_v

@@ -35,6 +35,10 @@ GONE_LOOKS = 3
 KEPT_UP = 0.5
 """Where the other responses fall to this part of what was foreseen, the structure itself may beat."""
 
+NODE = 0.02
+"""Part of the largest response below which a channel stands near a node. While the drive rises or falls in a second, a
+mode some ten Hz away lags its envelope by a few percent, each by another one: what little is left at a node may vanish."""
+
 MISSED = 25 * SEEN
 """A response that must be seen so clearly is not there."""
 
@@ -128,12 +132,20 @@ class Plausibility:
         if at_noise(look.latest(WEAK_LATER_S), look.white_v).any():
             weak = look.foreseen(WEAK_LATER_S, WEAK_EARLIER_S)
             if weak is not None:
-                gone |= self._unless_beats(lost(*weak, look.white_v), *weak)
+                gone |= self._unless_beats(lost(*weak, look.white_v) & ~self._at_a_node(look, weak[1]), *weak)
         gone |= self._missing(look, pair[1])
         look.gone = np.where(gone, look.gone + 1, 0)
         for channel in np.flatnonzero((look.gone >= GONE_LOOKS) & self._watched):
             raise not_believed(f"{self._names[channel]} no longer follows the drive: dead, frozen or unplugged")
         self._force.require(look, pair[1])
+
+    def _at_a_node(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
+        """(channels,) whether a response may vanish near a node, since the drive rises or falls."""
+        if look.steady(WEAK_LATER_S, WEAK_EARLIER_S):
+            return np.zeros(foreseen.level.size, dtype=np.bool_)
+        node = foreseen.level < NODE * foreseen.level[self._responses].max()
+        node[self._force_row] = False
+        return node
 
     def _missing(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
         """(channels,) whether a response shows nothing that must be seen, by the others and the bursts before."""
