@@ -105,10 +105,10 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     """
     there = annealed(bench, fit, floor)
     u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
-    if there.gap > bench.flat and not np.array_equal(u, fit.u):
+    if not _sound(bench, there) and not np.array_equal(u, fit.u):
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
         there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
-    if bench.free.deviations and (there.gap > bench.flat or not ordinary(there)):
+    if bench.free.deviations and not _sound(bench, there):
         there = min((there, *_from_frequencies(bench, there)), key=_cost)
     strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
     if there.gap > bench.flat and strayed and len(bench.poles):
@@ -118,6 +118,11 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     if bench.flat < there.gap < PROMISING * before:
         there = min(there, finish(bench, fit, floor), key=_cost)
     return there
+
+
+def _sound(bench: Bench, fit: Fit) -> bool:
+    """Whether a fit leaves nothing to explain, by an assembly that may be."""
+    return fit.gap <= bench.flat and (ordinary(fit) or not bench.free.deviations)
 
 
 def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
