@@ -19,7 +19,11 @@ SURE = 0.9
 
 
 def _modelled() -> frozenset[str]:
-    return frozenset(name for name, model in models().items() if model.change is not NoChange.NO_MODEL_YET)
+    return frozenset(
+        name
+        for name, model in models().items()
+        if model.change is not NoChange.NO_MODEL_YET and (model.search is None or model.search.looked_for)
+    )
 
 
 @dataclass(frozen=True, slots=True)

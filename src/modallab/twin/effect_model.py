@@ -43,6 +43,7 @@ class Search:
         overtones: of an effect that depends on the size of the motion, those it makes: odd ones alone where it acts
             alike both ways, even ones too where it does not.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
+        looked_for: whether a diagnosis looks for it; not where its search has not been shown to end, and end right.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
     """
@@ -59,6 +60,7 @@ class Search:
     inexact: float = 0.0
     overtones: Overtones = "odd"
     rough: bool = False
+    looked_for: bool = True
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 

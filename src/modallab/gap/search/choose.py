@@ -18,6 +18,7 @@ from modallab.gap.search.explain import HOLDS
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
 from modallab.gap.search.worth import Dismissed, worthwhile
+from modallab.twin.effects import search_of
 
 Array = NDArray[np.float64]
 
@@ -120,10 +121,13 @@ def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
     """Whether a fit closes enough of records it has not seen, in noise units or with each record counted alike.
 
-    In noise units a hit through every state of a rough law outweighs all sines: no law that is a little off follows it.
+    In noise units a hit through every state of a rough law outweighs all sines: no law that is a little off follows it,
+    and where contacts open and close the sines alone are judged.
     """
     if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
         return True
+    if any(search_of(c.effect).rough for c in fit.problem.candidates) and unseen.sines is not None:
+        unseen = replace(unseen, impacts=())
     before, after = (_mean_square(f, unseen) for f in (base, fit))
     return after <= (1 - CLOSED_STEPPED) * before
 

@@ -200,7 +200,11 @@ def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, 
     if not len(bench.poles):
         return
     for alike, like in _linear(bench, candidate, own):
-        poles = start((*base.problem.candidates, alike), np.concatenate([beside, like]), bench.free, bench.poles)
+        try:
+            poles = start((*base.problem.candidates, alike), np.concatenate([beside, like]), bench.free, bench.poles)
+        except np.linalg.LinAlgError:
+            # Two losses of stiffness at one place may leave none: no beam to begin from.
+            continue
         yield np.concatenate([poles.u[: bench.free.size], beside, own])
 
 
