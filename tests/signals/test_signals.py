@@ -3,7 +3,7 @@ import pytest
 
 from modallab.core.block import Block
 from modallab.core.errors import DataError
-from modallab.core.rig import Channel, Point, Rig
+from modallab.core.rig import Beam, Channel, Point, Rig
 from modallab.core.units import STANDARD_GRAVITY
 from modallab.signals.bandpass import remove_mean
 from modallab.signals.signals import to_signals, to_signals_of
@@ -54,9 +54,13 @@ def test_each_test_has_its_own_sensitivity():
     np.testing.assert_allclose(impact.responses, 2 * sine.responses)
 
 
-def test_a_sensor_across_the_drive_is_rejected():
-    with pytest.raises(DataError, match="measures along \\+x"):
-        to_signals(block(), rig(direction="+x"))
+def test_a_sensor_across_the_drive_is_rejected_on_a_beam_and_taken_as_it_is_elsewhere():
+    across = rig(direction="-x")
+    elsewhere = to_signals(block(), across)
+    np.testing.assert_array_equal(elsewhere.responses, to_signals(block(), rig()).responses)
+    beam = Beam(length_m=1, width_m=0.05, thickness_m=0.01, youngs_modulus_pa=7e10, density_kg_m3=2700)
+    with pytest.raises(DataError, match="measures along -x"):
+        to_signals(block(), across.model_copy(update={"model": "cantilever", "beam": beam}))
 
 
 @pytest.mark.parametrize(

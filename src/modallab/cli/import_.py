@@ -2,6 +2,7 @@
 
 import argparse
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from rich.table import Table
@@ -10,9 +11,11 @@ from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import ConfigurationError, StorageError
 from modallab.formats.campaign.campaign_hdf5 import campaign_file, write_campaign
-from modallab.formats.importer import import_sources
+from modallab.formats.draft import assumptions, write_draft
+from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
+from modallab.pipelines.results import holds_results_only, import_results
 from modallab.reporting.waiting import waiting
 
 
@@ -21,21 +24,34 @@ def run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out
     _reject_own_source(out, arguments.sources)
     options = ImportOptions(
-        test=arguments.test,
+        test=arguments.test or "impact",
         rate_hz=arguments.rate,
         drive_point=arguments.drive_point,
         volts=arguments.volts,
         window_s=arguments.window,
         variables=tuple(_pair(text) for text in arguments.variable or ()),
     )
-    with waiting("reading", progress=not arguments.hush):
-        campaign = import_sources(arguments.sources, read_rig(arguments.rig), options, arguments.frequency or ())
-    write_campaign(campaign, out)
     console = console_of(arguments)
+    if arguments.rig is None and holds_results_only(arguments.sources[0]):
+        for line in import_results(arguments.sources[0], out):
+            console.print(line, markup=False, highlight=False)
+        return 0
+    with waiting("reading", progress=not arguments.hush):
+        rig = draft_rig(arguments.sources[0]) if arguments.rig is None else read_rig(arguments.rig)
+        if arguments.test is None and rig.force is None:
+            options = replace(options, test="random")
+        campaign = import_sources(arguments.sources, rig, options, arguments.frequency or ())
+    write_campaign(campaign, out)
     console.print(_contents(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():
         console.print(f"note: {note}", markup=False, highlight=False)
     console.print(f"campaign: {out}", markup=False, highlight=False)
+    if arguments.rig is None:
+        drafted, notes = out.with_suffix(".rig.yaml"), assumptions(rig)
+        write_draft(rig, drafted, notes)
+        for note in notes:
+            console.print(f"note: {note}", markup=False, highlight=False)
+        console.print(f"rig: {drafted}, to be completed", markup=False, highlight=False)
     return 0
 
 

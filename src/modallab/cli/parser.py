@@ -59,9 +59,13 @@ def _add_demo(commands: _Commands) -> None:
 def _add_import(commands: _Commands) -> None:
     command = commands.add_parser("import", help="turn recordings of others into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
-    command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml")
+    command.add_argument(
+        "--rig", type=Path, metavar="RIG.yaml", help="left out: one is written from what the file says, to be completed"
+    )
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
-    command.add_argument("--test", choices=TESTS, default="impact", help="what the recordings are of")
+    command.add_argument(
+        "--test", choices=TESTS, help="what the recordings are of (default: impact; random if no force was measured)"
+    )
     command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
     command.add_argument("--frequency", type=float, nargs="+", metavar="HZ", help="of the sine in each file, or in all")

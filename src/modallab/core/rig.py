@@ -34,6 +34,11 @@ RESPONSE = 0.02
 """Share of the response below which a difference does not matter, where a rig file does not say it."""
 
 
+def _at_zero(value: object) -> bool:
+    """Whether a coordinate is where points on a beam have it: then it is not written."""
+    return value == 0
+
+
 class Beam(Frozen):
     """A prismatic cantilever, clamped at x = 0.
 
@@ -165,10 +170,14 @@ class Point(Frozen):
     Attributes:
         id: its number, unique on the rig.
         x_m: where it is; on a beam its distance from the clamp, elsewhere from wherever x is counted.
+        y_m: the same along y; a beam lies along x.
+        z_m: the same along z.
     """
 
     id: PositiveInt
     x_m: Finite
+    y_m: Finite = Field(default=0.0, exclude_if=_at_zero)
+    z_m: Finite = Field(default=0.0, exclude_if=_at_zero)
 
 
 class Channel(Frozen):
@@ -294,7 +303,8 @@ class Rig(Frozen):
         gravity_axis: where down is.
         drive_direction: of positive force.
         points: where sensors stand and hits land.
-        channels: of the chain, the force channel among them.
+        lines: pairs of points that are joined where the structure is drawn.
+        channels: of the chain, the force channel among them; where nothing is known of the structure there may be none.
         converter: behind every channel; None: the device says.
         shaker_point: where the shaker drives; None: there is none.
         limits: of the excitation; None: nothing may be driven.
@@ -314,7 +324,8 @@ class Rig(Frozen):
     gravity_axis: Direction = "-y"
     drive_direction: Direction = "+z"
     points: tuple[Point, ...] = ()
-    channels: Annotated[tuple[Channel, ...], Field(min_length=2)]
+    lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=unstated)
+    channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
     converter: Converter | None = None
     shaker_point: PositiveInt | None = None
     limits: Limits | None = None
@@ -334,9 +345,23 @@ class Rig(Frozen):
         return self
 
     @property
+    def force(self) -> Channel | None:
+        """The force transducer's channel; None where no force was measured."""
+        return next((c for c in self.channels if c.quantity == "force"), None)
+
+    @property
     def force_channel(self) -> Channel:
-        """The force transducer's channel."""
-        return next(c for c in self.channels if c.quantity == "force")
+        """The force transducer's channel.
+
+        Raises:
+            RigError: no force was measured.
+        """
+        if self.force is None:
+            raise RigError(
+                f"the rig {self.name!r} has no force channel",
+                remedy="identify the responses alone (--response-only), or add the force channel to the rig file",
+            )
+        return self.force
 
     @property
     def responses(self) -> tuple[Channel, ...]:

@@ -32,7 +32,13 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     problems = [*_beam_problems(content), *_point_problems(content, points)]
     for place, channel in enumerate(channels):
         problems += channel_problems(channel, f"channels[{place}].")
-    return [*problems, *_channel_set_problems(channels), *_reference_problems(content, points, channels)]
+    needs_force = content.get("model", "cantilever") != "unknown"
+    return [
+        *problems,
+        *_line_problems(content, points),
+        *_channel_set_problems(channels, needs_force=needs_force),
+        *_reference_problems(content, points, channels),
+    ]
 
 
 def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Problem]:
@@ -69,7 +75,22 @@ def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str,
     return problems
 
 
-def _channel_set_problems(channels: Sequence[Mapping[str, object]]) -> list[Problem]:
+def _line_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
+    """Lines between points that are none."""
+    lines, ids = content.get("lines"), [_number(point.get("id")) for point in points]
+    if not isinstance(lines, Sequence) or isinstance(lines, str) or None in ids:
+        return []
+    named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", lines))]
+    return [
+        Problem(f"lines[{n}]", f"found {end}", "two ids of points of this rig")
+        for n, ends in named
+        if isinstance(ends, Sequence) and not isinstance(ends, str)
+        for end in ends
+        if _number(end) is not None and _number(end) not in ids
+    ]
+
+
+def _channel_set_problems(channels: Sequence[Mapping[str, object]], *, needs_force: bool) -> list[Problem]:
     names = [channel.get("name") for channel in channels]
     problems = _repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
     inputs = [channel.get("input") for channel in channels]
@@ -84,9 +105,11 @@ def _channel_set_problems(channels: Sequence[Mapping[str, object]]) -> list[Prob
             )
     quantities = [channel.get("quantity", INVALID) for channel in channels]
     forces = [place for place, quantity in enumerate(quantities) if quantity == "force"]
-    if channels and (len(forces) > 1 or (not forces and INVALID not in quantities)):
+    absent = needs_force and not forces and INVALID not in quantities
+    if channels and (len(forces) > 1 or absent or len(forces) == len(channels)):
         found = "quantity: force at " + ", ".join(f"channels[{i}]" for i in forces) if forces else "no quantity: force"
-        problems.append(Problem("channels", found, "exactly one channel of quantity force"))
+        allowed = "exactly one channel of quantity force" if needs_force else "at most one channel of quantity force"
+        problems.append(Problem("channels", found, f"{allowed}, and a response"))
     return problems
 
 

@@ -4,7 +4,7 @@ from typing import Literal, get_args
 
 from modallab.core.errors import DataError
 
-Quantity = Literal["force", "acceleration", "velocity", "displacement", "voltage"]
+Quantity = Literal["force", "acceleration", "velocity", "displacement", "pressure", "voltage"]
 Broadband = Literal["random", "burst-random", "pseudo-random", "chirp"]
 """What a shaker plays in a broadband test; a record says which, since it decides how an FRF is made of it."""
 Test = Literal["impact", "sine", "random", "burst-random", "pseudo-random", "chirp"]
@@ -18,6 +18,7 @@ TO_SI: dict[Quantity, dict[str, float]] = {
     "acceleration": {"m/s^2": 1.0, "m/s2": 1.0, "m/s**2": 1.0, "mm/s^2": 1e-3, "g": STANDARD_GRAVITY},
     "velocity": {"m/s": 1.0, "mm/s": 1e-3},
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
+    "pressure": {"Pa": 1.0, "kPa": 1e3, "mPa": 1e-3},
     "voltage": {"V": 1.0, "mV": 1e-3},
 }
 DERIVATIVE: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -27,6 +28,7 @@ SI_UNIT: dict[Quantity, str] = {
     "acceleration": "m/s^2",
     "velocity": "m/s",
     "displacement": "m",
+    "pressure": "Pa",
     "voltage": "V",
 }
 

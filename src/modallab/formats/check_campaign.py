@@ -44,7 +44,9 @@ def check_recordings(campaign: Campaign) -> None:
     for block in campaign.blocks:
         where = f"{campaign.source}, record {block.name}"
         with errors:
-            check_signals(block.samples, block.channels, where, force=campaign.rig.force_channel.name)
+            check_signals(
+                block.samples, block.channels, where, force=campaign.rig.force.name if campaign.rig.force else None
+            )
     for frf in campaign.frfs:
         with errors:
             check_frf(frf.frequency_hz, frf.values, frf.outputs, campaign.source, even=False)

@@ -45,6 +45,7 @@ class Format:
         fits: whether a file is of this format, by its first 4096 bytes and its name.
         inside: the file by which a folder is taken for one of this format; "" if none is.
         read: a campaign of one file, on a rig, with what the user says of it.
+        draft: the rig that a file was made on, as far as the file says; None if such files say nothing of it.
         write: a campaign into a file or folder, with the models identified from it.
     """
 
@@ -60,6 +61,7 @@ class Format:
     fits: Callable[[bytes, Path], bool] | None = None
     inside: str = ""
     read: Callable[[Path, Rig, ImportOptions], Campaign] | None = None
+    draft: Callable[[Path], Rig] | None = None
     write: Callable[[Campaign, Path, Sequence[ModalModel]], None] | None = None
 
     def __post_init__(self) -> None:

@@ -54,6 +54,23 @@ def import_sources(
     return Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
 
 
+def draft_rig(path: Path) -> Rig:
+    """The rig that a recording was made on, as far as its file says; for the user to complete.
+
+    Raises:
+        DataError: files of this format say too little of their channels.
+        ModallabError: the file cannot be read.
+    """
+    found = sniff(path)
+    if found.draft is None:
+        raise DataError(
+            f"says nothing of its channels, as no file of this format ({found.name}) does",
+            where=str(path),
+            remedy="write a rig file and give it with --rig; docs/how-to/write-a-rig-file.md says how",
+        )
+    return found.draft(path)
+
+
 def _each(options: ImportOptions, n: int, frequencies_hz: Sequence[float]) -> list[ImportOptions]:
     """The options of each file."""
     if not frequencies_hz:

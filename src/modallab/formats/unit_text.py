@@ -47,12 +47,25 @@ _FRF_OF: dict[Quantity, FrfQuantity] = {
 
 def normal_unit(text: str) -> str:
     """A unit in the project's own spelling; an unknown one as it is. "" for NONE and the like."""
-    unit = re.sub(r"\s+", " ", text.strip().strip('"').replace("²", "^2").replace("**", "^"))
+    unit = re.sub(
+        r"\s+", " ", text.strip().strip('"').replace("²", "^2").replace("**", "^").replace("/s\ufffd", "/s^2")
+    )
     if unit.startswith("(") and unit.endswith(")"):
         unit = unit[1:-1].strip()
+    unit = _without_lost_brackets(unit)
     if unit.upper() in {"", "NONE", "-"}:
         return ""
     return _ALIASES.get(unit, unit)
+
+
+def _without_lost_brackets(unit: str) -> str:
+    """A unit cut off by a field's end or written with one bracket only, as "1/N)*(m/s^2" for (1/N)*(m/s^2)."""
+    if unit.count("(") == unit.count(")") and not unit.startswith("1/N)"):
+        return unit
+    turned = re.fullmatch(r"\(?1/N\)?\*\(?(.+?)\)?", unit)
+    if turned:
+        return f"{turned[1]}/N"
+    return unit.strip("()") if unit.count("(") + unit.count(")") == 1 else unit
 
 
 def quantity_of(unit: str) -> Quantity | None:

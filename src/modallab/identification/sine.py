@@ -74,8 +74,7 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
     frf = stepped_frf(used, rig)
     if frf.frequency_hz.size < LEAST_LINES:
         raise IdentificationError(
-            f"the sines between {band[0]:.4g} and {band[1]:.4g} Hz hold {frf.frequency_hz.size} drive frequencies,"
-            " too few",
+            f"the sines between {band[0]:.4g} and {band[1]:.4g} Hz are of {frf.frequency_hz.size} frequencies only",
             remedy=f"record at least {LEAST_LINES}, some on either side of each resonance, or widen the band",
         )
     start = _start_poles(frf, options, band)

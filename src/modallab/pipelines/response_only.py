@@ -1,6 +1,7 @@
 """Identifies the responses of a campaign alone, whatever drove them."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_signals
 from modallab.core.block import Campaign
@@ -8,6 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.frf.joined import contiguous
+from modallab.identification.response_only.covariances import TooShortError
 from modallab.identification.response_only.modes import ResponseModes, response_modes
 from modallab.pipelines.identify import Identified, Result
 from modallab.signals.full_scale import overloaded
@@ -56,11 +58,26 @@ def identify_responses(
     rate = signals[0].rate_hz
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous(signals)]
     seconds = sum(r.shape[1] for r in records) / rate
-    band = band_hz or (LEAST_PERIODS / seconds, TOP * rate)
-    found = response_modes(records, rate, band)
+    band, found = _found(records, rate, band_hz, seconds)
     left = len(blocks) - len(clean)
     notes = (NO_FORCE, *((f"{left} records ran into the converter's full scale and were left out.",) if left else ()))
     return Result((Identified(blocks[0].test, _model(found, campaign, blocks[0].test, band, notes), None),), ())
+
+
+def _found(
+    records: list[NDArray[np.float64]], rate_hz: float, band_hz: tuple[float, float] | None, seconds: float
+) -> tuple[tuple[float, float], ResponseModes]:
+    """The band and its modes; by itself the band begins as low as the records are long enough for."""
+    if band_hz is not None:
+        return band_hz, response_modes(records, rate_hz, band_hz)
+    low, top = LEAST_PERIODS / seconds, TOP * rate_hz
+    while True:
+        try:
+            return (low, top), response_modes(records, rate_hz, (low, top))
+        except TooShortError:
+            if 2 * low >= top / 4:
+                raise
+            low *= 2
 
 
 def _model(

@@ -66,7 +66,7 @@ def render(content: ReportContent) -> str:
         at_a_glance.glance(content, found), _contents(shown),
     )  # fmt: skip
     body = tag("body", head, tag("main", *(p.render() for p in shown)))
-    return f'<!DOCTYPE html>\n<html lang="en">{_head(content.title)}{body}</html>\n'
+    return f'<!DOCTYPE html>\n<html lang="en">{page_head(content.title)}{body}</html>\n'
 
 
 def _absent(parts: list[Section]) -> Section | None:
@@ -80,7 +80,8 @@ def _contents(shown: list[Section]) -> Markup:
     return tag("nav", *(tag("a", p.heading, href=f"#{p.target}") for p in shown), aria_label="Contents")
 
 
-def _head(title: str) -> Markup:
+def page_head(title: str) -> Markup:
+    """The head of a page in the report's own dress, with its style sheet inside."""
     sheet = files("modallab.reporting").joinpath("report.css").read_text(encoding="utf-8")
     return tag(
         "head",

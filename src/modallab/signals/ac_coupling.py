@@ -42,7 +42,8 @@ def uncoupled(values: Real, rate_hz: float, rig: Rig, drive_hz: float | None = N
     if values.shape[1] < LEAST_SAMPLES:
         found = f"{values.shape[1]} samples are too few to undo AC coupling"
         raise DataError(found, remedy=f"record at least {LEAST_SAMPLES} samples")
-    weights = _before_hit(values[rig.force_channel.index]) if drive_hz is None else _window(values.shape[1])
+    hit = drive_hz is None and rig.force is not None
+    weights = _before_hit(values[rig.force_channel.index]) if hit else _window(values.shape[1])
     basis = _constant_and_sine(values.shape[1], rate_hz, drive_hz)
     rows = [
         row if corner == 0 else _undone(row - _level(row, basis, weights), rate_hz, corner)

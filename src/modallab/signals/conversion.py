@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.core.block import Block
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
-from modallab.core.units import Test, is_voltage, si_factor
+from modallab.core.units import DERIVATIVE, Test, is_voltage, si_factor
 
 Real = NDArray[np.float64]
 Samples = NDArray[Any]
@@ -32,7 +32,7 @@ class Conversion:
         si_per_count: (channels,) SI units of the channel's quantity per delivered number, positive along the drive.
         full_scale: (channels,) magnitude in delivered numbers from which on a sample is an overload; infinite if
             unknown.
-        force: index of the force channel.
+        force_at: index of the force channel; None where no force was measured.
         responses: indices of all other channels, in rig order.
         motion: indices of the channels that sense motion.
     """
@@ -40,7 +40,7 @@ class Conversion:
     names: tuple[str, ...]
     si_per_count: Real
     full_scale: Real
-    force: int
+    force_at: int | None
     responses: tuple[int, ...]
     motion: tuple[int, ...]
 
@@ -65,9 +65,9 @@ class Conversion:
             names=tuple(c.name for c in rig.channels),
             si_per_count=np.array([sign_of(rig, c) * float(s) * _si_per_unit(c, unit, test) for c, unit, s in rows]),
             full_scale=np.array([min(last, _full_scale(rig, c, unit, float(s))) for c, unit, s in rows]) * (1 - 1e-9),
-            force=rig.force_channel.index,
+            force_at=None if rig.force is None else rig.force.index,
             responses=tuple(c.index for c in rig.responses),
-            motion=tuple(c.index for c in rig.responses if c.quantity != "voltage"),
+            motion=tuple(c.index for c in rig.responses if c.quantity in DERIVATIVE),
         )
 
     @classmethod
@@ -78,12 +78,25 @@ class Conversion:
         except DataError as error:
             raise DataError(error.what, where=f"record {block.name}, {error.where}", remedy=error.remedy) from error
 
+    @property
+    def force(self) -> int:
+        """Index of the force channel.
+
+        Raises:
+            DataError: no force was measured.
+        """
+        if self.force_at is None:
+            raise DataError("no force was measured", remedy="identify the responses alone (--response-only)")
+        return self.force_at
+
     def si(self, samples: Samples) -> Real:
         """(channels, n) delivered numbers in SI units along the drive; delays and AC coupling as they are."""
         return samples.astype(np.float64) * self.si_per_count[:, None]
 
     def force_n(self, samples: Samples) -> Real:
-        """(n,) force in N, positive along the drive, of (channels, n) delivered numbers."""
+        """(n,) force in N, positive along the drive, of (channels, n) delivered numbers; zeros if none was measured."""
+        if self.force_at is None:
+            return np.zeros(samples.shape[1])
         return samples[self.force].astype(np.float64) * self.si_per_count[self.force]
 
     def overload(self, samples: Samples) -> NDArray[np.bool_]:
@@ -144,13 +157,13 @@ def sign_of(rig: Rig, channel: Channel) -> float:
 
 
 def require_one_axis(rig: Rig, where: str = "") -> None:
-    """Reject channels that measure across the drive: their motion is none of this test's.
+    """Reject channels of a beam that measure across the drive: their motion is none of this test's.
 
     Raises:
         DataError: names the first of them.
     """
-    for channel in rig.channels:
-        if channel.direction[1] != rig.drive_direction[1] and channel.quantity != "voltage":
+    for channel in rig.channels if rig.model == "cantilever" else ():
+        if channel.direction[1] != rig.drive_direction[1] and channel.quantity in ("force", *DERIVATIVE):
             raise DataError(
                 f"measures along {channel.direction}, the beam is driven along {rig.drive_direction}",
                 where=f"{where + ', ' if where else ''}channel {channel.name}",

@@ -26,7 +26,7 @@ class Signals:
     """Force and responses of one block, positive along the drive, validated when they are made.
 
     Attributes:
-        force: (n,) in N.
+        force: (n,) in N; zeros where none was measured.
         responses: (outputs, n) in SI units of each output's quantity.
         rate_hz: sampling rate.
         outputs: (outputs,) channel names.
@@ -96,7 +96,7 @@ def to_signals(block: Block, rig: Rig) -> Signals:
     values = uncoupled(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
     values = aligned(values, block.rate_hz, lags_s(rig))
     return Signals(
-        force=values[conversion.force],
+        force=np.zeros(block.n_samples) if conversion.force_at is None else values[conversion.force],
         responses=values[list(conversion.responses)],
         rate_hz=block.rate_hz,
         outputs=tuple(c.name for c in rig.responses),

@@ -14,7 +14,7 @@ from modallab.formats.csv.csv_table import Table, read_table
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import normal_unit
 
-_TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
+TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
 _TIME_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
 _FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "hz", "frequenz"}
 
@@ -75,7 +75,7 @@ def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) 
 
 
 def _time_column(names: tuple[str, ...]) -> int | None:
-    return next((place for place, name in enumerate(names) if name.lower() in _TIME_NAMES), None)
+    return next((place for place, name in enumerate(names) if name.lower() in TIME_NAMES), None)
 
 
 def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
@@ -89,7 +89,7 @@ def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
         )
     requested = {channel.name.lower(): channel.name for channel in rig.channels}
     missing = [name for low, name in requested.items() if low not in lowered]
-    unknown = [name for name in names if name.lower() not in requested and name.lower() not in _TIME_NAMES]
+    unknown = [name for name in names if name.lower() not in requested and name.lower() not in TIME_NAMES]
     twice = sorted({name for name in names if lowered.count(name.lower()) > 1})
     parts = [f"no column for channel {', '.join(missing)}"] if missing else []
     parts += [f"column {', '.join(map(repr, unknown))} is no channel of the rig"] if unknown else []

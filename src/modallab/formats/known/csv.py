@@ -34,6 +34,12 @@ def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None
     write_csv(campaign, path, models)
 
 
+def _draft(path: Path) -> Rig:
+    from modallab.formats.csv.csv_draft import draft_csv
+
+    return draft_csv(path)
+
+
 FORMAT = Format(
     name="csv",
     title="CSV",
@@ -46,5 +52,6 @@ FORMAT = Format(
     certain=False,
     fits=_fits,
     read=_read,
+    draft=_draft,
     write=_write,
 )

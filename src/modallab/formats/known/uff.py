@@ -28,6 +28,12 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     return read_uff(path, rig, options)
 
 
+def _draft(path: Path) -> Rig:
+    from modallab.formats.uff.uff_draft import draft_uff
+
+    return draft_uff(path)
+
+
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
     from modallab.formats.uff.uff_write import write_uff
 
@@ -45,5 +51,6 @@ FORMAT = Format(
     priority=50,
     fits=_fits,
     read=_read,
+    draft=_draft,
     write=_write,
 )

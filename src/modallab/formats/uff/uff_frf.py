@@ -11,6 +11,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.uff.uff_functions import KINDS, Function, UniversalFile
+from modallab.formats.uff.uff_lines import axis_of
 from modallab.formats.uff.uff_match import divisor_unit_of, known_point, match_channel, sense, unit_of
 from modallab.formats.unit_text import frf_unit
 
@@ -61,7 +62,7 @@ def _place_all(content: UniversalFile, kind: int, rig: Rig, where: str) -> dict[
     for function in (f for f in content.functions if f.kind == kind):
         match = match_channel(function, rig.responses, where)
         place = f"{where}, set {function.place}, reference"
-        turned = sense(function.reference_direction, rig.drive_direction, place, "drive_direction")
+        turned = _turned(function, rig, place)
         at = (function.reference_node, abs(function.reference_direction))
         key = (match.channel.name, at)
         if key in placed:
@@ -73,6 +74,14 @@ def _place_all(content: UniversalFile, kind: int, rig: Rig, where: str) -> dict[
             )
         placed[key] = _Placed(function, match.channel, at, match.sign * turned)
     return placed
+
+
+def _turned(function: Function, rig: Rig, place: str) -> int:
+    """1 or -1: a drive along the rig's direction or against it. What is no beam may be driven along any."""
+    direction = function.reference_direction
+    if rig.model == "unknown" and abs(direction) != axis_of(rig.drive_direction.replace("-", "+")):
+        return -1 if direction < 0 else 1
+    return sense(direction, rig.drive_direction, place, "drive_direction")
 
 
 def _common_lines(functions: Sequence[Function], where: str) -> NDArray[np.float64]:

@@ -9,7 +9,14 @@ from modallab.core.units import SI_UNIT, Quantity
 from modallab.formats.uff.uff_functions import Function
 from modallab.formats.unit_text import quantity_of
 
-SPECIFIC: dict[int, Quantity] = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
+SPECIFIC: dict[int, Quantity] = {
+    8: "displacement",
+    9: "force",
+    11: "velocity",
+    12: "acceleration",
+    13: "force",
+    15: "pressure",
+}
 """What the format's specific data types mean."""
 
 _AXES = "xyz"
@@ -122,7 +129,8 @@ def _same_axis(direction: int, channel: Channel) -> bool:
 
 def _place_of(function: Function) -> str:
     node = f"node {function.node} {_direction(function.direction)}" if function.node else "without a node"
-    return f"{function.names[1] or function.names[0]!r}, {node}"
+    unit = f" in {function.unit!r}" if function.unit else ""
+    return f"{function.names[1] or function.names[0]!r}{unit}, {node}"
 
 
 def _direction(direction: int) -> str:

@@ -112,7 +112,7 @@ def _rate(function: Function, where: str) -> float:
 
 
 def _drive_point(group: _Group, rig: Rig, options: ImportOptions, where: str) -> int | None:
-    if options.drive_point is not None:
+    if options.drive_point is not None or rig.force is None:
         return options.drive_point
     force = group[rig.force_channel.name][0]
     nodes = [force.node, *(function.reference_node for function, _ in group.values())]

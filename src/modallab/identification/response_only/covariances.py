@@ -73,6 +73,10 @@ def _decimated(record: Real) -> Real:
     return np.asarray(signal.resample_poly(record, 1, DECIMATION, axis=1, window=window), np.float64)
 
 
+class TooShortError(DataError):
+    """Records too short for the lowest modes that are asked for."""
+
+
 def segment_covariances(band: Band, lags: int) -> Real:
     """Covariances (segments, lags, outputs, outputs) E[y(t + k) y(t)^T], k from the band's first lag on.
 
@@ -89,7 +93,7 @@ def segment_covariances(band: Band, lags: int) -> Real:
     usable = [r.shape[1] - reach for r in band.records]
     length = _length(usable)
     if length < reach:
-        raise DataError(
+        raise TooShortError(
             f"{sum(r.shape[1] for r in band.records) / band.rate_hz:.3g} s of records are too short for modes from "
             f"{band.low_hz:.3g} Hz on",
             remedy="record longer, or raise the lower edge of the band",

@@ -1,10 +1,13 @@
 """The mode shapes, moving and with their uncertainty."""
 
+from itertools import pairwise
+
 from modallab.reporting.content import ReportContent
 from modallab.reporting.figures.animation import animated_shapes
 from modallab.reporting.figures.mode_shapes import mode_shapes
 from modallab.reporting.figures.shape_data import shape
-from modallab.reporting.markup import join
+from modallab.reporting.figures.wireframe import is_spatial, shapes_of_model, wireframes
+from modallab.reporting.markup import Markup, join
 from modallab.reporting.sections.section import Section, paragraph, plate
 from modallab.reporting.sections.shapes_compared import compared
 
@@ -14,6 +17,9 @@ OUT_OF_STEP_DEG = 5.0
 def section(content: ReportContent) -> Section:
     """Animated shapes of the first test that has them; below, all shapes with sigma bars."""
     anchor, heading = "shapes", "The mode shapes"
+    spatial = _spatial(content)
+    if spatial is not None:
+        return Section(anchor, heading, spatial)
     absent = tuple(
         f"{_called(m.test)} has no mode shapes at unit modal mass ({m.shapes_unavailable})."
         for m in content.models
@@ -43,6 +49,24 @@ def section(content: ReportContent) -> Section:
         join([paragraph(text), animated_shapes(drawn, content.rig), _skew(content), still, compared(content)]),
         absent,
     )
+
+
+def _spatial(content: ReportContent) -> Markup | None:
+    """Moving shapes in space, of a structure that is more than a beam, or of responses alone."""
+    rig = content.rig
+    for model in content.models:
+        moving = shapes_of_model(model, rig)
+        if not moving or not (is_spatial(rig) or (model.shapes is None and model.operating_shapes is not None)):
+            continue
+        points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
+        # Points on one axis are drawn as a beam; what joins others in space is not known.
+        along = [] if is_spatial(rig) else [p.id for p in sorted(rig.points, key=lambda p: p.x_m)]
+        drawn = wireframes(points, rig.lines or tuple(pairwise(along)), moving)
+        if drawn is not None:
+            scale = "" if model.shapes is not None else " No force was used, so that the shapes have no scale."
+            text = f"So the structure moves at its natural frequencies, slowed down and magnified.{scale}"
+            return join([paragraph(text), drawn])
+    return None
 
 
 def _skew(content: ReportContent) -> str | None:

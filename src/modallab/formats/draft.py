@@ -1,0 +1,112 @@
+"""A rig for recordings that came without one: from what their file says, and what is usual where it says nothing."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Direction, Point, Rig
+from modallab.core.units import SI_UNIT, Quantity
+from modallab.formats.atomic import replacing
+from modallab.formats.rig.rig_file import dump_rig
+from modallab.formats.unit_text import quantity_of
+
+_FORCE_NAMES = ("force", "hammer", "ham", "kraft", "impact", "f")
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """What a file says of one channel; None or "" where it says nothing."""
+
+    name: str
+    quantity: Quantity | None = None
+    unit: str = ""
+    point: int | None = None
+    direction: Direction | None = None
+
+
+def rig_of(
+    said: Sequence[Said],
+    path: Path,
+    points: tuple[Point, ...] = (),
+    lines: tuple[tuple[int, int], ...] = (),
+    driven: Iterable[int] = (),
+) -> Rig:
+    """A rig of the channels in their order; where a place is not known, points stand a metre apart.
+
+    Args:
+        said: of each channel.
+        path: of the file, which names the rig.
+        points: the geometry's.
+        lines: of the geometry.
+        driven: points where a force acts.
+
+    Raises:
+        DataError: several forces.
+    """
+    forces = [i for i, s in enumerate(said) if _is_force(s)]
+    if len(forces) > 1:
+        raise DataError(
+            f"has {len(forces)} channels of force: {', '.join(said[i].name for i in forces)}",
+            where=str(path),
+            remedy="a rig holds one force: write a rig file with one of them, and give it with --rig",
+        )
+    channels = [_channel(i, s, said, force=forces[:1] == [i]) for i, s in enumerate(said)]
+    named = sorted({c.point for c in channels if c.point} | set(driven))
+    known = {p.id for p in points}
+    more = tuple(Point(id=n, x_m=float(n)) for n in named if n not in known)
+    force = next((c for c in channels if c.quantity == "force"), None)
+    return Rig(
+        name=path.stem,
+        model="unknown",
+        drive_direction="+z" if force is None else force.direction,
+        points=(*points, *more),
+        lines=lines,
+        channels=tuple(channels),
+    )
+
+
+def assumptions(rig: Rig) -> tuple[str, ...]:
+    """What of a drafted rig no file said, in sentences."""
+    far = [p.id for p in rig.points if p.x_m == p.id and not (p.y_m or p.z_m)]
+    notes = [f"the places of {len(far)} points are not known; they stand a metre apart"] if far else []
+    if rig.force is None:
+        notes.append("no force was measured: identify the responses alone (--response-only)")
+    units = ", ".join(dict.fromkeys(f"{c.quantity} in {c.unit}" for c in rig.channels))
+    notes.append(f"channels are taken as {units}; where the file names no unit, that is assumed")
+    return tuple(notes)
+
+
+def write_draft(rig: Rig, out: Path, notes: Sequence[str]) -> None:
+    """Write a rig file for the user to complete.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+    head = [
+        "Drafted from a recording. Complete it: sensitivities, directions, masses and places of the sensors.",
+        *notes,
+        "Then import again with --rig and this file; the fields stand in docs/reference/rig-file.md.",
+    ]
+    with replacing(out) as temporary:
+        temporary.write_text("".join(f"# {line}\n" for line in head) + dump_rig(rig), encoding="utf-8")
+
+
+def _is_force(said: Said) -> bool:
+    if said.quantity is not None:
+        return said.quantity == "force"
+    return said.name.strip().lower() in _FORCE_NAMES
+
+
+def _channel(index: int, said: Said, others: Sequence[Said], *, force: bool) -> Channel:
+    quantity = "force" if force else said.quantity if said.quantity not in (None, "force") else "acceleration"
+    unit = said.unit if said.unit and quantity_of(said.unit) == quantity else SI_UNIT[quantity]
+    twice = sum(s.name == said.name for s in others) > 1
+    return Channel(
+        index=index,
+        name=f"{said.name} {index}" if twice else said.name,
+        quantity=quantity,
+        unit=unit,
+        point=said.point,
+        direction=said.direction or "+z",
+    )

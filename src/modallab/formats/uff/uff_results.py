@@ -1,0 +1,168 @@
+"""Geometry and modes of a universal file, whatever rig they belong to: datasets 15, 2411, 82, 2412, 55 and 2414."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.formats.uff.uff_functions import read_datasets
+
+NORMAL, COMPLEX = 2, 3
+"""Analysis types that are modes; others are static or forced responses."""
+MOTION = (8, 11, 12)
+"""Result types that are motions: displacement, velocity and acceleration."""
+AT_NODES = 1
+_OPEN = range(11, 25)
+"""Descriptors of rods and beams, whose nodes follow each other along a line."""
+_SOLID_EDGES: dict[int, Sequence[tuple[int, int]]] = {
+    111: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+    112: ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
+    115: ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+}
+"""Edges of linear tetrahedra, wedges and bricks."""
+
+Edge = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Geometry:
+    """Where nodes are, and which are joined where the structure is drawn.
+
+    Attributes:
+        points: node -> x, y, z in m.
+        lines: pairs of nodes.
+    """
+
+    points: dict[int, tuple[float, float, float]]
+    lines: tuple[Edge, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NodeMode:
+    """One mode at nodes.
+
+    Attributes:
+        title: what the file says of it.
+        frequency_hz: undamped natural frequency.
+        damping_ratio: of critical damping.
+        at: node -> (3,) complex motion along x, y, z, scaled as in the file.
+    """
+
+    title: str
+    frequency_hz: float
+    damping_ratio: float
+    at: dict[int, NDArray[np.complex128]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Results:
+    """What a universal file holds beside measurements."""
+
+    geometry: Geometry
+    modes: tuple[NodeMode, ...]
+
+
+def read_results(path: Path) -> Results:
+    """Geometry in m and modes of a universal file.
+
+    Coordinates are taken as those of the whole part, and divided by the length factor of dataset 164 if there is one.
+
+    Raises:
+        FormatError: no universal file, cut off or damaged.
+    """
+    units = read_datasets(path, 164)
+    factor = float(units[0].get("length") or 1.0) if units else 1.0
+    nodes = [*read_datasets(path, 15), *read_datasets(path, 2411)]
+    points = {
+        int(n): (float(x) / factor, float(y) / factor, float(z) / factor)
+        for content in nodes
+        for n, x, y, z in zip(content["node_nums"], content["x"], content["y"], content["z"], strict=True)
+    }
+    edges = [*_traced(read_datasets(path, 82)), *_of_elements(read_datasets(path, 2412))]
+    lines = dict.fromkeys((min(a, b), max(a, b)) for a, b in edges if a != b and a in points and b in points)
+    old = (_mode_55(c) for c in read_datasets(path, 55) if int(c["analysis_type"]) in (NORMAL, COMPLEX))
+    new = (_mode_2414(c) for c in read_datasets(path, 2414) if _is_mode(c))
+    return Results(Geometry(points, tuple(lines)), (*old, *new))
+
+
+def _traced(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
+    """A trace goes from node to node; at a zero the pen is lifted."""
+    for content in contents:
+        nodes = [int(n) for n in content["nodes"]]
+        yield from ((a, b) for a, b in pairwise(nodes) if a and b)
+
+
+def _of_elements(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
+    for content in contents:
+        for descriptor, elements in content.items():
+            if isinstance(descriptor, int):
+                for element in elements:
+                    yield from _edges(descriptor, [int(n) for n in element["nodes_nums"]])
+
+
+def _edges(descriptor: int, nodes: list[int]) -> Iterator[Edge]:
+    if descriptor in _SOLID_EDGES:
+        yield from ((nodes[a], nodes[b]) for a, b in _SOLID_EDGES[descriptor] if max(a, b) < len(nodes))
+        return
+    yield from pairwise(nodes)
+    if descriptor not in _OPEN and len(nodes) > 2:
+        yield nodes[-1], nodes[0]
+
+
+def _is_mode(content: Mapping[str, Any]) -> bool:
+    return (
+        int(content["analysis_type"]) in (NORMAL, COMPLEX)
+        and int(content["result_type"]) in MOTION
+        and int(content["dataset_location"]) == AT_NODES
+        and ("data_at_node" in content or "x" in content)
+    )
+
+
+def _mode_55(content: Mapping[str, Any]) -> NodeMode:
+    if int(content["analysis_type"]) == NORMAL:
+        frequency, damping = float(content["freq"]), float(content["modal_damp_vis"])
+    else:
+        frequency, damping = _of_pole(complex(content["eig"]))
+    parts = [np.asarray(content[name], np.complex128) for name in ("r1", "r2", "r3")]
+    at = dict(zip((int(n) for n in content["node_nums"]), np.stack(parts, axis=1), strict=True))
+    return NodeMode(_title(content), frequency, damping, at)
+
+
+def _mode_2414(content: Mapping[str, Any]) -> NodeMode:
+    reals = [float(content[f"record12_field{k}"]) for k in range(1, 7)]
+    if int(content["analysis_type"]) == NORMAL:
+        frequency, damping = reals[1], reals[4]
+    else:
+        more = [float(content[f"record13_field{k}"]) for k in range(1, 3)]
+        frequency, damping = _of_pole(complex(*more) if any(more) else complex(reals[0], reals[1]))
+    rows = np.array([_motion(row) for row in _rows(content)])
+    at = dict(zip((int(n) for n in content["node_nums"]), rows, strict=True))
+    name = str(content.get("analysis_dataset_name", "")).strip()
+    return NodeMode(name or _title(content), frequency, damping, at)
+
+
+def _rows(content: Mapping[str, Any]) -> Sequence[Any]:
+    if "data_at_node" in content:
+        return content["data_at_node"]
+    return list(np.stack([np.asarray(content[axis]) for axis in "xyz"], axis=1))
+
+
+def _motion(row: Any) -> NDArray[np.complex128]:
+    """(3,) of three real numbers, of three pairs of real and imaginary parts, or of more with rotations behind."""
+    values = np.asarray(row)
+    if not np.iscomplexobj(values) and values.size in (6, 12):
+        values = values[0::2] + 1j * values[1::2]
+    return values[:3].astype(np.complex128)
+
+
+def _of_pole(pole: complex) -> tuple[float, float]:
+    return abs(pole) / (2 * np.pi), -pole.real / abs(pole) if pole else 0.0
+
+
+def _title(content: Mapping[str, Any]) -> str:
+    texts = (str(content[f"id{k}"]).strip() for k in range(1, 6))
+    return next((text for text in texts if text and text != "NONE"), "mode")

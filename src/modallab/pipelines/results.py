@@ -1,0 +1,87 @@
+"""What a file with results but no measurement yields: its geometry and its shapes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from modallab import __version__
+from modallab.formats.atomic import replacing
+from modallab.formats.sniff import sniff
+from modallab.formats.uff.uff_functions import read_functions
+from modallab.formats.uff.uff_results import NodeMode, Results, read_results
+from modallab.reporting.figures.wireframe import MovingShape
+from modallab.reporting.shapes_page import write_shapes_page
+
+_MEASURED = (1, 4)
+"""Function types that a model can be identified from: time records and FRFs."""
+MOST_SHAPES = 40
+"""Shapes on one page."""
+
+
+def holds_results_only(path: Path) -> bool:
+    """Whether a universal file holds geometry or modes, and no time record or FRF.
+
+    Raises:
+        FormatError: no such file, or damaged.
+    """
+    if sniff(path).name != "uff":
+        return False
+    if any(f.kind in _MEASURED for f in read_functions(path).functions):
+        return False
+    found = read_results(path)
+    return bool(found.geometry.points or found.modes)
+
+
+def import_results(path: Path, out: Path) -> tuple[str, ...]:
+    """Write the geometry and the shapes of a file as JSON, and a page that moves them; say what was written.
+
+    Args:
+        path: universal file.
+        out: name for what is written, with the endings .json and .html.
+
+    Raises:
+        FormatError, StorageError: it cannot be read, or the files cannot be written.
+    """
+    found = read_results(path)
+    with replacing(out.with_suffix(".json")) as draft:
+        draft.write_text(json.dumps(results_document(found, path), allow_nan=False) + "\n", encoding="utf-8")
+    points, lines = found.geometry.points, found.geometry.lines
+    said = [
+        f"{path.name} holds no measurement: {len(points)} points, {len(lines)} lines and {len(found.modes)} modes",
+        f"geometry and shapes: {out.with_suffix('.json')}",
+    ]
+    moving = [_moving(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
+    if moving and len(points) > 1:
+        write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving)
+        said.append(f"shapes, moving: {out.with_suffix('.html')}")
+    elif moving:
+        said.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
+    return tuple(said)
+
+
+def results_document(found: Results, path: Path) -> dict[str, object]:
+    """Geometry in m and modes as JSON values; shapes as [re, im] along x, y and z by node."""
+    return {
+        "format_version": 1,
+        "code_version": __version__,
+        "source": path.name,
+        "points": [{"id": n, "x_m": x, "y_m": y, "z_m": z} for n, (x, y, z) in found.geometry.points.items()],
+        "lines": [list(pair) for pair in found.geometry.lines],
+        "modes": [
+            {
+                "title": mode.title,
+                "frequency_hz": mode.frequency_hz,
+                "damping_ratio": mode.damping_ratio,
+                "shape": {str(n): [[float(v.real), float(v.imag)] for v in at] for n, at in mode.at.items()},
+            }
+            for mode in found.modes
+        ],
+    }
+
+
+def _moving(n: int, mode: NodeMode, found: Results) -> MovingShape:
+    rest = np.zeros(3, np.complex128)
+    return MovingShape(
+        f"Mode {n}", mode.frequency_hz, np.array([mode.at.get(node, rest) for node in found.geometry.points])
+    )

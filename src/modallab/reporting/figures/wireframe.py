@@ -1,0 +1,130 @@
+"""Shapes of any structure that move: its lines in parallel projection, one small SVG a mode."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.reporting.digits import glued, plain
+from modallab.reporting.figures.shape_data import straighten
+from modallab.reporting.markup import Markup, tag, trusted
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_WIDTH, _HEIGHT, _EDGE = 300.0, 200.0, 34.0
+_PERIOD_S = 2.0
+_REACH = 0.12
+"""Share of the structure's size that the largest motion is drawn with."""
+_TURN, _TILT = np.radians(35.0), np.radians(25.0)
+MOST_LINES = 3000
+"""Of one picture: a mesh with more of them is thinned out."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MovingShape:
+    """One mode at the places of a structure.
+
+    Attributes:
+        name: caption.
+        frequency_hz: natural frequency.
+        motion: (places, 3) complex, along x, y, z.
+    """
+
+    name: str
+    frequency_hz: float
+    motion: Complex
+
+
+def is_spatial(rig: Rig) -> bool:
+    """Whether a rig says more of the places than a distance along a beam."""
+    return bool(rig.lines) or any(p.y_m or p.z_m for p in rig.points)
+
+
+def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
+    """A model's shapes, or operating shapes, at the points of its rig; [] if it has none.
+
+    What several sensors at a point say is put together; a point without one stays at rest.
+    """
+    phi = model.shapes if model.shapes is not None else model.operating_shapes
+    if phi is None or not rig.points:
+        return []
+    place = {p.id: n for n, p in enumerate(rig.points)}
+    channels = {c.name: c for c in rig.responses}
+    found: list[MovingShape] = []
+    for r in range(model.n_modes):
+        motion = np.zeros((len(rig.points), 3), np.complex128)
+        known = [(channels[name], value) for name, value in zip(model.outputs, phi[r], strict=True) if name in channels]
+        for channel, value in known:
+            if channel.point in place and np.isfinite(value):
+                axis = "xyz".index(channel.direction[1])
+                # Models are positive along the drive; across it a channel was left as it is.
+                along = channel.direction[1] == rig.drive_direction[1]
+                sign = rig.drive_direction[0] if along else channel.direction[0]
+                motion[place[channel.point], axis] = value if sign == "+" else -value
+        found.append(MovingShape(f"Mode {r + 1}", float(model.frequency_hz[r]), motion))
+    return found
+
+
+def wireframes(
+    points: Mapping[int, tuple[float, float, float]], lines: Sequence[tuple[int, int]], shapes: Sequence[MovingShape]
+) -> Markup | None:
+    """All shapes on one structure, moving, with a button to stop them; None if there is nothing to draw.
+
+    Args:
+        points: id -> x, y, z in m.
+        lines: pairs of ids.
+        shapes: with motions in the order of `points`.
+    """
+    if len(points) < 2 or not shapes:
+        return None
+    xyz = np.array(list(points.values()), np.float64)
+    order = {n: i for i, n in enumerate(points)}
+    step = max(1, len(lines) // MOST_LINES)
+    pairs = [(order[a], order[b]) for a, b in lines[::step] if a in order and b in order]
+    pictures = [_picture(xyz, pairs, shape) for shape in shapes]
+    button = tag("button", "Hold still", type="button", hidden=True)
+    script = files("modallab.reporting").joinpath("wireframe.js").read_text(encoding="utf-8")
+    box = tag("div", button, tag("div", *pictures, class_="beams"), class_="wireframes")
+    return trusted(box + tag("script", trusted(script)))
+
+
+def _projection() -> Real:
+    """(3, 2): x to the right and back, y back, z up."""
+    c, s = np.cos(_TURN), np.sin(_TURN)
+    return np.array([[c, s * np.sin(_TILT)], [-s, c * np.sin(_TILT)], [0.0, -np.cos(_TILT)]])
+
+
+def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], shape: MovingShape) -> Markup:
+    flat = (xyz - xyz.mean(axis=0)) @ _projection()
+    size = float(np.ptp(xyz, axis=0).max()) or 1.0
+    span = np.maximum(np.ptp(flat, axis=0), 1e-9)
+    scale = min((_WIDTH - 2 * _EDGE) / span[0], (_HEIGHT - 2 * _EDGE) / span[1])
+    middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
+    rest = (flat - middle) * scale + np.array([_WIDTH, _HEIGHT]) / 2
+    turned = straighten(shape.motion.ravel()).reshape(shape.motion.shape)
+    reach = float(np.abs(turned).max()) or 1.0
+    most = min(_REACH * size * scale, _EDGE - 6)
+    moved = turned @ _projection() * (most / reach)
+    data = np.column_stack([rest, moved.real, moved.imag]).round(1)
+    at = data[:, :2] + data[:, 2:4]
+    joined = "".join(f"M{at[a, 0]:.1f} {at[a, 1]:.1f}L{at[b, 0]:.1f} {at[b, 1]:.1f}" for a, b in pairs)
+    still = "".join(f"M{rest[a, 0]:.1f} {rest[a, 1]:.1f}L{rest[b, 0]:.1f} {rest[b, 1]:.1f}" for a, b in pairs)
+    dots = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at)
+    name = f"{shape.name}, {plain(shape.frequency_hz)} Hz"
+    drawing = trusted(
+        f'<svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" role="img" data-period="{_PERIOD_S:g}" '
+        f'data-points="{_json(data.tolist())}" data-lines="{_json([list(p) for p in pairs])}">'
+        f"{tag('title', f'{name}: the structure swings to and fro')}"
+        f'<path class="rest" d="{still}"/><path class="beam" d="{joined}"/><path class="dots" d="{dots}"/></svg>'
+    )
+    return tag("figure", drawing, tag("figcaption", tag("b", glued(name))))
+
+
+def _json(values: object) -> str:
+    return json.dumps(values, separators=(",", ":"))

@@ -1,0 +1,36 @@
+"""A page of moving shapes alone: what a file of results holds, without a test behind it."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from modallab.formats.atomic import replacing
+from modallab.reporting.figures.wireframe import MovingShape, wireframes
+from modallab.reporting.markup import tag
+from modallab.reporting.report import page_head
+
+
+def write_shapes_page(
+    path: Path,
+    title: str,
+    points: Mapping[int, tuple[float, float, float]],
+    lines: Sequence[tuple[int, int]],
+    shapes: Sequence[MovingShape],
+) -> None:
+    """Write one HTML file that holds everything it shows.
+
+    Args:
+        path: of the file.
+        title: heading.
+        points: id -> x, y, z in m.
+        lines: pairs of ids.
+        shapes: with motions in the order of `points`.
+
+    Raises:
+        StorageError: the file cannot be written.
+    """
+    drawn = wireframes(points, lines, shapes)
+    said = tag("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
+    body = tag("body", tag("header", tag("h1", title), said), tag("main", drawn or tag("p", "There is no shape.")))
+    with replacing(path) as draft:
+        text = f'<!DOCTYPE html>\n<html lang="en">{page_head(title)}{body}</html>\n'
+        draft.write_text(text, encoding="utf-8", newline="\n")

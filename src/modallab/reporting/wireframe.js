@@ -1,0 +1,42 @@
+// Moves structures of lines: r(t) = rest + Re((p + j q) exp(j 2 pi t / T)), p and q being each point's parts in the plane.
+for (const box of document.querySelectorAll(".wireframes")) {
+  const button = box.querySelector("button");
+  const drawings = [...box.querySelectorAll("svg")].map((svg) => ({
+    period: Number(svg.dataset.period),
+    points: JSON.parse(svg.dataset.points),
+    lines: JSON.parse(svg.dataset.lines),
+    beam: svg.querySelector(".beam"),
+    dots: svg.querySelector(".dots"),
+  }));
+  const draw = (seconds) => {
+    for (const { period, points, lines, beam, dots } of drawings) {
+      const c = Math.cos((2 * Math.PI * seconds) / period);
+      const s = Math.sin((2 * Math.PI * seconds) / period);
+      const at = points.map(
+        ([x, y, px, py, qx, qy]) => `${(x + px * c - qx * s).toFixed(1)} ${(y + py * c - qy * s).toFixed(1)}`,
+      );
+      beam.setAttribute("d", lines.map(([a, b]) => `M${at[a]}L${at[b]}`).join(""));
+      dots.setAttribute("d", at.map((a) => `M${a}h0`).join(""));
+    }
+  };
+  let moving = false;
+  let gone = 0;
+  let last = 0;
+  const frame = (now) => {
+    if (!moving) return;
+    gone += Math.min(now - last, 100);
+    last = now;
+    draw(gone / 1000);
+    requestAnimationFrame(frame);
+  };
+  const set = (on) => {
+    moving = on;
+    last = performance.now();
+    button.textContent = on ? "Hold still" : "Let them move";
+    if (on) requestAnimationFrame(frame);
+  };
+  button.hidden = false;
+  button.addEventListener("click", () => set(!moving));
+  addEventListener("beforeprint", () => draw((gone = 0)));
+  set(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+}
