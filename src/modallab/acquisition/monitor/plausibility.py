@@ -37,7 +37,7 @@ KEPT_UP = 0.5
 
 NODE = 0.02
 """Part of the largest response below which a channel stands near a node. While the drive rises or falls in a second, a
-mode some ten Hz away lags its envelope by a few percent, each by another one: what little is left at a node may vanish."""
+mode some ten Hz away lags its envelope by a few percent, each by another: what little is left at a node may vanish."""
 
 MISSED = 25 * SEEN
 """A response that must be seen so clearly is not there."""
