@@ -6,10 +6,12 @@ from scripted_bench import ScriptedBench, scripted_rig
 
 from modallab.acquisition.monitor.changed_places import ChangedPlaces
 from modallab.acquisition.monitor.known_shapes import KnownShapes
+from modallab.acquisition.monitor.plausibility import Plausibility
 from modallab.acquisition.monitor.rest_noise import Repetition, RestNoise, cut_off
 from modallab.acquisition.monitor.tone_prediction import dead, faults, foresee, tone_basis
 from modallab.acquisition.process.run import record, run_plan
 from modallab.bench.loader import open_bench
+from modallab.bench.protocol import Burst, Chunk
 from modallab.core.errors import SafetyError
 from modallab.core.plan import ForceControl, SinePlan
 from modallab.core.rig import Limits, Rig
@@ -224,3 +226,29 @@ def test_a_response_in_a_node_is_not_missed_and_one_that_the_others_ask_for_is()
     assert 0.8 * full < known.must_read(4, tone) < full
     in_a_node = 1000 * modes[:, 2] + rng.standard_normal(10)
     assert known.must_read(4, in_a_node) == 0.0
+
+
+def weak_tone_lost(at_s: float, largest: float) -> None:
+    """Plays a burst in which one response is weak, and vanishes after `at_s`; others reach `largest`."""
+    rng = np.random.default_rng(8)
+    rate_hz, noise = 2000.0, 10.0
+    burst = Burst(70.0, 0.5, 1.0, 4.0)
+    times = np.arange(round(burst.duration_s * rate_hz)) / rate_hz
+    tone = burst.envelope(times) * np.sin(2 * np.pi * burst.frequency_hz * times)
+    sizes = np.array([500.0, largest, 0.7 * largest, 27.0])
+    samples = sizes[:, None] * tone
+    samples[3, times > at_s] = 0.0
+    counts = np.round(samples + rng.normal(0, noise, samples.shape)).astype(np.int16)
+    rest = np.round(rng.normal(0, noise, (4, 2000))).astype(np.int16)
+    watch = Plausibility(("force", "a", "b", "c"), np.ones(4), np.ones(4), 0, (0, 1, 2, 3), rate_hz)
+    watch.begin(burst, 0, rest, RestNoise.of(rest, counts=True), 0)
+    for first in range(0, len(times), 40):
+        watch(Chunk(first, counts[:, first : first + 40], np.zeros(4, dtype=np.bool_)))
+
+
+def test_what_is_weak_beside_the_others_may_vanish_in_the_fall_and_nowhere_else() -> None:
+    # While the drive falls, each mode lags it by a little of its own: at a node that little is all there is.
+    weak_tone_lost(5.05, largest=9000.0)
+    for at_s, largest in ((3.0, 9000.0), (5.05, 900.0)):
+        with pytest.raises(SafetyError, match="c no longer follows the drive"):
+            weak_tone_lost(at_s, largest)
