@@ -13,7 +13,6 @@ LONG = 120
 """Of patience, on however busy a machine; none of the commands would have ended by itself so soon after its sign."""
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="who is left is read off /proc")
 @pytest.mark.parametrize(
     ("nth", "command", "left"),
     [
@@ -40,7 +39,10 @@ def test_ctrl_c_ends_a_command_in_good_order(nth: int, command: str, left: str, 
 
 
 def _living(group: int) -> list[str]:
-    """Names of the processes of a group, without those that have ended and wait to be taken note of."""
+    """Names of the processes of a group where the system shows them as files.
+
+    Without those that have ended and wait to be taken note of.
+    """
     found: list[str] = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):
