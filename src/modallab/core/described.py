@@ -12,7 +12,7 @@ class Learned(Frozen):
     """A learned element of the twin: what the gap behaves like, and no cause.
 
     Attributes:
-        element: its name: point_law, beam_law, side_mode, row_filter, row_curve or row_hold.
+        element: its name: point_law, beam_law, row_filter, row_curve or row_hold.
         parameters: SI; a number that is not given is none.
         interval: parameter -> (low, high) of 95 %.
         place: channel, or x as a share of the length with x_m in metres.

@@ -1,7 +1,5 @@
 // Moves the mode shapes: y(t) = Re((p + j q) exp(j 2 pi t / T)), p and q being each point's parts in and out of step.
 for (const box of document.querySelectorAll(".motion")) {
-  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  const button = box.querySelector("button");
   const beams = [...box.querySelectorAll("svg")].map((svg) => ({
     period: Number(svg.dataset.period),
     paths: [...svg.querySelectorAll("[data-p]")].map((path) => ({
@@ -20,24 +18,5 @@ for (const box of document.querySelectorAll(".motion")) {
       }
     }
   };
-  let moving = false;
-  let gone = 0;
-  let last = 0;
-  const frame = (now) => {
-    if (!moving) return;
-    gone += Math.min(now - last, 100);
-    last = now;
-    draw(gone / 1000);
-    requestAnimationFrame(frame);
-  };
-  const set = (on) => {
-    moving = on;
-    last = performance.now();
-    button.textContent = on ? "Hold still" : "Let them move";
-    if (on) requestAnimationFrame(frame);
-  };
-  button.hidden = false;
-  button.addEventListener("click", () => set(!moving));
-  addEventListener("beforeprint", () => draw((gone = 0)));
-  set(!still);
+  swing(box, draw);
 }

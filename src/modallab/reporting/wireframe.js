@@ -1,6 +1,5 @@
 // Moves structures of lines: r(t) = rest + Re((p + j q) exp(j 2 pi t / T)), p and q being each point's parts in the plane.
 for (const box of document.querySelectorAll(".wireframes")) {
-  const button = box.querySelector("button");
   const drawings = [...box.querySelectorAll("svg")].map((svg) => ({
     period: Number(svg.dataset.period),
     points: JSON.parse(svg.dataset.points),
@@ -19,24 +18,5 @@ for (const box of document.querySelectorAll(".wireframes")) {
       dots.setAttribute("d", at.map((a) => `M${a}h0`).join(""));
     }
   };
-  let moving = false;
-  let gone = 0;
-  let last = 0;
-  const frame = (now) => {
-    if (!moving) return;
-    gone += Math.min(now - last, 100);
-    last = now;
-    draw(gone / 1000);
-    requestAnimationFrame(frame);
-  };
-  const set = (on) => {
-    moving = on;
-    last = performance.now();
-    button.textContent = on ? "Hold still" : "Let them move";
-    if (on) requestAnimationFrame(frame);
-  };
-  button.hidden = false;
-  button.addEventListener("click", () => set(!moving));
-  addEventListener("beforeprint", () => draw((gone = 0)));
-  set(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+  swing(box, draw);
 }

@@ -4,6 +4,8 @@ Effects that depend on the size of the motion first; then a linear one beside th
 and one that is stepped beside those.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from modallab.core.progress import part
@@ -73,7 +75,7 @@ def search_stepped(
             last = judged([rounds[0], nonlinear_level(bench, best, overtones)])
         if _named(last) and stepped(last.fit):
             return last
-    return Choice(linear.base, linear.fit, (*linear.rivals, *first.rivals), False, linear.flat, linear.dismissed)
+    return replace(linear, rivals=(*linear.rivals, *first.rivals))
 
 
 def _named(choice: Choice) -> bool:
@@ -85,7 +87,7 @@ def _by_overtones(choice: Choice, prepared: Prepared, unseen: Reduced) -> Choice
     """The same, explained only if the law makes the overtones that were measured."""
     if not choice.explained or not stepped(choice.fit) or overtones_closed(choice.fit, prepared, unseen) > MADE:
         return choice
-    return Choice(choice.base, choice.fit, choice.rivals, False, choice.flat, choice.dismissed)
+    return replace(choice, explained=False)
 
 
 def _left(fit: Fit, unseen: Reduced) -> float:

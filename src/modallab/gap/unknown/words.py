@@ -46,10 +46,6 @@ def _beam(law: Numbers) -> str:
     return " and ".join(parts)
 
 
-def _side(law: Numbers) -> str:
-    return f"a mode beside those of bending, at {law['hz']:.4g} Hz with a damping ratio of {law['zeta']:.2%}"
-
-
 def _filter(law: Numbers) -> str:
     parts: list[str] = []
     if "gain" in law:
@@ -85,7 +81,6 @@ def _hold(law: Numbers) -> str:
 _SAID: dict[str, Callable[[Numbers], str]] = {
     "point_law": _point,
     "beam_law": _beam,
-    "side_mode": _side,
     "row_filter": _filter,
     "row_curve": _curve,
     "row_hold": _hold,

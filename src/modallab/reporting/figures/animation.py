@@ -1,7 +1,6 @@
 """Mode shapes that move: one small SVG a mode, still for those who want it still."""
 
 import json
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.reporting.digits import glued, plain
+from modallab.reporting.figures.moving import moving
 from modallab.reporting.figures.shape_data import Shape, line, shape
 from modallab.reporting.markup import Markup, tag, trusted
 
@@ -28,10 +28,7 @@ def animated_shapes(model: ModalModel, rig: Rig) -> Markup | None:
     pictures = [_picture(i, float(model.frequency_hz[i]), s, clamped) for i, s in enumerate(found) if s is not None]
     if not pictures:
         return None
-    button = tag("button", "Hold still", type="button", hidden=True)
-    script = files("modallab.reporting").joinpath("motion.js").read_text(encoding="utf-8")
-    moving = tag("div", button, tag("div", *pictures, class_="beams"), class_="motion")
-    return trusted(moving + tag("script", trusted(script)))
+    return moving(pictures, "motion", "motion.js")
 
 
 def _picture(mode: int, frequency_hz: float, found: Shape, clamped: bool) -> Markup:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.reporting.digits import glued, plain
+from modallab.reporting.figures.moving import moving
 from modallab.reporting.figures.shape_data import straighten
 from modallab.reporting.markup import Markup, tag, trusted
 
@@ -88,10 +88,7 @@ def wireframes(
     step = max(1, len(lines) // MOST_LINES)
     pairs = [(order[a], order[b]) for a, b in lines[::step] if a in order and b in order]
     pictures = [_picture(xyz, pairs, shape) for shape in shapes]
-    button = tag("button", "Hold still", type="button", hidden=True)
-    script = files("modallab.reporting").joinpath("wireframe.js").read_text(encoding="utf-8")
-    box = tag("div", button, tag("div", *pictures, class_="beams"), class_="wireframes")
-    return trusted(box + tag("script", trusted(script)))
+    return moving(pictures, "wireframes", "wireframe.js")
 
 
 def _projection() -> Real:
