@@ -1,6 +1,6 @@
 """Blind trials on the simulated bench one after another, as many as there is time for: each sealed, answered, opened.
 
-    python benchmarks/gap/in_turn.py TRIALS --trials 200 --none 200 --seed 90117 --minutes 60
+    python benchmarks/gap/in_turn.py TRIALS --trials 200 --none 200 --seed 90117 --minutes 60 --processes 2
     python benchmarks/gap/in_turn.py TRIALS --trials 200 --none 200 --seed 90117 --minutes 0
 
 `modallab gap blind` seals all trials before it answers the first. Here a run may end after any trial: they come in the
@@ -12,10 +12,14 @@ and parameters that hold the truth are counted as well.
 import argparse
 import json
 import time
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from modallab.blind.answer import ANSWERS, answer_all, read_answers
+from modallab.blind.answer import ANSWERS, read_answers
+from modallab.blind.answer import answered as diagnosed
 from modallab.blind.draw import Draw, drawn, make
 from modallab.blind.outcome import outcome, said_name, true_name
 from modallab.blind.request import BlindRequest
@@ -28,15 +32,33 @@ WHOLE = {"swap", "polarity"}
 """Effects without a number, and those of which a number is none to be found."""
 
 
-def answer(folder: Path, draw: Draw) -> None:
-    """Make, seal and answer one trial, as far as that has not been done."""
+def answer(folder: Path, draw: Draw) -> dict[str, Any]:
+    """Make, seal and answer one trial, as far as that has not been done; gives the answer."""
     campaign = folder / "campaigns" / f"{draw.name}.h5"
     if sealed_hash(folder, draw.name) is None:
         made = make(draw, later=False)
         campaign.parent.mkdir(parents=True, exist_ok=True)
         write_campaign(made.campaign, campaign)
         seal(folder, draw.name, made.truth)
-    answer_all({draw.name: campaign}, folder / ANSWERS, None)
+    return {"name": draw.name} | diagnosed(campaign)
+
+
+def answer_in_turn(folder: Path, draws: list[Draw], end: float, processes: int) -> None:
+    """Answer those that are not answered, in their order, and begin none after `end`."""
+    there = {a.name for a in read_answers(folder / ANSWERS)}
+    left = iter([draw for draw in draws if draw.name not in there])
+    with (
+        ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool,
+        (folder / ANSWERS).open("a", encoding="utf-8", newline="\n") as target,
+    ):
+        running = {pool.submit(answer, folder, draw) for draw in islice(left, processes) if time.monotonic() < end}
+        while running:
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                target.write(json.dumps(future.result()) + "\n")
+                target.flush()
+                following = next(left, None) if time.monotonic() < end else None
+                running |= set() if following is None else {pool.submit(answer, folder, following)}
 
 
 def answered(folder: Path, draws: list[Draw]) -> list[Trial]:
@@ -83,16 +105,14 @@ def main() -> None:
     parser.add_argument("--none", type=int, default=200, help="without effect")
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--minutes", type=float, default=60.0, help="no trial is begun after these")
+    parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--tolerances", choices=("none", "usual"), default="usual", help="how well benches are built")
     arguments = parser.parse_args()
     sizes = {"trials": arguments.trials, "none": arguments.none, "seed": arguments.seed}
     draws = drawn(BlindRequest(**sizes, tolerances=arguments.tolerances, later=False))
     arguments.folder.mkdir(parents=True, exist_ok=True)
     end = time.monotonic() + 60 * arguments.minutes
-    for draw in draws:
-        if time.monotonic() >= end:
-            break
-        answer(arguments.folder, draw)
+    answer_in_turn(arguments.folder, draws, end, arguments.processes)
     trials = answered(arguments.folder, draws)
     print("\n".join(row(t) for t in trials))
     found = outcome(trials, None, hash_of((arguments.folder / ANSWERS).read_text(encoding="utf-8")))
