@@ -1,5 +1,7 @@
 """A cut channel beside sines that only stay long at their top."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,3 +38,16 @@ def test_a_channel_cut_a_little_below_its_peak_is_found_at_every_frequency(line:
 @pytest.mark.parametrize("seed", range(3))
 def test_no_whole_sine_is_called_cut(line: float, volts: float, seed: int) -> None:
     assert find_clipped([record(line, volts, np.inf, seed)], np.full(ROWS, NOISE), np.full(ROWS, FULL_SCALE), 0) == []
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_channel_full_of_noise_is_not_called_cut(share: float, seed: int) -> None:
+    """Its noise reaches from nought to its peaks, so that every sample is as near them as noise may take it."""
+    whole = record(32, 0.3, np.inf, seed)
+    rng = np.random.default_rng(seed)
+    noise = 0.3 * share
+    counts = whole.samples.copy()
+    counts[-1] += np.round(noise / STEP * rng.standard_normal(N)).astype(np.int16)
+    noises = np.array([NOISE, NOISE, noise])
+    assert find_clipped([replace(whole, samples=counts)], noises, np.full(ROWS, FULL_SCALE), 0) == []

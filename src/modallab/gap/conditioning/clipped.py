@@ -67,7 +67,8 @@ def _is_flat(block: Block, row: int, peak: float, near: float) -> bool:
     volts = np.abs(block.samples[row] * block.scale[row])
     top = volts > peak - near
     share = float(np.mean(top))
-    if block.test == "impact" or not block.frequency_hz or share < SHARE:
+    # What noise fills to half the peak and beyond has no top of its own.
+    if block.test == "impact" or not block.frequency_hz or share < SHARE or near > peak / 2:
         return False
     own = 2 / np.pi * np.arccos(1 - min(near / peak, 1.0))
     if share > MORE * own + FEW / _phases(block.frequency_hz / block.rate_hz, block.n_samples):
