@@ -4,7 +4,9 @@ The slopes serve several steps, while these help (the chord method: Kelley, Iter
 Equations, SIAM 1995, ch. 5).
 
 Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963), 431; the damping scaled by the
-curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105.
+curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105. Where tolerances are free, a step bends along
+the valley (geodesic acceleration: Transtrum and Sethna, arXiv:1201.5885, 2012): frequencies known to a millionth leave a
+valley between numbers known to a percent that is a hundred times narrower than it is curved.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -36,6 +38,10 @@ STIFFEST = 1e7
 """Damping at which no step helps."""
 FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
+ALONG = 0.3
+"""Share of a step at which its curvature is looked at, to either side."""
+BENT = 1.5
+"""A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
 
 def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, alike: bool = False) -> Fit:
@@ -84,7 +90,7 @@ def _descended(problem: Problem, begin: _Here, alike: bool) -> tuple[_Here, Arra
     for again in range(SAME_SLOPES):
         gradient = J.T @ here.r
         gradient[:n] += problem.priors(here.u)[1]
-        there = _step(problem, here, (normal, scale), gradient, once=again > 0)
+        there = _step(problem, here, (J, normal, scale), gradient, once=again > 0)
         if there is None:
             break
         fall, here = here.cost - there.cost, there
@@ -143,11 +149,16 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
     return rows
 
 
-def _step(problem: Problem, here: _Here, curved: tuple[Array, Array], gradient: Array, once: bool) -> _Here | None:
+def _step(
+    problem: Problem, here: _Here, slopes: tuple[Array, Array, Array], gradient: Array, once: bool
+) -> _Here | None:
     """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
-    (normal, scale), damping = curved, here.damping
+    (J, normal, scale), damping = slopes, here.damping
     while damping < STIFFEST:
-        step = -np.linalg.solve(normal + damping * scale, gradient)
+        held_back = normal + damping * scale
+        step = np.clip(-np.linalg.solve(held_back, gradient), -4, 4)
+        if problem.free.deviations:
+            step = _bent(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
         if there.cost < here.cost:
             return there
@@ -155,6 +166,15 @@ def _step(problem: Problem, here: _Here, curved: tuple[Array, Array], gradient: 
             break
         damping *= 10
     return None
+
+
+def _bent(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:
+    """A step that follows the curvature of the residual along it, if that is small enough to be believed."""
+    sides = problem.residual(here.u + ALONG * step) + problem.residual(here.u - ALONG * step)
+    bend = -np.linalg.solve(held_back, J.T @ ((sides - 2 * here.r) / ALONG**2))
+    length = np.sqrt(np.maximum(np.diag(held_back), 1e-12))
+    small = np.linalg.norm(length * bend) < BENT * np.linalg.norm(length * step)
+    return step + bend / 2 if small else step
 
 
 def _scale(problem: Problem, normal: Array) -> Array:

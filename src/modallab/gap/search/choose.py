@@ -167,7 +167,9 @@ def _that_matters(choice: Choice, held: Reduced) -> Choice:
         return choice
     fit, dismissed = worthwhile(choice.fit, held)
     if not fit.problem.candidates:
-        return Choice(choice.base, choice.base, choice.rivals, True, True, tuple(dismissed))
+        # An effect of next to nothing may have shown the way to a twin without effects that fits better.
+        base = min(choice.base, fit, key=lambda f: f.cost)
+        return Choice(base, base, choice.rivals, True, True, tuple(dismissed))
     return replace(choice, fit=fit, dismissed=tuple(dismissed))
 
 

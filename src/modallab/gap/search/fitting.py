@@ -106,7 +106,7 @@ def completed(bench: Bench, fit: Fit) -> Fit:
     """A fit to thinned data brought to its end on all data."""
     problem = Problem(bench.data, bench.free, fit.problem.candidates)
     fit = minimise(problem, fit.u, 8, 2e-4)
-    if bench.free.deviations and (fit.gap > bench.flat or not ordinary(fit)):
+    if bench.free.deviations and (fit.gap > bench.watched or not ordinary(fit)):
         # Where two numbers do nearly the same, a fit that is held back along what the data determine may creep.
         fit = minimise(problem, fit.u, 8, 1e-3, alike=True)
     if bench.free.deviations and fit.gap < NEAR * bench.flat:
