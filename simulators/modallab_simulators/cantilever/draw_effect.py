@@ -16,6 +16,8 @@ from modallab_simulators.cantilever.trial import LEVELS_N
 __all__ = ["DrawnEffect", "draw_effect", "draw_gap", "gap_of"]
 
 GAP_RANGE = (1.5, 300.0)
+WHOLE = 0.8
+"""Share of a factor that an effect may take away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +28,13 @@ class DrawnEffect:
         effect: with its numbers.
         requested: the gap that was aimed at, in noise units.
         gap: the gap it has; another one where the effect has no size, or none that is large or small enough.
+        moves: share of the response that it moves, on the channel and in the test where it is most.
     """
 
     effect: Effect
     requested: float
     gap: float
+    moves: float
 
 
 def draw_gap(seed: int) -> float:
@@ -56,13 +60,17 @@ def draw_effect(rig: Rig, seed: int, name: str, requested: float | None = None) 
     shape = _Shape(rig, seed, part)
     ruler = Ruler(rig, seed)
     if shape.main is None:
-        return DrawnEffect(shape.at(0.0), target, ruler.gap((shape.at(0.0),)))
+        return _read(ruler, shape.at(0.0), target)
     if part.seen_by_force:
         # What the force channel sees opens no gap: a diagnosis had better not be misled.
         effect = shape.at(generator(seed, Stream.GAP, 1).uniform(*shape.span))
-        return DrawnEffect(effect, target, ruler.gap((effect,)))
+        return _read(ruler, effect, target)
     size, gap = solve(lambda s: ruler.gap((shape.at(s),)), shape.span, part.drawn.slope, target)
-    return DrawnEffect(shape.at(size), target, gap)
+    return DrawnEffect(shape.at(size), target, gap, ruler.moves((shape.at(size),)))
+
+
+def _read(ruler: Ruler, effect: Effect, requested: float) -> DrawnEffect:
+    return DrawnEffect(effect, requested, ruler.gap((effect,)), ruler.moves((effect,)))
 
 
 class _Shape:
@@ -80,7 +88,7 @@ class _Shape:
         if self.main:
             low, high = self.main.bounds(rig.beam)
             top = allowed(part, self.main.name)[1]
-            self.span = (log(low), log(min(high, top, self._room(rig))))
+            self.span = (log(low), log(min(high, top, self._room(rig), self._whole())))
 
     def at(self, size: float) -> Effect:
         """The effect of a size."""
@@ -104,6 +112,11 @@ class _Shape:
     def _drawn_ties(self, rig: Rig) -> Ties:
         assert rig.beam is not None
         return self._part.drawn.ties(self._rng, rig.beam, LEVELS_N["high"] * 0.4 * rig.beam.length_m)
+
+    def _whole(self) -> float:
+        """How far a factor may fall: what is turned over goes by another name."""
+        turned = self.main is not None and self.main.none > 0 and self._sign < 0
+        return WHOLE * self.main.none if turned and self.main else float("inf")
 
     def _room(self, rig: Rig) -> float:
         """How far a sensor or a hit can move without leaving the beam."""

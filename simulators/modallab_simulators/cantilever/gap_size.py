@@ -8,13 +8,19 @@ from collections.abc import Callable, Sequence
 from math import exp, hypot, log, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
-from modallab.core.block import Campaign
+from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Converter, Rig
 from modallab_simulators.cantilever.effects import part_of
 from modallab_simulators.cantilever.injected import inject
 from modallab_simulators.cantilever.trial import make_trial, sound_trial
+
+Array = NDArray[np.float64]
+
+NODE = 0.03
+"""Share of a record's mean squares below which a channel counts as at a node: its own response is no measure there."""
 
 _CLOSE = 0.05
 _TRIES = 10
@@ -48,6 +54,20 @@ class Ruler:
             squares += (factor**2 - 1) * share
         return sqrt(squares)
 
+    def moves(self, effects: Sequence[Effect]) -> float:
+        """Share of the response that they move, on the channel and in the test where it is most.
+
+        Rms over the records of a test; a channel at a node is measured by what the others of its record answer.
+        """
+        recorded, _ = make_trial(self._rig, self._seed, effects)
+        chain = inject(effects, self._rig).altered.chain
+        rows = [c.index for c in recorded.rig.responses]
+        noise = {row: (factor**2 - 1) * self._noise_v**2 for row, factor in chain.noise.items()}
+        shares: dict[str, list[Array]] = {}
+        for one, other in zip(recorded.blocks, self._sound_for(effects).blocks, strict=True):
+            shares.setdefault(one.test, []).append(_shares(one, other, rows, chain.force_gain, noise))
+        return sqrt(max(float(np.max(np.mean(listed, axis=0))) for listed in shares.values()))
+
     def _sound_for(self, effects: Sequence[Effect]) -> Campaign:
         clock = inject(effects, self._rig).altered.chain.clock
         if clock or any(part_of(e.effect).seen_by_force for e in effects):
@@ -55,6 +75,14 @@ class Ruler:
         if self._sound is None:
             self._sound = sound_trial(self._rig, self._seed, ())
         return self._sound
+
+
+def _shares(one: Block, other: Block, rows: list[int], gain: float, noise: dict[int, float]) -> Array:
+    """Squares of each channel's difference in one record over those of its response."""
+    difference = (one.samples[rows] - gain * other.samples[rows]) * one.scale[rows, None]
+    own = np.mean((other.samples[rows] * other.scale[rows, None]) ** 2, axis=1)
+    off = np.mean(difference**2, axis=1) + np.array([noise.get(row, 0.0) for row in rows])
+    return off / np.maximum(own, NODE * np.mean(own))
 
 
 def _mean_square(recorded: Campaign, sound: Campaign, gain: float) -> float:

@@ -28,6 +28,10 @@ ROUGH_GAP = (30.0, 3000.0)
 TRIES = 3
 EXCEEDING = 6.0
 """Deviations of its own tolerance from which an effect on a bench as built is drawn."""
+MATTERS = 1.5
+"""Times `tolerance.response` that an effect there moves the response at least: what moves less is rightly no gap."""
+ROUGH_TRIES = 8
+"""Sizes that are tried for it."""
 CLOSE = 0.2
 """Logarithm of the factor by which the gap of a trial may differ from the one that was drawn."""
 FURTHER = 2.5
@@ -103,16 +107,16 @@ def _ideal(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
 
 
 def _rough(bench: TrialBench, rig: Rig, draw: Draw) -> tuple[Effect, Truth]:
-    """An effect far beyond its own tolerance, drawn by the gap it would open on an ideal bench."""
+    """An effect far beyond its own tolerance that matters, drawn by the gap it would open on an ideal bench."""
     low, high = np.log(ROUGH_GAP)
     gap = float(np.exp(np.random.default_rng([draw.seed, 79]).uniform(low, high)))
     drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
-    for _ in range(TRIES):
-        if _exceeds(drawn.effect, rig):
+    for _ in range(ROUGH_TRIES):
+        if _exceeds(drawn.effect, rig) and drawn.moves > MATTERS * rig.tolerance.response:
             break
         gap *= FURTHER
         drawn = bench.draw_effect(rig, draw.seed, draw.effect, gap)
-    return drawn.effect, {"gap": drawn.gap}
+    return drawn.effect, {"gap": drawn.gap, "moves": drawn.moves}
 
 
 def _exceeds(effect: Effect, rig: Rig) -> bool:

@@ -26,6 +26,11 @@ class DrawnEffect(Protocol):
         """In noise units."""
         ...
 
+    @property
+    def moves(self) -> float:
+        """Share of the response that it moves, on the channel and in the test where it is most."""
+        ...
+
 
 class TrialBench(Protocol):
     """What makes trials: a simulated bench that draws effects and measures whole campaigns."""

@@ -4,9 +4,9 @@ The slopes serve several steps, while these help (the chord method: Kelley, Iter
 Equations, SIAM 1995, ch. 5).
 
 Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963), 431; the damping scaled by the
-curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105. Where tolerances are free, a step bends along
-the valley (geodesic acceleration: Transtrum and Sethna, arXiv:1201.5885, 2012): frequencies known to a millionth leave a
-valley between numbers known to a percent that is a hundred times narrower than it is curved.
+curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105. Where tolerances are free, a step bends
+along the valley (geodesic acceleration: Transtrum and Sethna, arXiv:1201.5885, 2012): frequencies known to a millionth
+leave a valley between numbers known to a percent whose curvature ends straight steps after a hundredth of its length.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -156,7 +156,7 @@ def _step(
     (J, normal, scale), damping = slopes, here.damping
     while damping < STIFFEST:
         held_back = normal + damping * scale
-        step = np.clip(-np.linalg.solve(held_back, gradient), -4, 4)
+        step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
         if problem.free.deviations:
             step = _bent(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))

@@ -145,8 +145,8 @@ def _from_dampers(bench: Bench, fit: Fit) -> list[Fit]:
 
     Many small dampers do the work of one, and so little is left to see that its size and place would not move.
     """
-    free, (size, place) = bench.free, (fit.problem.candidates[-1].slots + (None, None))[:2]
-    if search_of(fit.problem.candidates[-1].effect).absorbed_by != "damping ratios" or size is None or place is None:
+    free, slots = bench.free, fit.problem.candidates[-1].slots
+    if search_of(fit.problem.candidates[-1].effect).absorbed_by != "damping ratios" or len(slots) != 2:
         return []
     listed = [(free.first_deviation + i, d) for i, d in enumerate(free.deviations) if d.tolerance == DAMPER]
     held = np.array([max(d.value(float(fit.u[k])), 0.0) for k, d in listed])
@@ -155,7 +155,7 @@ def _from_dampers(bench: Bench, fit: Fit) -> list[Fit]:
     u = fit.u.copy()
     u[[k for k, _ in listed]] = 0.0
     centre = float(held @ [d.at for _, d in listed]) / float(np.sum(held)) / bench.data.rig.beam.length_m
-    u[-2:] = size.coordinate(float(np.sum(held))), place.coordinate(centre)
+    u[-2:] = slots[0].coordinate(float(np.sum(held))), slots[1].coordinate(centre)
     return [annealed(bench, short(bench, fit.problem.candidates, u, COARSE), COARSE / 6)]
 
 
