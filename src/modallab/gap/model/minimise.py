@@ -40,6 +40,8 @@ FIRST = 1.0
 """First damping where tolerances are free, in squares of the priors' deviations."""
 ALONG = 0.3
 """Share of a step at which its curvature is looked at, to either side."""
+NARROW = 10.0
+"""Mean square, in noise units, from which a step has further to go than the valley is wide."""
 BENT = 1.5
 """A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
@@ -157,7 +159,7 @@ def _step(
     while damping < STIFFEST:
         held_back = normal + damping * scale
         step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
-        if problem.free.deviations:
+        if not once and _narrow(problem, here):
             step = _bent(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
         if there.cost < here.cost:
@@ -166,6 +168,13 @@ def _step(
             break
         damping *= 10
     return None
+
+
+def _narrow(problem: Problem, here: _Here) -> bool:
+    """Whether tolerances are free and the fit is where their valley is narrower than it is curved."""
+    if problem.floor or not problem.free.deviations:
+        return False
+    return here.cost < NARROW * np.count_nonzero(here.r)
 
 
 def _bent(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:

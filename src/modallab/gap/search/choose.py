@@ -113,9 +113,16 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
 
 def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
     """Whether without the last effect of a fit more of the gap would come back than may."""
-    if excess(fit) <= HOLDS * excess(before):
+    if excess(fit) <= HOLDS * excess(before) or _straightens(before, fit):
         return True
     return unseen is not None and stepped(fit) and _closes_unseen(before, fit, unseen)
+
+
+def _straightens(before: Fit, fit: Fit) -> bool:
+    """Whether a small gap goes, and with it an assembly that no bench has: it had taken the effect's work over."""
+    if not fit.problem.free.deviations or ordinary(before) or not ordinary(fit):
+        return False
+    return fit.gap <= AT_FLOOR and before.cost - fit.cost > PLAIN
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:

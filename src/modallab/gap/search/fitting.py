@@ -36,6 +36,8 @@ UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
+LONG = 30
+"""Slopes that are evaluated at most along a narrow valley near the floor."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -108,7 +110,8 @@ def completed(bench: Bench, fit: Fit) -> Fit:
     fit = minimise(problem, fit.u, 8, 2e-4)
     if bench.free.deviations and (fit.gap > bench.watched or not ordinary(fit)):
         # Where two numbers do nearly the same, a fit that is held back along what the data determine may creep.
-        fit = minimise(problem, fit.u, 8, 1e-3, alike=True)
+        near = fit.gap < NEAR * bench.flat
+        fit = minimise(problem, fit.u, LONG if near else 8, 1e-4 if near else 1e-3, alike=True)
     if bench.free.deviations and fit.gap < NEAR * bench.flat:
         # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but
         # not nothing to their priors.
