@@ -1,5 +1,6 @@
 """A rig in its own process: both tests end to end, orders, errors, and a death."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,13 @@ def run_of(events: list[Event]) -> str:
     return run
 
 
+@pytest.fixture(scope="module")
+def shared(link_rig: Rig, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RigProcess]:
+    """One process for those who look at no more than their own runs."""
+    with RigProcess(URL, link_rig, tmp_path_factory.mktemp("shared")) as process:
+        yield process
+
+
 def test_both_tests_end_to_end_and_the_campaign_they_make(link_rig: Rig, tmp_path: Path) -> None:
     with RigProcess(URL, link_rig, tmp_path) as process:
         assert process.info.can_drive
@@ -35,19 +43,16 @@ def test_both_tests_end_to_end_and_the_campaign_they_make(link_rig: Rig, tmp_pat
 
 
 @pytest.mark.parametrize(("order", "state"), [("stop", "done"), ("abort", "aborted")])
-def test_orders_reach_a_run_and_the_process_is_ready_for_the_next(
-    link_rig: Rig, tmp_path: Path, order: str, state: str
-) -> None:
-    with RigProcess(URL, link_rig, tmp_path) as process:
-        events: list[Event] = []
-        for event in process.run(ImpactPlan(points=(10,), hits=500)):
-            events.append(event)
-            if event.kind == "block" and event.n == 0:
-                getattr(process, order)()
-        ended = events[-1]
-        assert ended.kind == "state"
-        assert ended.state == state
-        assert run_of(list(process.run(SINE))) != run_of(events)
+def test_orders_reach_a_run_and_the_process_is_ready_for_the_next(shared: RigProcess, order: str, state: str) -> None:
+    events: list[Event] = []
+    for event in shared.run(ImpactPlan(points=(10,), hits=500)):
+        events.append(event)
+        if event.kind == "block" and event.n == 0:
+            getattr(shared, order)()
+    ended = events[-1]
+    assert ended.kind == "state"
+    assert ended.state == state
+    assert run_of(list(shared.run(SINE))) != run_of(events)
 
 
 def test_leaving_the_events_early_stops_the_run(link_rig: Rig, tmp_path: Path) -> None:
@@ -70,14 +75,13 @@ def test_closing_in_a_run_ends_it_as_interrupted_in_good_order(link_rig: Rig, tm
         assert (run.state, run.reason) == ("failed", "interrupted: the service was ended")
 
 
-def test_an_error_arrives_as_itself_after_its_events_and_the_process_goes_on(link_rig: Rig, tmp_path: Path) -> None:
+def test_an_error_arrives_as_itself_after_its_events_and_the_process_goes_on(shared: RigProcess) -> None:
     impossible: Plan = SinePlan(levels_v={"low": 50.0})
-    with RigProcess(URL, link_rig, tmp_path) as process:
-        events: list[Event] = []
-        with pytest.raises(PlanError, match="low is 50 V; allowed by the rig"):
-            events.extend(process.run(impossible))
-        assert events[-1].kind == "failed"
-        list(process.run(SINE))
+    events: list[Event] = []
+    with pytest.raises(PlanError, match="low is 50 V; allowed by the rig"):
+        events.extend(shared.run(impossible))
+    assert events[-1].kind == "failed"
+    list(shared.run(SINE))
 
 
 def test_a_bench_that_cannot_be_opened_says_why(link_rig: Rig, tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
+from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]

@@ -13,9 +13,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
+from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.eigenmodes import eigh
 
 Floats = NDArray[np.float64]
 
@@ -122,7 +123,7 @@ def _everywhere(length_m: float, losses: Sequence[Loss]) -> tuple[Floats, Floats
 
 def _gauss(edges: Floats, inside: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     mid = (edges[1:] + edges[:-1]) / 2
-    at, weights = np.polynomial.legendre.leggauss(4)
+    at, weights = gauss_legendre(4)
     width = np.diff(edges)[inside] / 2
     nodes = mid[inside, None] + width[:, None] * at
     return nodes.ravel(), np.multiply.outer(width, weights).ravel()

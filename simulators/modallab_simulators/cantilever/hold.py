@@ -5,6 +5,8 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.quadrature import gauss_legendre
+
 REACH = 4
 """Internal samples the interpolation reaches back from a step's beginning; forward it is one more."""
 
@@ -23,7 +25,7 @@ def step_taps(
     band-limited signal to 3e-6. A first-order hold would err by 3 % there, and let images of the force through.
     The integral is exact to rounding (Gauss-Legendre).
     """
-    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = gauss_legendre(24)
     at = first + (last - first) * (nodes + 1) / 2
     basis = np.stack([_lagrange(at, k, _OFFSETS) for k in _OFFSETS])
     kernel: NDArray[np.complex128] = np.exp(np.multiply.outer(poles, (last - at) * step_s))

@@ -4,9 +4,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
+from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import SUMMED
+from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
@@ -63,7 +64,7 @@ class PreloadedModes:
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats]:
-        at, weights = np.polynomial.legendre.leggauss(_NODES)
+        at, weights = gauss_legendre(_NODES)
         half = self.length_m / 2
         slopes = self._bare.shapes(half * (at + 1), SUMMED, 1)
         stiffness = np.diag(self._bare.omega(SUMMED) ** 2) + self._force * slopes.T @ (

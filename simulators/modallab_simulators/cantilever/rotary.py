@@ -5,9 +5,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
+from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import SUMMED
+from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 
 Floats = NDArray[np.float64]
@@ -64,7 +65,7 @@ class RotaryModes:
 
     @cached_property
     def _nodes(self) -> tuple[Floats, Floats]:
-        at, weights = np.polynomial.legendre.leggauss(_NODES)
+        at, weights = gauss_legendre(_NODES)
         half = self.length_m / 2
         return half * (at + 1), weights * half
 

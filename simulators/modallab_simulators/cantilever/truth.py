@@ -99,9 +99,8 @@ class Truth:
         # The root's spring stays what it is in N m/rad.
         return replace(beam, bending_stiffness_n_m2=beam.bending_stiffness_n_m2 * change, kappa=beam.kappa / change)
 
-    def _modal(self, test: Test) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _modal(self, modes: Modes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Natural frequencies in rad/s and damping ratios of the modes to 1 kHz, local dampers included."""
-        modes = self.modes(test)
         count = modes.count_below(2 * pi * BAND_HZ)
         dampers = self.effects.altered.structure.dampers
         if not dampers:
@@ -117,8 +116,8 @@ class Truth:
         """
         modes, beam = self.modes("impact"), self.true.beam
         count = modes.count_below(2 * pi * BAND_HZ)
-        omega, zeta = self._modal("impact")
-        hung_omega, hung_zeta = self._modal("sine")
+        omega, zeta = self._modal(modes)
+        hung_omega, hung_zeta = self._modal(self.modes("sine"))
         shapes = modes.shapes(np.array([p.x_m for p in self.rig.points]), count).T
         return {
             "seed": str(self.seed),

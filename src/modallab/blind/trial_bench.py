@@ -1,12 +1,12 @@
 """The bench that blind trials are made on, found by entry point: modallab names no simulator."""
 
 from collections.abc import Mapping, Sequence
-from importlib.metadata import entry_points
 from typing import Protocol, cast
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect, EffectKind
 from modallab.core.errors import ConfigurationError
+from modallab.core.installed import installed
 from modallab.core.rig import Rig
 
 GROUP = "modallab.trials"
@@ -60,7 +60,7 @@ def trial_bench() -> TrialBench:
     Raises:
         ConfigurationError: there is none.
     """
-    found = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
+    found = sorted(installed(GROUP), key=lambda entry: entry.name)
     if not found:
         raise ConfigurationError("no simulated bench for blind trials is installed", remedy="install modallab anew")
     return cast("TrialBench", found[0].load())

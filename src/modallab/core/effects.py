@@ -7,12 +7,12 @@ twin's models, one file an effect, and found by entry point.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
 from types import MappingProxyType
 from typing import Literal, cast, get_args
 
 from modallab.core.effect import Effect, Place
 from modallab.core.errors import FormatError
+from modallab.core.installed import installed
 from modallab.core.rig import Beam
 from modallab.core.units import Test
 
@@ -136,7 +136,7 @@ def kind_of(name: str) -> EffectKind:
 @cache
 def catalogue() -> Mapping[str, EffectKind]:
     """Every effect with a name, in the order of the stages."""
-    loaded = (cast("Callable[[], Iterable[EffectKind]]", entry.load())() for entry in entry_points(group=GROUP))
+    loaded = (cast("Callable[[], Iterable[EffectKind]]", entry.load())() for entry in installed(GROUP))
     kinds = sorted((kind for some in loaded for kind in some), key=lambda kind: STAGES.index(kind.stage))
     return MappingProxyType({kind.name: kind for kind in kinds})
 

@@ -5,7 +5,7 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, signal
+from scipy import ndimage
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -113,7 +113,7 @@ def of_one_level(signals: Sequence[Signals]) -> list[Signals]:
 
 
 def _window(n: int, *, hann: bool) -> NDArray[np.float64]:
-    return np.asarray(signal.windows.hann(n, sym=False)) if hann else np.ones(n)
+    return np.hanning(n + 1)[:-1] if hann else np.ones(n)
 
 
 def _spectrum(values: NDArray[np.float64], window: NDArray[np.float64]) -> NDArray[np.complex128]:

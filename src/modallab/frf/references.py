@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import fdtri
 
 from modallab.core.errors import DataError
 from modallab.frf.sums import Estimator
@@ -48,7 +48,7 @@ class Estimate:
         """
         if not 0 < level < 1:
             raise DataError(f"{level} is no probability", remedy="give one between 0 and 1, such as 0.95")
-        return np.sqrt(self.variance * float(stats.f.ppf(level, 2, self.freedom)))
+        return np.sqrt(self.variance * float(fdtri(2, self.freedom, level)))
 
 
 def estimate_frf(

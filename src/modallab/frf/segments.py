@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from modallab.core.axis_checks import check_rate
 from modallab.core.errors import DataError
@@ -60,7 +59,7 @@ def stretches(values: Real, rate_hz: float, length: int, overlap: float = 0.5, w
     if not 0 <= overlap < 1:
         raise DataError(f"an overlap of {overlap} is none", remedy="give a share from 0 to below 1")
     step = max(1, round(length * (1 - overlap)))
-    shape = np.ones(length) if window == "none" else np.asarray(signal.windows.hann(length, sym=False), np.float64)
+    shape = np.ones(length) if window == "none" else np.hanning(length + 1)[:-1]
     starts = np.arange(0, values.shape[1] - length + 1, step)
     cut = np.stack([values[:, s : s + length] for s in starts])
     cut = (cut - cut.mean(axis=-1, keepdims=True)) * shape

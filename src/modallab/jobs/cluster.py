@@ -68,6 +68,10 @@ _CONFIG = {
     "distributed.comm.retry.count": 1,
     # A task whose worker died goes to another one, once; a second death is reported to the table, which counts.
     "distributed.scheduler.allowed-failures": 1,
+    # What nobody looks at: a profile of 100 samples a second, and 50 looks a second whether an event loop is late.
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
 }
 
 

@@ -73,6 +73,11 @@ class Leases:
         self.lease_s = lease_s
         self._watch = Watch(lease_s)
 
+    def any_free(self) -> bool:
+        """Whether a job waits or its owner is gone; takes no lock, and counts time without a sign as `take` does."""
+        waiting, timed_out = self._look()
+        return waiting or bool(timed_out)
+
     def take(self, kinds: Collection[str], limit: int) -> list[Taken]:
         """Lease up to `limit` jobs that wait or whose owner is gone: what somebody waits for first, then the oldest.
 

@@ -5,6 +5,7 @@ import os
 import secrets
 import socket
 import threading
+import time
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, Self
@@ -21,6 +22,8 @@ from modallab.jobs.task import TOPIC
 Status = Literal["stopped", "connecting", "running"]
 
 POLL_S = 0.2
+CLUSTER_S = 1.0
+"""Between two looks whether the workers are all there, while no job waits: each is a question to the scheduler."""
 _LOG = logging.getLogger(__name__)
 
 
@@ -63,6 +66,7 @@ class Runner:
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
         self._cluster: Cluster | None = None
+        self._ask_next_s = 0.0
         self.status: Status = "stopped"
         self.trouble = ""
 
@@ -115,17 +119,25 @@ class Runner:
         cluster.client.subscribe_topic(TOPIC, self._note)
         with ThreadPoolExecutor(thread_name_prefix="job") as pool:
             try:
-                while cluster.alive and not self._stop.wait(POLL_S) and not cluster.worn(not self._attempts):
+                while cluster.alive and not self._stop.wait(POLL_S) and not self._is_worn(cluster):
                     for taken in self._take(cluster):
                         pool.submit(self._run, taken, cluster)
             finally:
                 for attempt in self._going_on():
                     attempt.abandon()
 
+    def _is_worn(self, cluster: Cluster) -> bool:
+        if time.monotonic() < self._ask_next_s:
+            return False
+        self._ask_next_s = time.monotonic() + CLUSTER_S
+        return cluster.worn(not self._attempts)
+
     def _take(self, cluster: Cluster) -> list[Taken]:
-        # Never more than can go on at once: a task that waits at a worker shares the blame when it dies.
-        room = cluster.threads - len(cluster.busy | self._attempts.keys())
         try:
+            if not self._leases.any_free():
+                return []
+            # Never more than can go on at once: a task that waits at a worker shares the blame when it dies.
+            room = cluster.threads - len(cluster.busy | self._attempts.keys())
             return self._leases.take(self._kinds, room)
         except StorageError as error:
             self.trouble = str(error)

@@ -1,4 +1,7 @@
-"""The kinds of job: identify, report, diagnose, estimate, blind. Each is a few lines over the task itself."""
+"""The kinds of job: identify, report, diagnose, estimate, blind. Each is a few lines over the task itself.
+
+A task is imported where it is computed: whoever hands the jobs out needs none, and a worker only that of its job.
+"""
 
 import json
 from collections.abc import Callable, Mapping
@@ -8,20 +11,13 @@ from typing import Any
 
 from pydantic import JsonValue
 
-from modallab.blind.page import render as render_blind
-from modallab.blind.run import blind
 from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
 from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
-from modallab.gap.diagnosis import diagnose
-from modallab.identification.options import Options
 from modallab.jobs import Computed, Kind, Notify
-from modallab.pipelines.curves import curves_of
-from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.model_file import model_document
 from modallab.pipelines.parameters import (
     BlindParameters,
     DiagnoseParameters,
@@ -30,9 +26,6 @@ from modallab.pipelines.parameters import (
     ReportParameters,
     parse_parameters,
 )
-from modallab.pipelines.report import report_content
-from modallab.reporting.gap_report import render as render_gap
-from modallab.reporting.report import render
 from modallab.storage import Store
 from modallab.storage.campaigns import campaign_of
 from modallab.storage.records import ENDED
@@ -101,6 +94,10 @@ def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
 
 
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
+    from modallab.pipelines.curves import curves_of
+    from modallab.pipelines.identify import identify_campaign
+    from modallab.pipelines.model_file import model_document
+
     campaign, parameters = payload
     with heard_by(notify):
         found = identify_campaign(campaign, parameters.options(), parameters.test)
@@ -109,6 +106,9 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
 
 
 def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> Computed:
+    from modallab.identification.options import Options
+    from modallab.pipelines.identify import identify_campaign
+
     campaign, _ = payload
     with heard_by(notify):
         model = identify_campaign(campaign, Options(), None).identified[-1].model
@@ -118,6 +118,11 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
+    from modallab.pipelines.identify import identify_campaign
+    from modallab.pipelines.model_file import model_document
+    from modallab.pipelines.report import report_content
+    from modallab.reporting.report import render
+
     campaign, parameters = payload
     with heard_by(notify), part(0.0, 0.7):
         result = identify_campaign(campaign, parameters.options(), parameters.test)
@@ -127,18 +132,24 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
 
 
 def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
+    from modallab.gap.diagnosis import diagnose
+    from modallab.reporting.gap_report import render
+
     campaign, parameters = payload
     with heard_by(notify), part(0.0, 0.95):
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
-    return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render_gap(diagnosis, campaign).encode()})
+    return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
 
 
 def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:
+    from modallab.blind.page import render
+    from modallab.blind.run import blind
+
     _, parameters = payload
     with heard_by(notify), TemporaryDirectory() as folder:
         found = blind(Path(folder), parameters)
-    return Computed(json.loads(found.model_dump_json()), {"blind.html": render_blind(found).encode()})
+    return Computed(json.loads(found.model_dump_json()), {"blind.html": render(found).encode()})
 
 
 def _plain(document: Mapping[str, object]) -> JsonValue:

@@ -11,7 +11,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from modallab.core.errors import DataError
 from modallab.core.units import Test
@@ -193,12 +192,22 @@ def _is_its_sine(signals: Signals) -> bool:
 
 def _moves_one_way(force: Real) -> bool:
     """Whether the force's own frequency, averaged over parts of the block, keeps rising or keeps falling."""
-    analytic = np.asarray(signal.hilbert(force - force.mean()), np.complex128)
+    analytic = _analytic(force - force.mean())
     turned = analytic[1:] * analytic[:-1].conj()
     parts = np.array([np.angle(part.sum()) for part in np.array_split(turned, STEPS)])
     power = np.array([np.abs(part).mean() for part in np.array_split(turned, STEPS)])
     steps = np.diff(parts[power > 0.05 * power.max(initial=0.0)])
     return steps.size >= STEPS // 4 and max(float(np.mean(steps > 0)), float(np.mean(steps < 0))) >= ONE_WAY
+
+
+def _analytic(values: Real) -> NDArray[np.complex128]:
+    """(n,) signal without negative frequencies, of which (n,) values are the real part."""
+    lines = np.fft.fft(values)
+    half = values.size // 2
+    # The mean, and of an even number of samples the line at half the rate, stand for themselves.
+    lines[1 : (values.size + 1) // 2] *= 2
+    lines[half + 1 :] = 0
+    return np.fft.ifft(lines)
 
 
 def _active_share(force: Real) -> float:

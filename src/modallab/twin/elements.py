@@ -6,6 +6,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.quadrature import gauss_legendre
+
 ELEMENTS = 40
 """Hermite elements; points at tenths of the length are nodes."""
 FIELD_TERMS = 3
@@ -61,7 +63,7 @@ def weakened(x_m: float, width_m: float, length_m: float, share: float) -> Array
     size = length_m / ELEMENTS
     first = max(0, int((x_m - 4 * width_m) / size))
     last = min(ELEMENTS, int((x_m + 4 * width_m) / size) + 1)
-    nodes, weights = np.polynomial.legendre.leggauss(12)
+    nodes, weights = gauss_legendre(12)
     xi = (nodes + 1) / 2
     moment = np.stack([xi - 1, xi])
     chord = np.array([[1 / size, 1, -1 / size, 0], [1 / size, 0, -1 / size, 1]])
@@ -82,7 +84,7 @@ def patterns(length_m: float) -> Patterns:
     terms = range(FIELD_TERMS + 1)
     n = 2 * ELEMENTS + 2
     stiffness, mass, rotary = np.zeros((len(terms), n, n)), np.zeros((len(terms), n, n)), np.zeros((n, n))
-    nodes, weights = np.polynomial.legendre.leggauss(6)
+    nodes, weights = gauss_legendre(6)
     xi, weights = (nodes + 1) / 2, weights / 2
     deflection, slope, curvature = (_hermite(xi, size, d) for d in (0, 1, 2))
     for e in range(ELEMENTS):

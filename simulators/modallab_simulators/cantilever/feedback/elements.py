@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.quadrature import gauss_legendre
 from modallab_simulators.cantilever.attached import KEPT
 from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.cracked import HALF_WIDTH
@@ -97,7 +98,7 @@ class CrackElement:
     def _along(self, length_m: float) -> tuple[Floats, Floats, Floats, Floats]:
         half = _SPAN * HALF_WIDTH * length_m
         low, high = max(self.x_m - half, 0.0), min(self.x_m + half, length_m)
-        at, weights = np.polynomial.legendre.leggauss(_NODES)
+        at, weights = gauss_legendre(_NODES)
         s = low + (high - low) * (at + 1) / 2
         orders = np.arange(FITTED)[:, None]
         powers = (s - self.x_m) ** orders
@@ -129,7 +130,7 @@ class Drag:
         return self.c2_per_m * weights * modes.shapes(x, self.MODES).T
 
     def _points(self, modes: Modes) -> tuple[Floats, Floats]:
-        at, weights = np.polynomial.legendre.leggauss(self.POINTS)
+        at, weights = gauss_legendre(self.POINTS)
         return modes.length_m * (at + 1) / 2, weights * modes.length_m / 2
 
 

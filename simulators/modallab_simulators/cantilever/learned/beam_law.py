@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from modallab.core.effects import Effect, EffectKind, Parameter
+from modallab.core.quadrature import gauss_legendre
 from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.attached import Attachment
@@ -19,7 +18,7 @@ def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
     s, law, length = altered.structure, effect.parameters, rig.beam.length_m
     s = replace(s, preload_n=s.preload_n + law.get("tension", 0.0))
     if "bedding" in law:
-        at, weights = np.polynomial.legendre.leggauss(PLACES)
+        at, weights = gauss_legendre(PLACES)
         places, shares = ((at + 1) / 2 * length).tolist(), (weights / 2 * length).tolist()
         springs = [Attachment(x, stiffness=law["bedding"] * w) for x, w in zip(places, shares, strict=True)]
         s = replace(s, attachments=(*s.attachments, *springs))

@@ -4,9 +4,6 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 
-# SciPy loads its transforms on first use: who only asks for a run does not pay for them.
-import scipy.fft
-
 from modallab.acquisition.monitor.requests import Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.settled import (
@@ -25,6 +22,7 @@ from modallab.core.errors import SamplesLostError
 from modallab.core.events import BlockAccepted, BlockAcknowledged, BlockDropped, Progress
 from modallab.core.rig import Rig
 from modallab.signals.conversion import Conversion
+from modallab.signals.transform import next_quick_length
 from modallab.storage import BlockNote, Recorder
 from modallab.storage.recorder import Placed
 from modallab.storage.samples import Samples
@@ -91,7 +89,7 @@ class Context:
     @property
     def window(self) -> int:
         """Samples of a window for the look at rest; a block's own number may take the transform three times as long."""
-        return int(scipy.fft.next_fast_len(WINDOW_BLOCKS * self.block, real=True))
+        return next_quick_length(WINDOW_BLOCKS * self.block)
 
     @property
     def driving_chunk(self) -> int:

@@ -11,8 +11,9 @@ from functools import lru_cache
 from typing import Any, Self
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
+
+from modallab.signals.transform import spectrum
 
 LEVEL_FACTOR = 1.5
 """A channel whose rms is above this many times its floor is not at rest."""
@@ -133,7 +134,7 @@ def line_power(window: Window, noise_rms: Real) -> Real:
     taper, energy = _taper(n)
     power = np.zeros(int(USED_BAND * n))
     for row, rms in zip(centred_rows(window), noise_rms, strict=True):
-        power += _squares(scipy.fft.rfft(row * taper)[: power.size]) / rms**2
+        power += _squares(spectrum(row * taper)[: power.size]) / rms**2
     power /= energy * len(window)
     power[0] = 0
     return power
@@ -205,7 +206,7 @@ def sensor_motion(block: Window, n: int, floor: Floor) -> Single:
     """
     found = np.empty((len(block), int(USED_BAND * n)), np.float32)
     for row, moves, rms in zip(found, centred_rows(block), floor.rms, strict=True):
-        row[:] = np.abs(scipy.fft.rfft(moves, n)[: row.size]) * (2 / (block.shape[1] * rms))
+        row[:] = np.abs(spectrum(moves, n)[: row.size]) * (2 / (block.shape[1] * rms))
     return found
 
 

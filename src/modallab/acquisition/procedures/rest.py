@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from math import log
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.acquisition.monitor.context import Context
@@ -25,6 +24,7 @@ from modallab.acquisition.procedures.trigger import Trigger
 from modallab.bench.protocol import Chunk
 from modallab.core.events import HitTooEarly
 from modallab.core.plan import ImpactPlan
+from modallab.signals.transform import spectrum
 
 LOOKS_A_BLOCK = 4
 """Looks at rest for every block that is waited."""
@@ -106,7 +106,7 @@ class HitMotion:
     def keep(self, name: str, point: int, force_n: Real, block: Window, n: int, floor: Floor) -> None:
         """A hit was good; its (m,) force and (channels, m) block in counts, `n` samples of a window."""
         sensors = sensor_motion(block, n, floor)
-        self.forces[name] = np.abs(scipy.fft.rfft(force_n - np.median(force_n), n))[: sensors.shape[1]]
+        self.forces[name] = np.abs(spectrum(force_n - np.median(force_n), n))[: sensors.shape[1]]
         self.per_newton[name] = own_motion(sensors) / np.maximum(self.forces[name], 1e-300)
         self.sensors[name] = sensors
         self.point_of[name] = point

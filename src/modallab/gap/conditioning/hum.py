@@ -6,7 +6,7 @@ drive stands beside it (Harris, Proc. IEEE 66, 1978, 51).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,12 +100,13 @@ def without_hum(block: Block, hum: Hum) -> Block:
 
 def _tuned(heard: Sequence[Block], hz: float, force: int) -> float:
     """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
-
-    def power(f: float) -> float:
-        return float(np.median([np.sum(np.abs(_amplitudes(b, f, force)) ** 2) for b in heard]))
-
     if heard[0].test != "sine":
         return hz
+    records = [_Record.of(b, hz, force) for b in heard]
+
+    def power(f: float) -> float:
+        return float(np.median([np.sum(np.abs(r.amplitudes(f)) ** 2) for r in records]))
+
     return _strongest(power, hz, 15)
 
 
@@ -122,20 +123,57 @@ def _clear(block: Block, hz: float) -> bool:
     return abs((block.frequency_hz or 0.0) - hz) > 3.0
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Record:
+    """A record made ready to be asked for the amplitudes of the mains at many frequencies.
+
+    Attributes:
+        t: (n,) s.
+        window: (n,).
+        volts: (rows, n) under the window.
+        beside: (fixed, n) what stands beside the mains, under the window: a mean, and the drive.
+        mixed: (fixed, fixed) products of these with each other.
+        held: (fixed, rows) products of these with the volts.
+    """
+
+    t: Array
+    window: Array
+    volts: Array
+    beside: Array
+    mixed: Array
+    held: Array
+
+    @classmethod
+    def of(cls, block: Block, near_hz: float, force: int) -> Self:
+        """Of a block, for frequencies near one."""
+        volts = block.samples[:, : _heard_samples(block, force)] * block.scale[:, None]
+        t = np.arange(volts.shape[1]) / block.rate_hz
+        window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
+        beside = [np.ones(len(t))]
+        if block.test == "sine" and block.frequency_hz:
+            near = abs(block.frequency_hz - near_hz) < BESIDE_HZ
+            drive = _drive_hz(block, t, force) if near else _line(block.frequency_hz, t, block.rate_hz)
+            beside += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
+        rows = np.array(beside) * window
+        weighed = volts * window
+        return cls(t, window, weighed, rows, rows @ rows.T, rows @ weighed.T)
+
+    def amplitudes(self, hz: float) -> Complex:
+        """(rows,) complex amplitude of a sine, by least squares with all that stands beside it."""
+        phase = 2 * np.pi * hz * self.t
+        mains = np.array([np.cos(phase), -np.sin(phase)]) * self.window
+        products = np.empty((2 + len(self.beside),) * 2)
+        products[:2, :2], products[2:, 2:] = mains @ mains.T, self.mixed
+        products[:2, 2:] = mains @ self.beside.T
+        products[2:, :2] = products[:2, 2:].T
+        # Least squares, not a plain solution: a drive on the mains itself leaves no unique one.
+        a = np.linalg.lstsq(products, np.concatenate([mains @ self.volts.T, self.held]), rcond=None)[0]
+        return a[0] + 1j * a[1]
+
+
 def _amplitudes(block: Block, hz: float, force: int) -> Complex:
     """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
-    volts = block.samples * block.scale[:, None]
-    volts = volts[:, : _heard_samples(block, force)]
-    t = np.arange(volts.shape[1]) / block.rate_hz
-    columns = [np.cos(2 * np.pi * hz * t), -np.sin(2 * np.pi * hz * t), np.ones(len(t))]
-    if block.test == "sine" and block.frequency_hz:
-        near = abs(block.frequency_hz - hz) < BESIDE_HZ
-        drive = _drive_hz(block, t, force) if near else _line(block.frequency_hz, t, block.rate_hz)
-        columns += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
-    window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
-    basis = np.column_stack(columns)
-    a = np.linalg.lstsq(basis * window[:, None], (volts * window).T, rcond=None)[0]
-    return a[0] + 1j * a[1]
+    return _Record.of(block, hz, force).amplitudes(hz)
 
 
 def _line(hz: float, t: Array, rate_hz: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Budget, BudgetRow, Division
+from modallab.core.quadrature import gauss_legendre
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import jacobian
@@ -120,7 +121,7 @@ def _slots_before(fit: Fit, count: int) -> int:
 
 def _numbers(fit: Fit, problem: Problem, u: Array, explained: Array, split: _Split) -> list[BudgetRow]:
     """A row for each free number; together they are what the beam and the chain explain without any effect."""
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    nodes, weights = gauss_legendre(NODES)
     shares = np.zeros((len(u), split.belongs.shape[1]))
     for node, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
         J = jacobian(problem, node * u, problem.residual(node * u))[: len(split.seen)]

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
@@ -65,6 +64,9 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
     speed = np.abs(np.diff(turn) / np.diff(omega))
     place = int(np.argmax(speed))
     zero = float(turn[place] + turn[place + 1]) / 2
+    # Imported here: other estimators need none of it.
+    from scipy import optimize
+
     best = optimize.minimize_scalar(
         lambda z: _line(omega, turn - z)[2], bounds=(zero - 1, zero + 1), method="bounded", options={"xatol": 1e-12}
     )

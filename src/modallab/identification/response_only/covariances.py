@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from modallab.core.errors import DataError
 
@@ -67,6 +66,9 @@ def bands(records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float])
 
 def _decimated(record: Real) -> Real:
     """By a filter without phase, flat up to 0.4 of the new rate and deaf from 0.6 on."""
+    # Imported here: who knows the forces needs none of it.
+    from scipy import signal
+
     taps, beta = signal.kaiserord(STOP_DB, 2 * (OWNED[1] / 2) / DECIMATION)
     # Coefficients are taken as well as a window's name, which the stubs do not know.
     window: Any = signal.firwin(int(taps) | 1, 1 / DECIMATION, window=("kaiser", beta))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.progress import report
@@ -192,7 +192,7 @@ def _wider(segments: int, decay: float, length_s: float) -> float:
     the scatter is known roughly, which Student's interval allows for.
     """
     alike = min(0.5, 1 / max(2 * decay * length_s, 1e-9))
-    student = stats.t.ppf(0.975, segments - 1) / stats.norm.ppf(0.975)
+    student = stdtrit(segments - 1, 0.975) / ndtri(0.975)
     return float(student / np.sqrt(1 - alike))
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 Real = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def random_effects(values: Real, variance: Real) -> tuple[float, float, float]:
     mean = float(np.sum(w * x) / np.sum(w))
     if x.size == 1:
         return mean, float(np.sqrt(1 / w.sum())), 0.0
-    wider = float(stats.t.ppf(0.975, x.size - 1) / stats.norm.ppf(0.975)) if between > 0 else 1.0
+    wider = float(stdtrit(x.size - 1, 0.975) / ndtri(0.975)) if between > 0 else 1.0
     return mean, wider * float(np.sqrt(1 / w.sum())), float(np.sqrt(between))
 
 

@@ -10,11 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
 from modallab.identification.start.mode_indicators import cmif
+from modallab.signals.peaks import prominent_peaks
 
 MOST_PEAKS = 15
 """Peaks of the CMIF in one band."""
@@ -57,7 +57,7 @@ def split_bands(frf: Frf, most: int = MOST_PEAKS) -> list[Band]:
         DataError: the FRF is not finite, or has no phase.
     """
     level = 10 * np.log10(np.maximum(cmif(convert(frf, "mobility"))[0], np.finfo(float).tiny))
-    peaks, _ = signal.find_peaks(level, prominence=PROMINENCE_DB)
+    peaks = prominent_peaks(level, PROMINENCE_DB)
     cuts = _cuts(level, peaks, most)
     edges = [0, *cuts, level.size]
     f = frf.frequency_hz

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from modallab.core.axis_checks import check_frequencies
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.frf.estimate import convert
+from modallab.signals.peaks import prominent_peaks
 
 Real = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def find_peaks(frequency_hz: Real, amplitude: Real, prominence_db: float = 6.0) 
     """
     _check_curve(frequency_hz, amplitude)
     level = 20 * np.log10(np.maximum(amplitude, 1e-300))
-    found, _ = signal.find_peaks(level, prominence=prominence_db)
+    found = prominent_peaks(level, prominence_db)
     return [Peak(int(i), float(frequency_hz[i]), half_power(frequency_hz, amplitude, int(i))) for i in found]
 
 

@@ -1,6 +1,7 @@
 """The repository of campaigns: which there are, which runs and jobs belong to each, how each run ended."""
 
 import secrets
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -11,7 +12,7 @@ from modallab.core.documents.campaigns import CampaignChange, CampaignNew, Campa
 from modallab.jobs import Job
 from modallab.service.errors import ChangedError, IdempotencyError, NotFoundError
 from modallab.service.records import audit
-from modallab.service.records.set_aside import aside_of, bring_back, left_out, shown
+from modallab.service.records.set_aside import asides_of, bring_back, left_out, shown
 from modallab.storage.engine import next_number, reading, writing
 from modallab.storage.recorder import utc_now
 from modallab.storage.service_tables import CAMPAIGN_JOBS, CAMPAIGN_RUNS, CAMPAIGNS, RUN_KEYS
@@ -110,7 +111,7 @@ class CampaignRepository:
             place = select(CAMPAIGNS.c.seq).where(CAMPAIGNS.c.id == before).scalar_subquery()
             query = query.where(CAMPAIGNS.c.seq < place)
         with reading(self._engine) as connection:
-            return [_campaign(connection, name) for name in connection.scalars(query).all()]
+            return _campaigns(connection, connection.scalars(query).all())
 
     def runs(self, campaign: str, *, archived: bool = False, deleted: bool = False) -> tuple[str, ...]:
         """The runs of a campaign, the oldest first; those that are archived or deleted only where they are asked for.
@@ -239,13 +240,35 @@ _ENTRY = ("run", "campaign", "rig", "operator", "continues", "code")
 
 
 def _campaign(connection: Connection, campaign: str) -> CampaignView:
-    row = connection.execute(select(CAMPAIGNS).where(CAMPAIGNS.c.id == campaign)).mappings().one_or_none()
-    if row is None:
+    found = _campaigns(connection, [campaign])
+    if not found:
         raise NotFoundError(f"there is no campaign {campaign!r}", remedy="look at the list of campaigns")
-    known = {name: value for name, value in row.items() if name != "seq"}
-    aside = aside_of(connection, "campaign", campaign)
-    runs = _runs(connection, campaign, archived=False, deleted=False)
-    return CampaignView(**known, runs=runs, **shown(aside))
+    return found[0]
+
+
+def _campaigns(connection: Connection, names: Sequence[str]) -> list[CampaignView]:
+    """Those of these names that there are, in this order; asked for all at once, since a list is long."""
+    query = select(CAMPAIGNS).where(CAMPAIGNS.c.id.in_(names))
+    rows = {row["id"]: row for row in connection.execute(query).mappings()}
+    asides = asides_of(connection, "campaign", names)
+    recorded = (
+        select(CAMPAIGN_RUNS.c.campaign, CAMPAIGN_RUNS.c.run)
+        .where(CAMPAIGN_RUNS.c.campaign.in_(names))
+        .where(CAMPAIGN_RUNS.c.run.not_in(left_out("run", archived=False, deleted=False)))
+        .order_by(CAMPAIGN_RUNS.c.seq)
+    )
+    runs: dict[str, list[str]] = {name: [] for name in names}
+    for campaign, run in connection.execute(recorded):
+        runs[campaign].append(run)
+    return [
+        CampaignView(
+            **{column: value for column, value in rows[name].items() if column != "seq"},
+            runs=tuple(runs[name]),
+            **shown(asides.get(name)),
+        )
+        for name in names
+        if name in rows
+    ]
 
 
 def _runs(connection: Connection, campaign: str, *, archived: bool, deleted: bool) -> tuple[str, ...]:

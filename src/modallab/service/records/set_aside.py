@@ -1,5 +1,6 @@
 """Campaigns and runs that are archived, or deleted with a grace time: until it ends nothing recorded is touched."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Literal, TypedDict
@@ -157,9 +158,14 @@ class SetAside:
 
 def aside_of(connection: Connection, kind: Kind, name: str) -> Aside | None:
     """How a campaign or a run was set aside by itself; None if it was not."""
-    query = select(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id == name)
-    row = connection.execute(query).mappings().one_or_none()
-    return None if row is None else Aside(row["state"], row["operator"], row["utc"], row["purge_utc"])
+    return asides_of(connection, kind, [name]).get(name)
+
+
+def asides_of(connection: Connection, kind: Kind, names: Sequence[str]) -> dict[str, Aside]:
+    """How those of these campaigns or runs were set aside that were, by name."""
+    query = select(SET_ASIDE).where(SET_ASIDE.c.kind == kind, SET_ASIDE.c.id.in_(names))
+    rows = connection.execute(query).mappings()
+    return {row["id"]: Aside(row["state"], row["operator"], row["utc"], row["purge_utc"]) for row in rows}
 
 
 def left_out(kind: Kind, *, archived: bool, deleted: bool) -> Select[tuple[str]]:

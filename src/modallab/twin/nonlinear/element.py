@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.quadrature import gauss_legendre
 from modallab.twin.elements import ELEMENTS, curvature_rows, shape_rows, slope_rows, weakened
 from modallab.twin.structure import Modes, Structure
 
@@ -94,7 +95,7 @@ def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
 def _dragged(stations: int) -> tuple[Array, Array]:
     """(m,) places over L of a drag, and (m,) the share of each; the last station stands for half a bay."""
     if not stations:
-        at, weights = np.polynomial.legendre.leggauss(PLACES)
+        at, weights = gauss_legendre(PLACES)
         return (at + 1) / 2, weights / 2
     share = np.full(stations, 2.0)
     share[-1] = 1.0

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
 from modallab.signals.conversion import Conversion
 from modallab.signals.hit import find_hit, windowed_force
+from modallab.signals.transform import previous_quick_length, spectrum
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -71,13 +71,13 @@ def answer_of(
         Lines up to that frequency or the hit's band, whichever is higher; None if no hit stands out of the noise.
     """
     # A block less its last per cent says as much; its own number of samples may take the transform four times as long.
-    samples = samples[:, : int(scipy.fft.prev_fast_len(samples.shape[1], real=True))]
+    samples = samples[:, : previous_quick_length(samples.shape[1])]
     force_n = conversion.force_n(samples)
     try:
         force_n = windowed_force(force_n, find_hit(force_n))
     except DataError:
         return None
-    force, line_hz = scipy.fft.rfft(force_n), rate_hz / force_n.size
+    force, line_hz = spectrum(force_n), rate_hz / force_n.size
     band_hz = _band_hz(np.abs(force), line_hz, rate_hz)
     count = min(force.size, int(1.1 * max(up_to_hz, band_hz) / line_hz) + 8)
     motion: dict[int, Complex] = {}
@@ -85,7 +85,7 @@ def answer_of(
         row = samples[channel]
         moves = (row - row[: max(1, before - 1)].mean(dtype=np.float64)).astype(np.float32)
         # Single precision is half the time, and right to a part in a million of the largest line.
-        motion[channel] = scipy.fft.rfft(moves)[:count].astype(np.complex128) * conversion.si_per_count[channel]
+        motion[channel] = spectrum(moves)[:count].astype(np.complex128) * conversion.si_per_count[channel]
     return Answer(force_n, force[:count], motion, rate_hz, band_hz)
 
 
