@@ -43,8 +43,8 @@ def row(name: str, truth: list[dict[str, Any]], diagnosis: Diagnosis, seconds: f
         if "x" in e["place"] and isinstance(e["place"]["x"], float) and "x" in f.place:
             parts.append(f"x {float(f.place['x']) - e['place']['x']:+.3f}")
         for key, value in e["parameters"].items():
-            low, high = f.interval.get(key, (value, value))
-            held = "in" if low <= value <= high else "OUT"
+            within = f.interval.get(key)
+            held = "open" if within is None else "in" if within[0] <= value <= within[1] else "OUT"
             parts.append(f"{key} {100 * (f.parameters[key] / value - 1):+.2f} % {held}")
     gap = diagnosis.gap
     mark = "right" if true == said else "WRONG"

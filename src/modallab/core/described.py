@@ -14,13 +14,15 @@ class Learned(Frozen):
     Attributes:
         element: its name: point_law, beam_law, row_filter, row_curve or row_hold.
         parameters: SI; a number that is not given is none.
-        interval: parameter -> (low, high) of 95 %.
+        interval: parameter -> (low, high) of 95 %; None where the records leave the number open.
+        not_known: parameter -> why it has no interval.
         place: channel, or x as a share of the length with x_m in metres.
     """
 
     element: str
     parameters: dict[str, float]
-    interval: dict[str, tuple[float, float]] = Field(default_factory=dict[str, tuple[float, float]])
+    interval: dict[str, tuple[float, float] | None] = Field(default_factory=dict[str, tuple[float, float] | None])
+    not_known: dict[str, str] = Field(default_factory=dict[str, str])
     place: dict[str, Any] = Field(default_factory=dict[str, Any])
 
     def as_effect(self) -> Effect:

@@ -153,7 +153,8 @@ class Found(Frozen):
         stage: its stage.
         probability: calibrated, that it is this one.
         parameters: SI.
-        interval: parameter -> (low, high) of 95 %.
+        interval: parameter -> (low, high) of 95 %; None where the records leave the number open.
+        not_known: parameter -> why it has no interval.
         place: as in the catalogue; x is a share of the length, x_m metres.
     """
 
@@ -161,7 +162,8 @@ class Found(Frozen):
     stage: Stage
     probability: float
     parameters: dict[str, float]
-    interval: dict[str, tuple[float, float]]
+    interval: dict[str, tuple[float, float] | None]
+    not_known: dict[str, str] = Field(default_factory=dict[str, str])
     place: dict[str, Any]
 
     def as_effect(self) -> Effect:

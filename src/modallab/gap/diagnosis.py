@@ -155,7 +155,7 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
         return []
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Found] = []
-    for effect, interval in zip(fit.effects, intervals(choice), strict=True):
+    for effect, believed in zip(fit.effects, intervals(choice), strict=True):
         share = sum(p for f, p in ranked if any(c.effect == effect.effect for c in f.problem.candidates))
         place: dict[str, Any] = {k: list(v) if isinstance(v, tuple) else v for k, v in effect.place.items()}
         if isinstance(place.get("x"), float):
@@ -166,7 +166,8 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
                 stage=kind_of(effect.effect).stage,
                 probability=float(min(share, 0.995)),
                 parameters=effect.parameters,
-                interval=interval,
+                interval=believed.within,
+                not_known=believed.not_known,
                 place=place,
             )
         )

@@ -1,7 +1,6 @@
 """Why simulation and bench differ."""
 
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 from modallab.cli.gap import read_diagnosis
@@ -51,9 +50,9 @@ class GapFound:
         rows: list[tuple[str, str, str, str, str]] = []
         for found in self.diagnosis.effects:
             for number in kind_of(found.effect).parameters:
-                low, high = found.interval.get(number.name, (float("nan"),) * 2)
+                within = found.interval.get(number.name)
                 value = f"{number.name} = {found.parameters[number.name]:.4g} {number.unit}"
-                between = f"{low:.4g} to {high:.4g}" if isfinite(low) else "unknown"
+                between = "{:.4g} to {:.4g}".format(*within) if within is not None else "not known"
                 rows.append((found.effect, place_in_words(found), value, between, f"{found.probability:.2f}"))
         return Shown(("effect", "place", "number", "95 %", "probability"), rows, self.sentence)
 

@@ -1,10 +1,19 @@
 """The part of a diagnosis's report that says what a gap without a name behaves like."""
 
+from modallab.core.described import Learned
 from modallab.core.diagnosis import Diagnosis
 from modallab.reporting.gap_candidates import closed_bar
 from modallab.reporting.gap_page import captioned, section
 from modallab.reporting.markup import Markup, table, tag
 from modallab.twin.effects import model_of
+
+
+def _between(element: Learned, name: str) -> str:
+    """The interval of a number; why there is none, where it is not known."""
+    within, why = element.interval.get(name), element.not_known.get(name)
+    if within is not None:
+        return f"{within[0]:.5g} to {within[1]:.5g}"
+    return f"not known: {why}" if why else ""
 
 
 def described_section(diagnosis: Diagnosis) -> Markup | None:
@@ -17,8 +26,7 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
         kind = model_of(element.element).kind
         for name, value in element.parameters.items():
             unit = kind.parameter(name).unit
-            interval = element.interval.get(name)
-            between = f"{interval[0]:.5g} to {interval[1]:.5g}" if interval is not None else ""
+            between = _between(element, name)
             rows.append([f"{name} {f'({unit})' if unit else ''}".strip(), f"{value:.5g}", between])
     if described.x_m is not None:
         between = "{:.4f} to {:.4f}".format(*described.x_m_interval) if described.x_m_interval is not None else ""

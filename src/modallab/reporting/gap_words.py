@@ -43,7 +43,10 @@ def in_between(value: float, interval: tuple[float, float] | None, unit: str = "
 
 
 def of_parameter(found: Found, parameter: Parameter) -> tuple[str, str]:
-    """A parameter's value and its interval, as text."""
+    """A parameter's value and its interval, as text; why it has none, where the records leave it open."""
+    why = found.not_known.get(parameter.name)
+    if why:
+        return f"about {found.parameters[parameter.name]:.1g} {parameter.unit}".rstrip(), f"not known: {why}"
     return in_between(found.parameters[parameter.name], found.interval.get(parameter.name), parameter.unit)
 
 
@@ -51,6 +54,8 @@ def place_of(found: Found, rig: Rig) -> tuple[str, str]:
     """Where an effect acts, and the 95 % interval: "0.622 m from the clamp", "0.621 to 0.623 m"; "" for all of it."""
     x_m, share, channel = found.place.get("x_m"), found.interval.get("x"), found.place.get("channel")
     if isinstance(x_m, float):
+        if "x" in found.not_known:
+            return "somewhere along the beam", f"not known: {found.not_known['x']}"
         x = found.place.get("x")
         length = x_m / x if isinstance(x, float) and x else 1.0
         within = None if share is None else (share[0] * length, share[1] * length)

@@ -90,7 +90,7 @@ def _found(
         stage=kind_of(effect).stage,
         probability=SURE,
         parameters=parameters,
-        interval=interval,
+        interval=dict(interval),
         place=place,
     )
 

@@ -87,7 +87,10 @@ def _share(value: float) -> str:
 def spoken(found: Found, channels: Sequence[str] = ()) -> str:
     """An effect with its numbers, its place and its probability; channels by number where their names are not given."""
     kind = kind_of(found.effect)
-    numbers = ", ".join(f"{p.name} = {_number(found, p.name)} {p.unit}".strip() for p in kind.parameters)
+    numbers = ", ".join(
+        f"{p.name} not known" if p.name in found.not_known else f"{p.name} = {_number(found, p.name)} {p.unit}".strip()
+        for p in kind.parameters
+    )
     place = place_in_words(found, channels)
     name = " ".join(filter(None, (model_of(found.effect).spoken, place)))
     return f"{name} ({numbers + '; ' if numbers else ''}probability {found.probability:.2f})"
@@ -108,6 +111,8 @@ def _number(found: Found, name: str) -> str:
 def place_in_words(found: Found, channels: Sequence[str] = ()) -> str:
     """Where an effect acts: "at 0.622 m", "on channel 3", "on channels 3 and 7"; "" where it has no place."""
     place, channel = found.place, found.place.get("channel")
+    if "x" in found.not_known:
+        return "somewhere along the beam"
     if isinstance(place.get("x_m"), float):
         return f"at {place['x_m']:.3f} m"
     if channel is None or channel == "all":

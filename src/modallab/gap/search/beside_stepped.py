@@ -34,7 +34,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without = _linear_part(bench, fit)
     with part(0.0, 0.6):
-        level = round_of(without, on_all(without, _bare(without, fit)), finished=1)
+        level = round_of(without, on_all(without, bare(without, fit)), finished=1)
     if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
         return None
     found = level.fits[0]
@@ -54,11 +54,12 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
 
 def _linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
-    data = _taken_off(bench.data, fit.problem.twin(fit.u))
+    data = taken_off(bench.data, fit.problem.twin(fit.u))
     return replace(bench, data=data, thin=thinned(data, bench.poles))
 
 
-def _taken_off(data: Reduced, twin: Twin) -> Reduced:
+def taken_off(data: Reduced, twin: Twin) -> Reduced:
+    """The data less what the element of a twin adds to them."""
     answers = [w - o for w, o in zip(forward(twin, data), forward(replace(twin, element=None), data), strict=True)]
     impacts = tuple(
         replace(d, rows=replace(d.rows, y=d.rows.y - a)) for d, a in zip(data.impacts, answers, strict=False)
@@ -69,7 +70,7 @@ def _taken_off(data: Reduced, twin: Twin) -> Reduced:
     return replace(data, impacts=impacts, sines=sines)
 
 
-def _bare(bench: Bench, fit: Fit) -> Fit:
+def bare(bench: Bench, fit: Fit) -> Fit:
     """The fit without the element; the root that it leaves soft becomes a soft root."""
     *before, stepped = fit.problem.candidates
     at = bench.free.size + sum(len(c.slots) for c in before)

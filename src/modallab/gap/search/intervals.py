@@ -5,6 +5,8 @@ covariance: Liang and Zeger, Biometrika 73, 1986, 13; White, Econometrica 48, 19
 A cluster is what one channel answers in one record near one mode: where a model is a little wrong, it is so smoothly.
 """
 
+from dataclasses import dataclass, field
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,7 @@ from modallab.gap.model.fit import Fit, all_hz, all_rows
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess
+from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
 from modallab.twin.structure import solve
 
@@ -25,9 +28,28 @@ UNFELT = 50.0
 """Deviation of a number that is not felt, in its own units: plain ones to their bounds, logarithms to e^50."""
 CURVED = 1e-14
 """Share of the largest curvature below which a number is not felt at all, as a place held at the tip."""
+OPEN = float(np.log(10.0))
+"""Half width of a logarithm's interval from which not even the order of magnitude is known; of a share's odds alike."""
+NOT_FELT = "the records do not move with it"
+NO_ORDER = "the records leave even its order of magnitude open"
+NO_SHARE = "the records leave nearly all shares from 0 to 1 open"
+NO_PLACE = "the records leave open where on the beam it is"
 
 
-def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
+@dataclass(frozen=True, slots=True)
+class Believed:
+    """How well the numbers of an effect are known.
+
+    Attributes:
+        within: parameter -> (low, high) of 95 % in SI units; None where the records leave it open.
+        not_known: parameter -> why it has no interval.
+    """
+
+    within: dict[str, tuple[float, float] | None] = field(default_factory=dict[str, tuple[float, float] | None])
+    not_known: dict[str, str] = field(default_factory=dict[str, str])
+
+
+def intervals(choice: Choice) -> list[Believed]:
     """95 % intervals (SI units) of the parameters of each effect: noise by the curvature, and the model's own error.
 
     The first part is the Gaussian approximation at the fit, 1.96 deviations in the searched coordinate, carried to the
@@ -37,30 +59,63 @@ def intervals(choice: Choice) -> list[dict[str, tuple[float, float]]]:
     What an effect leaves unexplained, as a share of what it explains, is the error its model may have: the parameters
     are believed no better. So is what an effect declares of its own model (`Search.inexact`), and what its own
     tolerance adds: of a gain only the total is seen, and how much of it is the sensor's own percent nobody can tell.
+
+    A number of which this leaves next to nothing said has no interval, but a reason.
     """
     fit = choice.fit
     deviation = deviations(fit)
     share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
-    found: list[dict[str, tuple[float, float]]] = []
+    found: list[Believed] = []
     at = fit.problem.free.size
     for candidate, effect in zip(fit.problem.candidates, fit.effects, strict=True):
-        own: dict[str, tuple[float, float]] = {}
+        own = Believed()
         shared = tolerated(effect, fit.problem.data.rig)
         off = float(np.hypot(share, search_of(candidate.effect).inexact))
         for slot in candidate.slots:
-            u = float(fit.u[at])
-            value = slot.value(u)
-            low, high = (slot.value(u + sign * 1.96 * float(deviation[at])) for sign in (-1, 1))
             # A gain of its own multiplies a wrong one.
-            sure = shared * (abs(value) if slot.none else 1.0)
-            model = 1.96 * float(np.hypot(off, sure)) * abs(value - slot.none) if slot.name != "x" else 0.0
-            own[slot.name] = (
-                max(value - float(np.hypot(value - min(low, high), model)), slot.low),
-                min(value + float(np.hypot(max(low, high) - value, model)), slot.high),
-            )
+            sure = shared * (abs(slot.value(float(fit.u[at]))) if slot.none else 1.0)
+            model = float(np.hypot(off, sure)) if slot.name != "x" else 0.0
+            why = not_known(slot, float(fit.u[at]), float(deviation[at]), model)
+            own.within[slot.name] = None if why else interval(slot, float(fit.u[at]), float(deviation[at]), model)
+            if why:
+                own.not_known[slot.name] = why
             at += 1
         found.append(own)
     return found
+
+
+def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[float, float]:
+    """(low, high) of 95 % in SI units: the noise's part and the model's, in quadrature.
+
+    Args:
+        slot: the number.
+        u: its coordinate at the fit.
+        deviation: of the coordinate, one.
+        model: deviation that the model adds, as a share of the effect.
+    """
+    value = slot.value(u)
+    if slot.transform == "log":
+        # A share of a positive number is a step of its logarithm: no such number lies below zero.
+        half = 1.96 * float(np.hypot(deviation, model))
+        return slot.value(u - half), slot.value(u + half)
+    low, high = (slot.value(u + sign * 1.96 * deviation) for sign in (-1, 1))
+    more = 1.96 * model * abs(value - slot.none)
+    least, most = (max(slot.low, 0.0), min(slot.high, 1.0)) if slot.transform == "share" else (slot.low, slot.high)
+    below, above = float(np.hypot(value - min(low, high), more)), float(np.hypot(max(low, high) - value, more))
+    return max(value - below, least), min(value + above, most)
+
+
+def not_known(slot: Slot, u: float, deviation: float, model: float) -> str:
+    """Why a number has no interval; "" where it has one. For the arguments see `interval`."""
+    half = 1.96 * deviation
+    if deviation >= UNFELT:
+        return NOT_FELT
+    if slot.transform == "log":
+        return NO_ORDER if float(np.hypot(half, 1.96 * model)) > OPEN else ""
+    if slot.transform == "share":
+        return NO_SHARE if half > OPEN else ""
+    low, high = interval(slot, u, deviation, model)
+    return NO_PLACE if slot.name == "x" and low <= slot.low and high >= slot.high else ""
 
 
 def tolerated(effect: Effect, rig: Rig) -> float:

@@ -4,7 +4,7 @@ Effects that depend on the size of the motion first; then a linear one beside th
 and one that is stepped beside those.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies
 from modallab.gap.search.beside_stepped import beside
-from modallab.gap.search.choose import Choice, choose, stepped
+from modallab.gap.search.choose import Choice, choose, names, stepped
 from modallab.gap.search.explain import explain, with_clock
 from modallab.gap.search.fitting import Bench, excess
 from modallab.gap.search.nonlinear import nonlinear_level
@@ -32,6 +32,22 @@ HELPS = 0.5
 """Share of the gap below which what a linear effect leaves is worth a stepped one beside it."""
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Asked:
+    """What `search_stepped` is asked; its arguments."""
+
+    bench: Bench
+    prepared: Prepared
+    base: Fit
+    overtones: Overtones
+    matters: Reduced | None
+    unseen: Reduced
+
+    def judged(self, levels: list[Level]) -> Choice:
+        """What these rounds say, explained only if the law makes the overtones that were measured."""
+        return _by_overtones(choose(self.bench, levels, self.matters, self.unseen), self.prepared, self.unseen)
+
+
 def search_stepped(
     bench: Bench, prepared: Prepared, base: Fit, overtones: Overtones, matters: Reduced | None, unseen: Reduced
 ) -> Choice:
@@ -45,34 +61,46 @@ def search_stepped(
         matters: see `choose`.
         unseen: see `choose`.
     """
-    clocked = with_clock(bench)
-    levels = [] if clocked is None else [Level(base, (clocked,), ())]
-
-    def judged(listed: list[Level]) -> Choice:
-        return _by_overtones(choose(bench, listed, matters, unseen), prepared, unseen)
-
+    asked = _Asked(bench, prepared, base, overtones, matters, unseen)
     with part(0.0, 0.4):
-        levels = [*levels, nonlinear_level(bench, clocked or base, overtones)]
-    first = judged(levels)
+        levels = _alone(asked)
+    first = asked.judged(levels)
     if _named(first) and _left(first.fit, unseen) < LEFT:
         return first
-    if levels[-1].fits:
-        with part(0.4, 0.6):
-            more = beside(bench, levels[-1].fits[0])
-        both = judged([*levels, more]) if more is not None else first
-        if _named(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates):
-            return both
-    if _named(first):
-        return first
+    with part(0.4, 0.6):
+        both = _with_linear(asked, levels, first)
+    if both is not None:
+        return both
+    return first if _named(first) else _linear_first(asked, first, levels[:-1])
+
+
+def _alone(asked: _Asked) -> list[Level]:
+    """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
+    clocked = with_clock(asked.bench)
+    levels = [] if clocked is None else [Level(asked.base, (clocked,), ())]
+    return [*levels, nonlinear_level(asked.bench, clocked or asked.base, asked.overtones)]
+
+
+def _with_linear(asked: _Asked, levels: list[Level], first: Choice) -> Choice | None:
+    """The best stepped effect with a linear one beside it; None where that explains no more."""
+    more = beside(asked.bench, levels[-1].fits[0]) if levels[-1].fits else None
+    both = asked.judged([*levels, more]) if more is not None else first
+    return both if _named(both) and len(both.fit.problem.candidates) > len(first.fit.problem.candidates) else None
+
+
+def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
+    """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
     with part(0.6, 0.8):
-        rounds = explain(bench, base)
-    linear = choose(bench, rounds, matters)
+        rounds = explain(asked.bench, asked.base)
+    linear = choose(asked.bench, rounds, asked.matters)
     if linear.explained:
         return linear
     best = next((level.fits[0] for level in rounds if level.fits), None)
-    if best is not None and excess(best) < HELPS * excess(base) and best is not clocked:
+    # Beside the clock alone a stepped one has been looked for.
+    known = [names(fit) for level in clocked for fit in level.fits]
+    if best is not None and excess(best) < HELPS * excess(asked.base) and names(best) not in known:
         with part(0.8, 1.0):
-            last = judged([rounds[0], nonlinear_level(bench, best, overtones)])
+            last = asked.judged([rounds[0], nonlinear_level(asked.bench, best, asked.overtones)])
         if _named(last) and stepped(last.fit):
             return last
     return replace(linear, rivals=(*linear.rivals, *first.rivals))

@@ -177,8 +177,11 @@ def _alike(one: Found, other: Found) -> bool:
         return False
     for name, value in one.parameters.items():
         second = other.parameters[name]
-        low, high = one.interval.get(name, (value, value))
-        below, above = other.interval.get(name, (second, second))
+        mine, others = one.interval.get(name, (value, value)), other.interval.get(name, (second, second))
+        if mine is None or others is None:
+            # What the records leave open differs from nothing.
+            continue
+        (low, high), (below, above) = mine, others
         if (low > above or below > high) and abs(value - second) > APART * abs(value):
             return False
     return True

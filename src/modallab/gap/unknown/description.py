@@ -31,12 +31,20 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
     """The description that a fit of elements is."""
     length = fit.problem.data.rig.beam.length_m if fit.problem.data.rig.beam is not None else 1.0
     found: list[Learned] = []
-    for effect, interval in zip(fit.effects, intervals(Choice(base, fit, (), True, False)), strict=True):
+    for effect, believed in zip(fit.effects, intervals(Choice(base, fit, (), True, False)), strict=True):
         place: dict[str, object] = dict(effect.place)
         x = effect.place.get("x")
         if isinstance(x, float):
             place["x_m"] = x * length
-        found.append(Learned(element=effect.effect, parameters=effect.parameters, interval=interval, place=dict(place)))
+        found.append(
+            Learned(
+                element=effect.effect,
+                parameters=effect.parameters,
+                interval=believed.within,
+                not_known=believed.not_known,
+                place=dict(place),
+            )
+        )
     return Description(fit, unseen, tuple(found), rows)
 
 

@@ -67,7 +67,7 @@ def by_sample(
         )
         yield _again(bench, prepared, alone, channel, lost.made, learned, set(held) or chosen)
     curve, interval = _curve(prepared, alone, channel, fitted)
-    learned = Learned(element="row_curve", parameters=curve.law, interval=interval, place={"channel": row})
+    learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place={"channel": row})
     yield _again(bench, prepared, alone, channel, curve.made(channel), learned, set(held) or chosen)
 
 

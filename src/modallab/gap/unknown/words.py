@@ -1,11 +1,23 @@
 """Learned elements in words, with their numbers and units."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 from modallab.core.described import Learned
 from modallab.core.rig import Rig
 
 Numbers = Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Phrase:
+    """What a number is called where it is given: `{value}` in its unit here, `{size}` without its sign."""
+
+    number: str
+    says: str
+    per_unit: float = 1.0
+    negative: str = ""
 
 
 def said(learned: Sequence[Learned], rig: Rig) -> str:
@@ -22,55 +34,51 @@ def _at(one: Learned, rig: Rig) -> str:
     return f" on {rig.channels[int(row)].name}" if row is not None else ""
 
 
-def _point(law: Numbers) -> str:
-    parts: list[str] = []
-    if "hung_m" in law:
-        grams = 1e3 * law["hung_m"]
-        parts.append(f"a mass of {grams:.4g} g on a spring with a resonance of its own at {law['hung_hz']:.4g} Hz")
-    if "k" in law:
-        parts.append(f"a spring of {law['k']:.4g} N/m to ground")
-    if "c" in law:
-        parts.append(f"a damper of {law['c']:.4g} N s/m to ground")
-    if "m" in law:
-        parts.append(f"a mass of {1e3 * law['m']:.4g} g")
-    return " and ".join(parts)
+_POINT = (
+    _Phrase("hung_m", "a mass of {value:.4g} g on a spring with a resonance of its own at {law[hung_hz]:.4g} Hz", 1e3),
+    _Phrase("k", "a spring of {value:.4g} N/m to ground"),
+    _Phrase("c", "a damper of {value:.4g} N s/m to ground"),
+    _Phrase("m", "a mass of {value:.4g} g", 1e3),
+)
+_BEAM = (
+    _Phrase(
+        "tension", "a pull of {size:.4g} N along the beam's axis", 1.0, "a push of {size:.4g} N along the beam's axis"
+    ),
+    _Phrase("bedding", "a stiffness of {value:.4g} N/m to ground on each metre of the beam"),
+)
+_FILTER = (
+    _Phrase("gain", "a factor of {value:.4g}"),
+    _Phrase("delay", "a delay of {value:.4g} ms", 1e3),
+    _Phrase("low_pass_hz", "a first-order low-pass at {value:.4g} Hz"),
+    _Phrase("high_pass_hz", "a first-order high-pass at {value:.4g} Hz"),
+    _Phrase("mount_hz", "a mount with a resonance at {value:.4g} Hz"),
+)
+_LEVELS_OFF = (
+    ("tanh_v", "{:.4g} V"),
+    ("knee_v", "{:.4g} V"),
+    ("tanh_share", "{:.4g} times each record's own peak"),
+    ("knee_share", "{:.4g} times each record's own peak"),
+)
+_BENT = (("square", 2), ("cubic", 3))
 
 
-def _beam(law: Numbers) -> str:
-    parts: list[str] = []
-    if "tension" in law:
-        pull = "pull" if law["tension"] > 0 else "push"
-        parts.append(f"a {pull} of {abs(law['tension']):.4g} N along the beam's axis")
-    if "bedding" in law:
-        parts.append(f"a stiffness of {law['bedding']:.4g} N/m to ground on each metre of the beam")
-    return " and ".join(parts)
+def _joined(phrases: tuple[_Phrase, ...], law: Numbers) -> str:
+    return " and ".join(_spoken(p, law) for p in phrases if p.number in law)
 
 
-def _filter(law: Numbers) -> str:
-    parts: list[str] = []
-    if "gain" in law:
-        parts.append(f"a factor of {law['gain']:.4g}")
-    if "delay" in law:
-        parts.append(f"a delay of {1e3 * law['delay']:.4g} ms")
-    if "low_pass_hz" in law:
-        parts.append(f"a first-order low-pass at {law['low_pass_hz']:.4g} Hz")
-    if "high_pass_hz" in law:
-        parts.append(f"a first-order high-pass at {law['high_pass_hz']:.4g} Hz")
-    if "mount_hz" in law:
-        parts.append(f"a mount with a resonance at {law['mount_hz']:.4g} Hz")
-    return " and ".join(parts)
+def _spoken(phrase: _Phrase, law: Numbers) -> str:
+    value = law[phrase.number] * phrase.per_unit
+    says = phrase.negative if value < 0 and phrase.negative else phrase.says
+    return says.format(value=value, size=abs(value), law=law)
 
 
 def _curve(law: Numbers) -> str:
     shape = f", with a knee of power {law['power']:.3g}," if "power" in law else ""
-    for name in ("tanh_v", "knee_v"):
-        if name in law:
-            return f"a saturation that levels off at {law[name]:.4g} V{shape}"
-    for name in ("tanh_share", "knee_share"):
-        if name in law:
-            return f"a saturation that levels off at {law[name]:.4g} times each record's own peak{shape}"
-    terms = [f"{law[n]:.3g} u^{p}" for n, p in (("square", 2), ("cubic", 3)) if n in law]
-    return f"a bent scale, u + {' + '.join(terms)} of u in V,"
+    levels = [says.format(law[name]) for name, says in _LEVELS_OFF if name in law]
+    if levels:
+        return f"a saturation that levels off at {levels[0]}{shape}"
+    terms = " + ".join(f"{law[name]:.3g} u^{power}" for name, power in _BENT if name in law)
+    return f"a bent scale, u + {terms} of u in V,"
 
 
 def _hold(law: Numbers) -> str:
@@ -79,9 +87,9 @@ def _hold(law: Numbers) -> str:
 
 
 _SAID: dict[str, Callable[[Numbers], str]] = {
-    "point_law": _point,
-    "beam_law": _beam,
-    "row_filter": _filter,
+    "point_law": partial(_joined, _POINT),
+    "beam_law": partial(_joined, _BEAM),
+    "row_filter": partial(_joined, _FILTER),
     "row_curve": _curve,
     "row_hold": _hold,
 }

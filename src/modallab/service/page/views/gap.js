@@ -44,7 +44,7 @@ async function draw(place, campaign, signal) {
 
 function verdict({ verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {
   return h("section", { class: "panel", "aria-label": "Verdict" }, h("p", { class: "verdict" }, VERDICTS[found]),
-    effects.map((one) => h("p", {}, h("strong", {}, spaced(one.effect)), `${one.place.x_m === undefined ? "" : ` at ${number(one.place.x_m, 3)} m`}, probability ${number(one.probability, 2)}: `, parameters(one))),
+    effects.map((one) => h("p", {}, h("strong", {}, spaced(one.effect)), `${place(one)}, probability ${number(one.probability, 2)}: `, parameters(one))),
     h("p", {}, `The gap is ${number(gap.before, 3)} noise units${effects.length ? `, and ${number(gap.after, 3)} with ${effects.length > 1 ? "these effects" : "this effect"} in the model` : ""}; 1 is noise alone.${effects.length ? " Numbers are in SI units." : ""}`),
     next && h("p", {}, h("strong", {}, "Next experiment: "), sentence(spaced(next))), notes.length > 0 && h("ul", { class: "plainlist" }, notes.map((note) => h("li", {}, spaced(note)))),
     h("p", { class: "buttons" }, found === "known" && button("Put this into the simulation", () => apply(campaign.id), { class: "main" }),
@@ -52,12 +52,15 @@ function verdict({ verdict: found, effects, gap, next_experiment: next, notes },
       h("a", { href: `/api/v1/campaigns/${campaign.id}/diagnosis`, target: "_blank", rel: "noopener" }, "The whole diagnosis as a page")));
 }
 
+/** Where an effect along the beam acts, as the end of a name. */
+const place = ({ place: { x_m: at }, not_known: open = {} }) => at === undefined ? "" : open.x ? " somewhere along the beam" : ` at ${number(at, 3)} m`;
+
 const spaced = (text) => text.replaceAll("_", " ");
 
 /** What a run tested stands in its name; the page has no view for other tests. */
 const kindOf = (run) => /-(impact|sine)-/.exec(run)?.[1];
 
-const parameters = ({ parameters: found, interval }) => Object.entries(found).map(([name, value]) => `${spaced(name)} = ${number(value)}${interval[name] ? ` (95 %: ${number(interval[name][0])} to ${number(interval[name][1])})` : ""}`).join(", ");
+const parameters = ({ parameters: found, interval, not_known: open = {} }) => Object.entries(found).map(([name, value]) => open[name] ? `${spaced(name)} not known (${open[name]})` : `${spaced(name)} = ${number(value)}${interval[name] ? ` (95 %: ${number(interval[name][0])} to ${number(interval[name][1])})` : ""}`).join(", ");
 
 /** The next revision of the rig; the view shows it in the history as soon as the bench is open again. */
 async function apply(campaign) {

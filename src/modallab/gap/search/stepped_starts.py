@@ -1,0 +1,122 @@
+"""Where the fit of an effect that is stepped in time begins: the likeliest of its starts, on few records."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.minimise import WORKERS, minimise
+from modallab.gap.model.prefit import start
+from modallab.gap.search.fitting import Bench
+from modallab.twin.candidate import Candidate
+from modallab.twin.effects import search_of
+
+Array = NDArray[np.float64]
+
+LOOKED = 0.1
+"""Relative error that is forgiven in a first look."""
+PLACES = 3
+"""Places along the beam at which an effect that has one is begun from."""
+TRIES = 20
+"""Glances a number while a start is polished."""
+OUTLIER = 100.0
+"""Square at which a residual stops counting where starts are compared."""
+
+
+def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Candidate) -> list[Fit]:
+    """The effect after a few steps on few records from the best of its starts on even fewer, best first."""
+    problem = Problem(some[0], bench.free, (*base.problem.candidates, candidate), LOOKED)
+    glance, rough = replace(problem, data=some[1]), search_of(candidate.effect).rough
+    begins = [
+        (dict(zip((s.name for s in candidate.slots), own, strict=True)).get("x"), u)
+        for own in product(*(slot.starts for slot in candidate.slots))
+        for u in _begins(bench, base, candidate, own)
+    ]
+
+    def cost(u: Array) -> float:
+        return float(np.sum(np.minimum(glance.residual(u) ** 2, OUTLIER)) + glance.priors(u)[0])
+
+    def first(u: Array) -> Fit:
+        if rough:
+            u = _polished(glance, cost, u)
+        return minimise(replace(problem, held=beam_at(u)), u, 2, 3e-2)
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        costs = list(workers.map(cost, (u for _, u in begins)))
+        # A place is seldom left again: several are begun from.
+        likely: dict[float | None, list[int]] = {}
+        for i in np.argsort(costs):
+            likely.setdefault(begins[i][0] if begins[i][0] is not None or not rough else int(i), []).append(int(i))
+        chosen = [best[0] for best in likely.values()][:PLACES]
+        return sorted(workers.map(first, (begins[i][1] for i in chosen)), key=lambda f: f.cost)
+
+
+def _polished(problem: Problem, cost: Callable[[Array], float], u: Array) -> Array:
+    """The beam's stiffness and the effect's own numbers moved to where they leave less nearby (Nelder and Mead).
+
+    Where contacts open and close a residual is rough, and slopes lead nowhere from afar.
+    """
+    slots = problem.candidates[-1].slots
+    at = [0, *range(len(u) - len(slots), len(u))]
+    steps = np.array([0.3, *(0.04 if s.name == "x" else 0.3 for s in slots)])
+
+    def moved(v: Array) -> Array:
+        there = u.copy()
+        there[at] += v * steps
+        return there
+
+    simplex = np.vstack([np.zeros(len(at)), np.eye(len(at))])
+    found = minimize(
+        lambda v: cost(moved(v)),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"maxfev": TRIES * len(at), "initial_simplex": simplex, "fatol": 1.0},
+    )
+    return moved(found.x)
+
+
+def beam_at(u: Array) -> tuple[float, float, float]:
+    """Young's modulus, thickness and density of these numbers, in deviations, to hold a beam there."""
+    return float(u[0]), float(u[1]), float(u[2])
+
+
+def _begins(bench: Bench, base: Fit, candidate: Candidate, values: tuple[float, ...]) -> Iterator[Array]:
+    """Where a fit may begin: the beam as believed, and those that the poles of small and of large motion show."""
+    own = np.array([s.coordinate(v) for s, v in zip(candidate.slots, values, strict=True)])
+    beside = base.u[bench.free.size :]
+    yield np.concatenate([np.zeros(bench.free.size), beside, own])
+    if not len(bench.poles):
+        return
+    for alike, like in _linear(bench, candidate, own):
+        try:
+            poles = start((*base.problem.candidates, alike), np.concatenate([beside, like]), bench.free, bench.poles)
+        except np.linalg.LinAlgError:
+            # Two losses of stiffness at one place may leave none: no beam to begin from.
+            continue
+        yield np.concatenate([poles.u[: bench.free.size], beside, own])
+
+
+def _linear(bench: Bench, candidate: Candidate, own: Array) -> Iterator[tuple[Candidate, Array]]:
+    """Linear effects with nearly the same poles."""
+    names = [s.name for s in candidate.slots]
+    if "EI_loss_open" not in names:
+        yield candidate, own
+    for soft, stiff in (("k_slip", "k_stick"), ("k_within", "k_contact")):
+        if soft in names:
+            held = own.copy()
+            held[names.index(soft)] = own[names.index(stiff)]
+            yield candidate, held
+    if "EI_loss_open" in names:
+        share = candidate.at(own).parameters["EI_loss_open"]
+        # Half of the time it bends as a crack that stays open.
+        half = share / (2 - share)
+        for like in of_bench(bench.data.rig):
+            if like.effect == "stiffness_loss":
+                yield like, np.array([like.slots[0].coordinate(half), own[names.index("x")]])
