@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.options import not_negative, positive
 from modallab.formats.format import writers
 
 ROLES = ("observer", "operator", "admin")
@@ -37,7 +38,7 @@ def _add_backup(commands: _Commands) -> None:
     command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
     command.add_argument("data", type=Path, metavar="DATA")
     command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
-    command.set_defaults(module="backup", action="backup")
+    command.set_defaults(module="backup", action="backup", out_is_folder=True)
 
 
 def _add_restore(commands: _Commands) -> None:
@@ -45,13 +46,13 @@ def _add_restore(commands: _Commands) -> None:
     command.add_argument("backup", type=Path, metavar="BACKUP")
     command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
     command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
-    command.set_defaults(module="backup", action="restore")
+    command.set_defaults(module="backup", action="restore", out_is_folder=True)
 
 
 def _add_retention(commands: _Commands) -> None:
     command = commands.add_parser("retention", help="list samples that may go, and delete them if asked to")
     command.add_argument("data", type=Path, metavar="DATA")
-    command.add_argument("--older-than", type=float, default=0.0, metavar="DAYS", help="since the run's end")
+    command.add_argument("--older-than", type=not_negative, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
     command.add_argument("--valid", action="store_true", help="runs with valid data too")
     command.add_argument("--delete", action="store_true", help="delete them; without it they are only listed")
@@ -67,7 +68,9 @@ def _add_user(commands: _Commands) -> None:
     token.add_argument("--role", choices=ROLES, help="what it is for, if less than the user may do")
     for command in (add, token):
         command.add_argument("--rig", action="append", metavar="ID", help="work at this rig only; may be repeated")
-        command.add_argument("--days", type=float, metavar="N", help="it counts for so long (default: until revoked)")
+        command.add_argument(
+            "--days", type=positive, metavar="N", help="it counts for so long (default: until revoked)"
+        )
         command.add_argument("--label", default="", help="where it is kept")
     listed = actions.add_parser("list", help="show users and tokens, without what is secret")
     revoke = actions.add_parser("revoke", help="have the tokens of a user not count any more")

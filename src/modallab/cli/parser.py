@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
-from modallab.cli.options import JSON_HELP, add_saying
+from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
+from modallab.cli.usage import Parser
 from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
@@ -19,7 +20,7 @@ class _Commands(Protocol):
 
 def build_parser(version: str) -> argparse.ArgumentParser:
     """The parser; each command names the module of `modallab.cli` that runs it."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="modallab", description="Modal tests on a cantilever: run them, identify the modal model, explain the gap."
     )
     parser.add_argument("--version", action="version", version=f"modallab {version}")
@@ -53,7 +54,7 @@ def _add_demo(commands: _Commands) -> None:
         "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
     )
     add_saying(demo)
-    demo.set_defaults(module="demo")
+    demo.set_defaults(module="demo", out_is_folder=True)
 
 
 def _add_import(commands: _Commands) -> None:
@@ -66,11 +67,13 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument(
         "--test", choices=TESTS, help="what the recordings are of (default: impact; random if no force was measured)"
     )
-    command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
+    command.add_argument("--rate", type=positive, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
-    command.add_argument("--frequency", type=float, nargs="+", metavar="HZ", help="of the sine in each file, or in all")
     command.add_argument(
-        "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
+        "--frequency", type=positive, nargs="+", metavar="HZ", help="of the sine in each file, or in all"
+    )
+    command.add_argument(
+        "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
     command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
@@ -91,13 +94,13 @@ def _add_identify(commands: _Commands) -> None:
         help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
     )
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
-    command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
+    command.add_argument("--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
     command.add_argument(
         "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
     )
-    command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
-    command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
+    command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="these modes and no others, by hand")
+    command.add_argument("--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     add_saying(command)
@@ -119,15 +122,16 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.add_argument(
         "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
     )
-    calibrate.add_argument("--frequency", type=float, default=159.15, metavar="HZ", help="of the reference shaker")
+    calibrate.add_argument("--frequency", type=positive, default=159.15, metavar="HZ", help="of the reference shaker")
     calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     calibrate.add_argument("--remark", default="")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    calibrate.set_defaults(in_place=True)
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
     mass = actions.add_parser(
         "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
     )
-    mass.add_argument("--mass", type=float, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
     mass.add_argument("--when", required=True, choices=("before", "after"))
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
@@ -135,7 +139,7 @@ def _add_rig(commands: _Commands) -> None:
     for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-        command.add_argument("--seconds", type=float, default=3.0, help="how long to look")
+        command.add_argument("--seconds", type=positive, default=3.0, help="how long to look")
     reset = actions.add_parser("reset", help="let a tripped rig be armed again, after somebody has looked at the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml")
     reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")

@@ -12,6 +12,7 @@ from modallab.core.errors import FormatError
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
+from modallab.notebook.asked import path_for
 from modallab.notebook.model import campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
@@ -61,17 +62,18 @@ class GapFound:
         """Write the diagnosis as JSON, or the report if the name ends with .html; returns the path.
 
         Raises:
-            StorageError: the file cannot be written.
+            StorageError: the file cannot be written, or its name ends otherwise.
         """
+        path = path_for(path, (".json", ".html"))
         from modallab.formats.atomic import replacing
         from modallab.reporting.gap_report import write_gap_report
 
-        if Path(path).suffix == ".html":
-            write_gap_report(Path(path), self.diagnosis, self.campaign)
-            return Path(path)
-        with replacing(Path(path)) as draft:
+        if path.suffix == ".html":
+            write_gap_report(path, self.diagnosis, self.campaign)
+            return path
+        with replacing(path) as draft:
             draft.write_text(self.diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
-        return Path(path)
+        return path
 
     def __repr__(self) -> str:
         return f"<GapFound: {self.sentence}>"
@@ -98,10 +100,10 @@ def diagnose(
         FormatError: what is kept there is no diagnosis of these records.
     """
     campaign = campaign_in(measured)
-    if keep is not None and Path(keep).exists():
+    if keep is not None and path_for(keep, (".json",)).exists():
         return GapFound(campaign, _kept(Path(keep), campaign))
     with waiting("reading the records", progress=progress):
-        found = GapFound(campaign, diagnose_campaign(campaign, hold_out))
+        found = GapFound(campaign, diagnose_campaign(campaign, str(hold_out)))
     if keep is not None:
         found.save(keep)
     return found

@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from modallab.blind.request import BlindRequest
 from modallab.core.errors import IdentificationError, JobError
+from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
@@ -114,7 +115,7 @@ def parse_parameters(kind: str, given: Mapping[str, JsonValue]) -> Frozen:
     try:
         return PARAMETERS[kind].model_validate_json(json.dumps(dict(given)))
     except ValidationError as error:
-        wrong = "; ".join(f"{'.'.join(map(str, e['loc'])) or kind}: {e['msg']}" for e in error.errors())
+        wrong = "; ".join(sentences(error))
         raise JobError(
             f"wrong parameters: {wrong}",
             where=kind,

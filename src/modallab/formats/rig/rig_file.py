@@ -15,6 +15,8 @@ from modallab.formats.rig.messages import rig_problems
 from modallab.formats.rig.rig_yaml import load_yaml
 from modallab.formats.rig.sensors_file import with_certificates
 
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
 
 def read_rig(path: Path) -> Rig:
     """Read a rig file.
@@ -27,7 +29,11 @@ def read_rig(path: Path) -> Rig:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise RigError("is not text in UTF-8", where=str(path), remedy="save the rig file as UTF-8 text") from error
+        with path.open("rb") as file:
+            hdf5 = file.read(8) == _HDF5
+        found = "is not text in UTF-8 but HDF5, as campaigns are" if hdf5 else "is not text in UTF-8"
+        remedy = "name the YAML file that describes the rig" if hdf5 else "save the rig file as UTF-8 text"
+        raise RigError(found, where=str(path), remedy=remedy) from error
     except OSError as error:
         found = "is a folder" if path.is_dir() else f"cannot be read: {error.strerror or error}"
         raise RigError(found, where=str(path), remedy="name the YAML file that describes the rig") from error
@@ -48,6 +54,9 @@ def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
         found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
         raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
     fields = cast("Mapping[str, object]", content)
+    if "kind" in fields and "channels" not in fields:
+        found = f"is the plan of a test (kind: {fields['kind']}), not a rig file"
+        raise RigError(found, where=where, remedy="name the rig file here, and the plan in its own place")
     if folder is not None:
         fields = with_certificates(fields, folder, where)
     try:
