@@ -92,9 +92,8 @@ def show_joined(console: Console, joined: Joined, report: Path | None) -> None:
     console.print(setups_table(joined.compared))
     print_remarks(console, joined.result)
     if report is not None:
-        write_report(
-            report, report_content(joined.campaign, joined.result, f"Modal test of {joined.campaign.rig.name}")
-        )
+        title = f"Modal test of {joined.campaign.rig.name}"
+        write_report(report, report_content(joined.campaign, joined.result, title, setups=joined.readings))
         console.print(f"report: {report}", markup=False)
 
 

@@ -17,6 +17,7 @@ from modallab.identification.options import Options
 from modallab.identification.setups.compare import Compared, compare_setups
 from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
 from modallab.identification.setups.join import join_setups, require_same_points
+from modallab.identification.setups.readings import SetUpReading, readings
 from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 
 
@@ -29,12 +30,14 @@ class Joined:
         compared: each set-up against the one that the others are held against.
         setups: the models of the set-ups.
         campaign: the joined outputs as a rig, without records, which are those of the set-ups.
+        readings: what each set-up read of the joined modes.
     """
 
     result: Result
     compared: tuple[Compared, ...]
     setups: tuple[SetUpModel, ...]
     campaign: Campaign
+    readings: tuple[SetUpReading, ...]
 
 
 def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
@@ -60,7 +63,9 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
     frf, first = _measured(campaigns, model), campaigns[0]
     joined = Campaign(_joined_rig(campaigns), (), (frf,), _common(campaigns), first.source)
     # The records stay with their set-ups: the joined campaign holds FRFs.
-    return Joined(Result((Identified("frf", model, None),), ()), compared, found, joined)
+    return Joined(
+        Result((Identified("frf", model, None),), ()), compared, found, joined, readings(found, modes, compared)
+    )
 
 
 def _require_distinct(campaigns: Sequence[Campaign]) -> None:
