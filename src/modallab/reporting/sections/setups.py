@@ -10,7 +10,7 @@ from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 
 ANCHOR, HEADING = "set-ups", "The set-ups"
-HEADER = ("mode", "set-up", "frequency [Hz]", "difference", "damping ζ [%]", "difference", "")
+HEADER = ("mode", "set-up", "frequency [Hz]", "difference", "damping ζ [%]", "difference")
 EXPLAINED = (
     "Each set-up was identified by itself. The difference is that from the joined value: in percent of it, and in "
     "brackets in standard deviations (σ) of the set-up's own value. Off: the frequency, or the amplitude that the "
@@ -42,7 +42,6 @@ def _rows(r: int, model: ModalModel, setups: tuple[SetUpReading, ...]) -> list[l
         "",
         with_sigma(100 * zeta, 100 * float(model.damping_sigma[r])),
         "",
-        "",
     ]
     return [joined, *(_row(r, one, hz, zeta) for one in setups)]
 
@@ -52,19 +51,19 @@ def _row(r: int, one: SetUpReading, hz: float, zeta: float) -> list[str]:
     z, z_sigma = float(one.damping_ratio[r]), float(one.damping_sigma[r])
     return [
         "",
-        one.name,
+        join([one.name, " ", tag("strong", "off")]) if one.off[r] else one.name,
         with_sigma(f, sigma),
         _away(f, sigma, hz),
         with_sigma(100 * z, 100 * z_sigma),
         _away(z, z_sigma, zeta),
-        tag("strong", "off") if one.off[r] else "",
     ]
 
 
 def _away(value: float, sigma: float, joined: float) -> Markup | str:
     if not (isfinite(sigma) and sigma > 0):
         return relative(value, joined)
-    sigmas = f"({(value - joined) / sigma:+.1f} σ)".replace("-", "−")
+    away = (value - joined) / sigma
+    sigmas = f"({away:+.{0 if abs(away) >= 10 else 1}f} σ)".replace("-", "−")
     return join([relative(value, joined), " ", tag("small", sigmas)])
 
 
