@@ -12,7 +12,7 @@ from modallab.core.errors import ModallabError
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0 good, 2 for anything the user can mend."""
+    """Run one command; returns the exit code: 0 good, 2 for anything the user can correct."""
     # The matrices are small: threads of the linear algebra only wait for each other, the more the busier the machine.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")

@@ -61,7 +61,7 @@ def _request(arguments: argparse.Namespace) -> BlindRequest:
             later=not arguments.no_later,
         )
     except ValidationError as error:
-        raise PlanError("; ".join(sentences(error)), remedy="mend the options of modallab gap blind") from error
+        raise PlanError("; ".join(sentences(error)), remedy="correct the options of modallab gap blind") from error
 
 
 @contextmanager

@@ -45,23 +45,24 @@ def _add_demo(commands: _Commands) -> None:
         "--effect",
         action="append",
         metavar="NAME,NUMBER=VALUE,...",
-        help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
+        help="an effect to put on that bench, such as added_mass,mass=0.05,x=0.8; may be repeated",
     )
+    demo.add_argument("--clean", action="store_true", help="on an ideal bench (default: with the usual tolerances)")
     demo.add_argument(
-        "--clean", action="store_true", help="on an ideal bench (default: a little off everywhere, as benches are)"
-    )
-    demo.add_argument(
-        "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
+        "--serve", action="store_true", help="serve the same bench on the operator's page, to be tested by hand"
     )
     add_saying(demo)
     demo.set_defaults(module="demo", out_is_folder=True)
 
 
 def _add_import(commands: _Commands) -> None:
-    command = commands.add_parser("import", help="turn recordings of others into one campaign file")
+    command = commands.add_parser("import", help="convert recordings of other programs into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument(
-        "--rig", type=Path, metavar="RIG.yaml", help="left out: one is written from what the file says, to be completed"
+        "--rig",
+        type=Path,
+        metavar="RIG.yaml",
+        help="names the channels; without it a draft is written from what the file says",
     )
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
     command.add_argument(
@@ -91,15 +92,17 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument(
         "--refine",
         action=argparse.BooleanOptionalAction,
-        help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
+        help="refine the poles by maximum likelihood, or not (default: as is usual with the method)",
     )
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz")
-    command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
+    command.add_argument(
+        "--order", type=int, metavar="N", help="highest model order of the estimator (default: chosen from the data)"
+    )
     command.add_argument(
         "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
     )
-    command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="these modes and no others, by hand")
+    command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes nearest to these")
     command.add_argument("--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
@@ -108,11 +111,13 @@ def _add_identify(commands: _Commands) -> None:
 
 
 def _add_rig(commands: _Commands) -> None:
-    rig = commands.add_parser("rig", help="look at what stands on the bench, and calibrate it")
+    rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
-    check = actions.add_parser("check", help="walk through every channel and say what is wrong")
-    check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
-    check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    check = actions.add_parser("check", help="check every channel and say what is wrong")
+    check.add_argument("--tap", action="store_true", help="check the polarity too, by a tap at every sensor's point")
+    check.add_argument(
+        "--drive", type=float, metavar="V", help="check the generator's clock too, by a burst of this amplitude"
+    )
     check.add_argument(
         "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
     )
@@ -129,7 +134,7 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.set_defaults(in_place=True)
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
     mass = actions.add_parser(
-        "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
+        "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
     )
     mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
     mass.add_argument("--when", required=True, choices=("before", "after"))
@@ -139,8 +144,8 @@ def _add_rig(commands: _Commands) -> None:
     for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-        command.add_argument("--seconds", type=positive, default=3.0, help="how long to look")
-    reset = actions.add_parser("reset", help="let a tripped rig be armed again, after somebody has looked at the bench")
+        command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
+    reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml")
     reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
@@ -148,16 +153,16 @@ def _add_rig(commands: _Commands) -> None:
 
 
 def _add_devices(commands: _Commands) -> None:
-    command = commands.add_parser("devices", help="list what is there, with the address to open it by")
+    command = commands.add_parser("devices", help="list the devices, each with its address")
     command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
-    command.add_argument("--release", action="store_true", help="give back what a killed program has left reserved")
+    command.add_argument("--release", action="store_true", help="release what a killed program has left reserved")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
     command.set_defaults(module="devices")
 
 
 def _add_serve(commands: _Commands) -> None:
-    command = commands.add_parser("serve", help="run tests for other programs: a REST service and an emergency stop")
-    command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be given many times")
+    command = commands.add_parser("serve", help="run the REST service, the operator's page and the emergency stop")
+    command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be repeated")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
     command.add_argument("--host", metavar="ADDRESS", help="to listen on (default: 127.0.0.1)")

@@ -15,7 +15,7 @@ from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 _KINDS = {"impact": ImpactPlan, "sine": SinePlan, "broadband": BroadbandPlan}
-_REMEDY = "mend what is named; docs/reference/plan.md describes every field"
+_REMEDY = "correct what is named; docs/reference/plan.md describes every field"
 _EXAMPLE = "write for instance: {kind: impact, points: [10, 6], hits: 5}"
 
 

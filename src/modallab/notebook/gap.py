@@ -118,6 +118,6 @@ def _kept(path: Path, campaign: Campaign) -> Diagnosis:
         raise FormatError(
             f"is a diagnosis of other records, on {diagnosis.rig}",
             where=str(path),
-            remedy="name another file, or delete this one to diagnose anew",
+            remedy="name another file, or delete this one to diagnose again",
         )
     return diagnosis

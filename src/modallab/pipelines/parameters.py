@@ -81,7 +81,7 @@ class DiagnoseParameters(Frozen):
 
 
 class EstimateParameters(Frozen):
-    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at anew."""
+    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at again."""
 
     as_of: Annotated[str, Field(pattern="^[0-9a-f]{0,64}$")] = ""
 

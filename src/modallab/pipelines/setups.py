@@ -27,7 +27,7 @@ class Joined:
 
     Attributes:
         result: the joined model.
-        compared: each set-up against the one that the others are held against.
+        compared: each set-up against the one that the others are compared with.
         setups: the models of the set-ups.
         campaign: the joined outputs as a rig, without records, which are those of the set-ups.
         readings: what each set-up read of the joined modes.

@@ -49,7 +49,7 @@ def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
     try:
         content, problems = load_yaml(text)
     except Exception as error:  # PyYAML lets AttributeError, OverflowError and others through on odd text.
-        raise RigError(f"is not YAML: {_syntax(error)}", where=where, remedy="mend the syntax there") from error
+        raise RigError(f"is not YAML: {_syntax(error)}", where=where, remedy="correct the syntax there") from error
     if not isinstance(content, Mapping):
         found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
         raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
@@ -87,7 +87,7 @@ def write_rig(rig: Rig, path: Path) -> None:
 def _rejection(problems: list[Problem], where: str) -> RigError:
     count = "1 field is wrong" if len(problems) == 1 else f"{len(problems)} fields are wrong"
     lines = "".join(f"\n  {problem}" for problem in problems)
-    return RigError(f"{count}:{lines}", where=where, remedy="mend the fields named above; docs/reference/rig-file.md")
+    return RigError(f"{count}:{lines}", where=where, remedy="correct the fields above; docs/reference/rig-file.md")
 
 
 def _syntax(error: Exception) -> str:

@@ -38,7 +38,7 @@ async function draw(place, campaign, signal) {
   if (!jobs.done) { put(place, panel("No diagnosis yet", waiting, bar, !jobs.open && h("p", { class: "buttons" }, diagnose("Diagnose")))); return; }
   const { diagnosis, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
-  put(place, waiting, bar, !current && h("p", { class: "alarm" }, "Other blocks count by now: order the diagnosis anew.", diagnose("Diagnose anew")),
+  put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
     verdict(diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
