@@ -1,7 +1,7 @@
 """Kills the acquisition process at random moments of a run and looks for every block it had acknowledged.
 
 The client keeps the name, the CRC-32 and the order of what was acknowledged to it. After each kill the folder is opened
-anew; every acknowledged block must be there, with that CRC-32, and equal bit for bit to the same block of a run that
+again; every acknowledged block must be there, with that CRC-32, and equal bit for bit to the same block of a run that
 nobody killed (the simulated bench repeats itself by its seed).
 
     python benchmarks/kill_acquisition.py --kills 50

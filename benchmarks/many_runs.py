@@ -1,7 +1,7 @@
 """Runs in a row on one service: whether its memory and the times of its lists stay flat.
 
 Ten runs a campaign, as fast as it goes on a simulated bench in its own time. Now and then: the memory of each process,
-and how long each list takes (median of 20). At the end the second tenth of the runs is held against the last.
+and how long each list takes (median of 20). At the end the second tenth of the runs is compared with the last.
 
     python benchmarks/many_runs.py --runs 2000
 """

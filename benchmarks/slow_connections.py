@@ -35,7 +35,7 @@ HEADS = (
 
 
 def crowd(address: tuple[str, int], count: int, until: Any, held: Any) -> None:
-    """Hold `count` connections; whoever was cut off begins anew. A process of its own."""
+    """Hold `count` connections; whoever was cut off begins again. A process of its own."""
     import resource
 
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent
 # As `make` and the commands do: before anything imports NumPy, which reads it once.
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
-# Each of the many processes that tests start would else compile all sources anew.
+# Each of the many processes that tests start would else compile all sources again.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 

@@ -213,7 +213,7 @@ class OpenDaqBench:
         raise ConfigurationError(
             f"channels[{channel.index}].input: found {channel.input!r}; allowed: {listed}",
             where=self._url,
-            remedy="mend this field of the rig file",
+            remedy="correct this field of the rig file",
         )
 
     def _unit(self, channel: Channel, device: Any) -> str:

@@ -119,7 +119,7 @@ class ReplayBench:
         if count < 1:
             raise ConfigurationError(f"a read of {count} samples", where=self._url, remedy="read 1 or more")
         if self._at == len(self._stretches):
-            raise BenchTimeoutError("the recording has ended", where=self._url, remedy="stop, and start it anew")
+            raise BenchTimeoutError("the recording has ended", where=self._url, remedy="stop, and start it again")
         stretch = self._stretches[self._at]
         left = stretch.end - self._position
         if count > left:

@@ -1,4 +1,4 @@
-"""Waiting for rest: as long as the plan's limit asks, and anew after a hit that came early."""
+"""Waiting for rest: as long as the plan's limit asks, and again after a hit that came early."""
 
 from collections.abc import Callable
 

@@ -11,6 +11,7 @@ import pytest
 
 from modallab.cli import main
 from modallab.cli.demo_rig import demo_rig
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig
 
 DATA = Path(__file__).parents[1] / "data"
@@ -22,8 +23,10 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("newcomer")
     write_rig(demo_rig(), folder / "rig.yaml")
     shutil.copy(DATA / "campaign_v2.h5", folder / "campaign.h5")
+    write_rig(read_campaign(DATA / "campaign_v2.h5").rig, folder / "campaign_rig.yaml")
     (folder / "notes.txt").write_text("a diary of the test\n")
     (folder / "empty.h5").touch()
+    (folder / "empty.csv").touch()
     (folder / "empty").mkdir()
     (folder / "empty.yaml").touch()
     (folder / "photo.yaml").write_bytes(bytes(range(256)))
@@ -31,6 +34,11 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "list.json").write_text("[1, 2]")
     (folder / "table.csv").write_text("time,force\n0,1\n")
     (folder / "half.h5").write_bytes((DATA / "campaign_v2.h5").read_bytes()[:3000])
+    (folder / "grüße aus köln").mkdir()
+    (folder / "rig_mm.yaml").write_text((folder / "rig.yaml").read_text().replace("length_m: 0.777", "length_m: 777"))
+    (folder / "rig_gpa.yaml").write_text(
+        (folder / "rig.yaml").read_text().replace("youngs_modulus_pa: 205000000000.0", "youngs_modulus_pa: 205")
+    )
     plans = {
         "tabs": "kind: impact\n\tpoints: [10]\n",
         "kindless": "points: [10]\n",
@@ -40,6 +48,12 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "word": "just a word\n",
         "second": "- {kind: impact, points: [10]}\n- {kind: sine, levels_v: 3}\n",
         "far": "kind: impact\npoints: [99]\n",
+        "level": "kind: sine\nfrequencies_hz: [20, 40]\nlevels_v: {low: strong}\n",
+        "alone": "kind: impact\npoints: 10\n",
+        "names": "kind: impact\npoints: [tip]\n",
+        "two": "kind: impact\npoints: [10]\n---\nkind: sine\n",
+        "long": "kind: impact\npoints: [10]\nblock_s: 1024\n",
+        "loud": "kind: sine\nfrequencies_hz: [20]\nlevels_v: {low: 50}\n",
     }
     for name, text in plans.items():
         (folder / f"plan_{name}.yaml").write_text(text)
@@ -70,7 +84,7 @@ MISTAKES = {
     "identify models.json": "models.json: ",
     "identify campaign.h5 --band 80 3": "there is no band 80 to 3 Hz",
     "identify campaign.h5 --band 1 2": "Hz",
-    "identify campaign.h5 --pick -5": "no mode stands at -5 Hz",
+    "identify campaign.h5 --pick -5": "--pick is '-5'; allowed: more than 0",
     "identify campaign.h5 --test chirp": "there is no block of a chirp test",
     "identify campaign.h5 --rig nowhere.yaml": "nowhere.yaml: cannot be read",
     "identify campaign.h5 --rig photo.yaml": "photo.yaml: is not text in UTF-8",
@@ -97,9 +111,9 @@ MISTAKES = {
     "gap distinguishability rig.yaml plan_kindless.yaml": "no kind is given; allowed: impact, sine, broadband",
     "gap distinguishability rig.yaml plan_kind.yaml": "no test is of kind 'hammer'",
     "gap distinguishability rig.yaml plan_field.yaml": "point is no field here; allowed: kind, points",
-    "gap distinguishability rig.yaml plan_value.yaml": "hits is '-1', and should be greater than 0",
+    "gap distinguishability rig.yaml plan_value.yaml": "hits is -1; allowed: more than 0",
     "gap distinguishability rig.yaml plan_word.yaml": "'just a word' is no test",
-    "gap distinguishability rig.yaml plan_second.yaml": "test 2: levels_v is '3'",
+    "gap distinguishability rig.yaml plan_second.yaml": "test 2: levels_v is 3",
     "gap distinguishability rig.yaml plan_far.yaml": "99",
     # Benches and the service.
     "devices nonsense": "nonsense",
@@ -111,6 +125,54 @@ MISTAKES = {
     "serve --host 0.0.0.0 --data served": "no token was chosen",
     "restore notes.txt --out back": "notes.txt",
     "user list --data notes.txt": "notes.txt",
+    # Words that are no command, no option, or no number.
+    "identfy campaign.h5": "did you mean identify?",
+    "gap campaign.h5": "ACTION is 'campaign.h5'; allowed: diagnose",
+    "gap": "ACTION is missing",
+    "identify campaign.h5 --bnd 3 110": "did you mean --band?",
+    "identify campaign.h5 --band 3-110": "write it as --band LO HI",
+    "identify campaign.h5 --band 3Hz 110Hz": "--band is '3Hz'; allowed: a number",
+    "identify campaign.h5 --method lscf": "did you mean plscf?",
+    "import campaign.h5 --rig rig.yaml": "--out is missing",
+    "export campaign.h5 --format UFF --out x.uff": "did you mean uff?",
+    "demo --seed 1.5": "--seed is '1.5'; allowed: a whole number",
+    "demo heavy": "modallab demo has no place for 'heavy'",
+    "demo --effect added_mass mass=0.05": "no place for 'mass=0.05'",
+    "rig mass rig.yaml --mass 500g --when before --into empty": "--mass is '500g'",
+    "rig mass rig.yaml --mass -1 --when before --into empty": "--mass is '-1'; allowed: more than 0",
+    "rig check rig.yaml --seconds 0": "--seconds is '0'",
+    "serve --port 99999": "port is 99999; allowed: 65535 or less",
+    # A result in the place of what it is made of, or where it cannot be.
+    "identify campaign.h5 --json campaign.h5": "campaign.h5: is one of the sources",
+    "identify . --report campaign.h5": "campaign.h5: is one of the sources",
+    "identify nowhere.h5 --report half.h5": "half.h5",
+    "identify campaign.h5 --json nowhere/models.json": "there is no folder nowhere",
+    "identify campaign.h5 --json empty": "empty: is a folder",
+    "export campaign.h5 --format uff --out campaign.h5": "is one of the sources",
+    "export campaign.h5 --format csv --out notes.txt": "notes.txt: is a file",
+    "campaign run --rig rig.yaml --plan plan_far.yaml --out rig.yaml": "is one of the sources",
+    "gap paper --json .": "is a folder",
+    "gap blind --out notes.txt": "notes.txt: is a file",
+    "gap apply models.json --rig rig.yaml --out rig.yaml": "is one of the sources",
+    # One file for another.
+    "gap distinguishability plan_far.yaml rig.yaml": "is the plan of a test (kind: impact), not a rig file",
+    "gap distinguishability rig.yaml rig.yaml": "describes a rig, no test",
+    "gap history campaign.h5": "not text in UTF-8 but HDF5",
+    "gap blind --out b --folder nowhere": "nowhere: is no folder",
+    "export empty --run one --format csv --out x": "empty: is no data folder",
+    "serve --data notes.txt": "notes.txt: is a file",
+    "rig reset rig.yaml --data nowhere": "nowhere: is no folder",
+    "identify campaign.h5 campaign.h5": "holds the same records as campaign.h5",
+    "import empty.csv --rig rig.yaml --out new.h5": "empty.csv",
+    # Units and forms in a plan or a rig file.
+    "gap distinguishability rig.yaml plan_level.yaml": "levels_v.low is 'strong'; allowed: a number",
+    "gap distinguishability rig.yaml plan_alone.yaml": "points is 10; allowed: a list, such as [10, 6]",
+    "gap distinguishability rig.yaml plan_names.yaml": "points.0 is 'tip'; allowed: a whole number",
+    "gap distinguishability rig.yaml plan_two.yaml": "write several tests as a list",
+    "gap distinguishability rig.yaml plan_long.yaml": "write block_s in s",
+    "gap distinguishability rig.yaml plan_loud.yaml": "low is 50 V; allowed by the rig: 5 V",
+    "import table.csv --rig rig_mm.yaml --out new.h5": "777 mm is 0.777",
+    "import table.csv --rig rig_gpa.yaml --out new.h5": "205 GPa is 2.05e11",
 }
 
 
@@ -125,6 +187,21 @@ def test_a_mistake_ends_in_one_sentence_and_a_remedy(command: str, here: Path, m
     assert MISTAKES[command] in what + remedy
     assert remedy.strip()
     assert not re.search(r"Traceback|pydantic|0x[0-9a-f]{6}", said.getvalue())
+
+
+def test_a_path_may_hold_what_ascii_does_not(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(here)
+    out = "grüße aus köln/messung ä.h5"
+    with redirect_stdout(io.StringIO()):
+        assert main(["import", "campaign.h5", "--rig", "campaign_rig.yaml", "--out", out, "--quiet"]) == 0
+        assert main(["export", out, "--format", "uff", "--out", "grüße aus köln/ü.uff"]) == 0
+    assert (here / "grüße aus köln" / "ü.uff").stat().st_size > 1000
+
+
+def test_a_pattern_that_no_shell_has_expanded_is(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(here)
+    with redirect_stdout(io.StringIO()):
+        assert main(["import", "camp*.h5", "--rig", "campaign_rig.yaml", "--out", "pattern.h5", "--quiet"]) == 0
 
 
 @pytest.mark.parametrize("asked", ["help", "added_mass,help"])

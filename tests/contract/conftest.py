@@ -1,4 +1,4 @@
-"""The benches the contract is held against, one after the other."""
+"""The benches the contract is compared with, one after the other."""
 
 import sys
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The pictures of the pages can be drawn anew by the command that says so."""
+"""The pictures of the pages can be drawn again by the command that says so."""
 
 import runpy
 from pathlib import Path

@@ -24,10 +24,10 @@ def test_a_multiplexers_skew_is_taken_off(rig: Rig):
     lags = lags_s(lagging(rig, skew_s=skews))
     t = np.arange(2048) / RATE_HZ
     read = np.stack([np.sin(2 * np.pi * 84 * (t + skew)) for skew in skews])
-    mended = aligned(read, RATE_HZ, lags)
+    corrected = aligned(read, RATE_HZ, lags)
     # All stand at the last channel's times now.
     expected = np.sin(2 * np.pi * 84 * (t + skews[-1]))
-    assert np.abs(mended - expected)[:, 60:-60].max() < 1e-4
+    assert np.abs(corrected - expected)[:, 60:-60].max() < 1e-4
     assert np.abs(read[0] - expected).max() > 0.07
 
 
@@ -36,8 +36,8 @@ def test_a_delay_of_parts_of_a_sample_and_of_many_is_taken_off(rig: Rig):
     lags[3], lags[5] = 0.3 / RATE_HZ, 7.6 / RATE_HZ
     t = np.arange(2048) / RATE_HZ
     read = np.stack([np.sin(2 * np.pi * 30 * (t - lag)) for lag in lags])
-    mended = aligned(read, RATE_HZ, lags)
-    assert np.abs(mended - np.sin(2 * np.pi * 30 * t))[:, 60:-60].max() < 1e-4
+    corrected = aligned(read, RATE_HZ, lags)
+    assert np.abs(corrected - np.sin(2 * np.pi * 30 * t))[:, 60:-60].max() < 1e-4
 
 
 def test_equal_delays_change_nothing(rig: Rig):

@@ -60,7 +60,7 @@ def test_a_hand_at_the_front_panel_is_noticed_within_a_poll_and_ends_the_burst(
     with pytest.raises(OutputLostError, match=f"{change.split()[0]}: .* was set, the generator now says"):
         tick_through(generator, 400, 600)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
-    # The settings were set anew: the next burst is as it should be.
+    # The settings were set again: the next burst is as it should be.
     generator.play(BURST, 0, RATE_HZ)
     generator.close()
     bench.port.close()

@@ -59,7 +59,7 @@ CASES: list[tuple[str, Any, list[str]]] = [
     ("channels.3.quantity", "force", ["channels: quantity: force at channels[0], channels[3]", "exactly one"]),
     ("channels.3.sensitvity", 1, ["channels[3].sensitvity: no such field; allowed: did you mean sensitivity_v_per"]),
     ("channels.3", "a03", ["channels[3]: found 'a03'; allowed: a group of fields"]),
-    ("channels", [], ["channels: found []; allowed: at least 1 entries"]),
+    ("channels", [], ["channels: found []; allowed: at least one entry"]),
     ("points", 3, ["points: found 3; allowed: a list"]),
     ("points.1.id", 1, ["points[1].id: found 1, as in points[0]; allowed: each once"]),
     ("points.1.x_m", -0.1, ["points[1].x_m: found -0.1; allowed: 0 to beam.length_m = 0.887"]),

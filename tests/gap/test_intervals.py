@@ -66,7 +66,7 @@ def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 4})
     stated = rig.model_copy(update={"tolerance": Tolerance(sensitivity=0.02)})
     assert tolerated(wrong, stated) == pytest.approx(0.02 / 0.1)
-    # Nothing is added where the rig file does not speak of it, or where the tolerance is free beside the effect.
+    # Nothing is added where the rig file does not mention it, or where the tolerance is free beside the effect.
     assert tolerated(wrong, rig.model_copy(update={"tolerance": Tolerance(youngs_modulus=0.01)})) == 0.0
     damper = Effect(effect="local_damper", parameters={"c": 9.0}, place={"x": 0.5})
     assert tolerated(damper, rig.model_copy(update={"tolerance": Tolerance.usual()})) == 0.0

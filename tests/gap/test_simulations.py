@@ -1,4 +1,4 @@
-"""Other simulations of the bench: their records are read back, played and held against it, and the twin is exported."""
+"""Other simulations of the bench: records read back, played and compared with it, and the exported twin."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from modallab.core.errors import IdentificationError
+from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.identification.setups.compare import compare_setups
 from modallab.identification.setups.found import SetUpModel, same_modes
-from modallab.identification.setups.join import averaged, join_setups
+from modallab.identification.setups.join import averaged, join_setups, require_same_points
+from modallab.identification.setups.readings import readings
 
 FREQUENCY = np.array([5.0, 31.0, 88.0])
 PHI = np.array([np.sin(k * np.linspace(0.3, 1.4, 10)) + 0.1 * k for k in (1, 2, 3)])
@@ -66,6 +67,14 @@ def test_the_one_that_is_off_is_named_with_its_mass_and_the_sigma_grows() -> Non
     assert "is 0.12 % lower than in left (85 sigmas), and 2 more modes differ: the mass of a, b (10 g) moved" in said
     assert any("Set-ups that are off: right." in note for note in model.notes)
     assert np.all(np.abs(model.frequency_hz - FREQUENCY * 0.9988) < 2 * model.frequency_sigma_hz)
+    read = readings(found, modes, compared)
+    assert [bool(item.off.all()) for item in read] == [False, False, True]
+    np.testing.assert_allclose(read[2].frequency_hz, FREQUENCY * 0.9988)
+
+
+def test_set_ups_struck_elsewhere_are_named_with_their_points() -> None:
+    with pytest.raises(DataError, match="set-up left was struck at points 10, 3, set-up right at points 10, 6"):
+        require_same_points([("left", (10, 3)), ("right", (10, 6))])
 
 
 def test_a_gain_that_changed_is_seen_by_the_reference_and_taken_out() -> None:

@@ -50,7 +50,7 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     page = (tmp_path / reported.result["files"]["report.html"]).read_text(encoding="utf-8")
     assert "<h1>A heading of its own</h1>" in page
     assert (wrong.state, absent.state) == ("failed", "failed")
-    assert "method: Input should be 'circle', 'era', 'peak' or 'plscf'" in str(wrong.error)
+    assert "allowed: 'circle', 'era', 'peak' or 'plscf'" in str(wrong.error)
     assert "there is no run 'nothing'" in str(absent.error)
     # This rig file describes no beam, so that there is nothing to hold the recording against.
     assert bad.state == "failed"

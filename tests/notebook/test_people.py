@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 import modallab as ml
 from modallab.cli.demo_rig import demo_rig
-from modallab.core.errors import MissingPackageError, ModallabError
+from modallab.core.errors import DataError, MissingPackageError, ModallabError, PlanError, StorageError
 from modallab.core.plan import ImpactPlan
 from modallab.gap.report.calibrated import believed_twin
 from modallab.notebook.twin import DiagnosedTwin
@@ -143,6 +143,12 @@ def test_importing_it_costs_nothing_heavy_and_frf_is_a_function_before_and_after
     assert done.stdout.splitlines() == ["[]", "<MeasuredFrf: inertance, 1 outputs, 1 inputs, 3 lines>"]
 
 
+def one_mode() -> np.ndarray:
+    s, pole = 2j * np.pi * LINES_HZ, 2 * np.pi * 30
+    noise = np.random.default_rng(0).standard_normal((2, LINES_HZ.size)) * 1e-4
+    return s**2 / (pole**2 + 0.02 * s * pole + s**2) * np.array([[1], [0.7]]) + noise
+
+
 f, H = LINES_HZ, np.ones((2, 1, LINES_HZ.size)) * 1j
 MISTAKES = {
     "another number of lines": (lambda: ml.frf(f[:-1], H), "does not fit 195 frequencies"),
@@ -162,6 +168,24 @@ MISTAKES = {
     "an effect without its place": (lambda: ml.simulate(effect="added_mass,mass=0.05"), "write it as added_mass,mass="),
     "an effect with a wrong key": (lambda: ml.simulate(effect="added_mass,m=1,x=0.8"), "has no parameter 'm'"),
     "a point there is not": (lambda: ml.simulate(plan=ImpactPlan(points=(99,))), "99"),
+    "a shape that is none": (lambda: ml.frf(f[None], H), r"f has the shape \(1, 196\)"),
+    "words for frequencies": (lambda: ml.frf(["a", "b"], [1j, 2j]), "f is no array of numbers"),
+    "rows of two lengths": (lambda: ml.frf([1, 2], [[1j, 2j], [1j]]), "H is no array of numbers"),
+    "values that are not finite": (lambda: ml.frf(f, np.where(f == 30, np.nan, H)), "H holds 2 values"),
+    "outputs by name": (lambda: ml.frf(f, H, outputs=["tip", "root"]), "are no numbers of points"),  # pyright: ignore[reportArgumentType]
+    "inputs for outputs": (lambda: ml.frf(f, H, inputs=[1, 2], outputs=[10]), r"outputs=\[10\] for 2 outputs"),
+    "a conjugated FRF": (lambda: ml.identify(ml.frf(f, one_mode().conj())), "the phase of H rises"),
+    "one edge for a band": (lambda: ml.identify(ml.frf(f, H), band=3), "band=3 is no pair"),  # pyright: ignore[reportArgumentType]
+    "three edges": (lambda: ml.identify(ml.frf(f, H), band=(3, 50, 90)), "is no pair"),  # pyright: ignore[reportArgumentType]
+    "a band as text": (lambda: ml.identify(ml.frf(f, H), band="3 110"), "is no pair"),  # pyright: ignore[reportArgumentType]
+    "a pick as text": (lambda: ml.identify(ml.frf(f, H), pick="30"), "pick='30' is no list"),  # pyright: ignore[reportArgumentType]
+    "every mode dropped": (lambda: ml.identify(ml.frf(f, one_mode()), drop=(30,)), "no mode is left"),
+    "a number for a file": (lambda: ml.load(3), "3 is no name of a file"),  # pyright: ignore[reportArgumentType]
+    "a table without a rig": (lambda: ml.load(__file__), "give rig='rig.yaml'"),
+    "an option that is none": (lambda: ml.load(__file__, rig=demo_rig(), rate=2000), "did you mean rate_hz?"),
+    "a plan that is none": (lambda: ml.simulate(plan=3), "3 is no plan"),  # pyright: ignore[reportArgumentType]
+    "a plan with a wrong field": (lambda: ml.simulate(plan={"kind": "impact", "points": 10}), "points is 10"),
+    "an effect without numbers": (lambda: ml.simulate(effect={"added_mass": 0.05}), "is no effect"),  # pyright: ignore[reportArgumentType]
     "a diagnosis without a beam": (lambda: ml.diagnose(ml.frf(f, H)), "beam"),
 }
 
@@ -172,3 +196,13 @@ def test_a_mistake_ends_in_one_sentence_and_a_remedy(mistake: str) -> None:
     with pytest.raises(ModallabError, match=said) as caught:
         make()
     assert caught.value.remedy
+
+
+def test_results_go_only_where_their_name_says(recorded: ml.Model, demo: Path, tmp_path: Path) -> None:
+    for save in (recorded.save, ml.load(demo).save):
+        with pytest.raises(StorageError, match=r"does not end in"):
+            save(tmp_path / "report.docx")
+    with pytest.raises(PlanError, match=r"'point:99' holds out 0 of 47 records"):
+        ml.diagnose(ml.load(demo), "point:99")
+    with pytest.raises(DataError, match="str is no model"):
+        recorded.mac("x")  # pyright: ignore[reportArgumentType]

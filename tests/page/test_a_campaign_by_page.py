@@ -158,7 +158,7 @@ def test_what_was_exported_comes_back_by_a_drop(corrected: Watched, campaign: st
     assert served.client.run(again.runs[0]).accepted == 4
     page.evaluate(DROP, ["broken.h5", base64.b64encode(b"no campaign").decode()])
     page.wait_for_selector(".drop p:text-is('broken.h5 was not taken.')")
-    assert "To mend it" in page.inner_text(".message")
+    assert "To correct it" in page.inner_text(".message")
     page.click("button[aria-label='Close this message']")
     corrected.wrong.clear()  # The browser says itself that a request was rejected.
 

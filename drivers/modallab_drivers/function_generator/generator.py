@@ -46,7 +46,7 @@ def open_generator(rig: Rig) -> "Generator":
         raise ConfigurationError(
             f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the generator's {language.highest_v:g} V",
             where=f"rig {rig.name}",
-            remedy="mend this field of the rig file",
+            remedy="correct this field of the rig file",
         )
     return Generator(Line(excitation.output, excitation.baud), excitation.dialect)
 
@@ -245,7 +245,7 @@ class Generator:
                 f"{changed}: it was changed at the front panel or by another program, or the generator was switched off"
                 " and on; the output was brought to 0 V",
                 where=self._instrument.where,
-                remedy="leave the generator alone during a test; its settings are set anew for the next burst",
+                remedy="leave the generator alone during a test; its settings are set again for the next burst",
             )
 
     @contextmanager

@@ -26,7 +26,7 @@ CHASSIS_EXPIRED = -201478
 
 _LOST = "start again: what comes is a new stretch; record at a lower rate or on a less busy machine if it happens often"
 _GONE = "look at the device's power, cable and network; the output is at 0 V or ends by itself; then start a new run"
-_CONFIGURATION = "mend the field of the rig file or the plan that the message names; this is not tried again"
+_CONFIGURATION = "correct the field of the rig file or the plan that the message names; this is not tried again"
 _TOGETHER = "see how the devices are connected: rig file field synchronisation"
 _BUSY = (
     "end the program that holds it, or wait for it; what a killed modallab left behind (tasks named modallab-...)"
@@ -51,7 +51,7 @@ TABLE: dict[int, tuple[type[BenchError], str]] = {
     -200222: (SamplesLostError, _LOST),
     -200361: (SamplesLostError, _LOST),
     NEVER: (SamplesLostError, "the record is short: what there is was kept; start again"),
-    HANDLE_DEAD: (SamplesLostError, "the task was lost on the device's side and is built anew at the next start"),
+    HANDLE_DEAD: (SamplesLostError, "the task was lost on the device's side and is built again at the next start"),
     -201003: (DeviceGoneError, _GONE),
     -88705: (DeviceGoneError, _GONE),
     -88709: (DeviceGoneError, _GONE),

@@ -53,7 +53,7 @@ def plugs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[Plug,
             continue
         plugs.append(_plug(rig, channel, physical, owners[physical], problems))
     if problems:
-        raise ConfigurationError("; ".join(problems), where=where, remedy="mend these fields of the rig file")
+        raise ConfigurationError("; ".join(problems), where=where, remedy="correct these fields of the rig file")
     return tuple(plugs)
 
 
@@ -97,7 +97,7 @@ def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str,
         raise ConfigurationError(
             f"excitation.output: found {wired!r}; allowed: {_listed(list(ranges))}",
             where=where,
-            remedy="mend this field of the rig file",
+            remedy="correct this field of the rig file",
         )
     if not ranges:
         return None
@@ -106,7 +106,7 @@ def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str,
         raise ConfigurationError(
             f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V",
             where=where,
-            remedy="mend this field of the rig file",
+            remedy="correct this field of the rig file",
         )
     return name, ranges[name]
 

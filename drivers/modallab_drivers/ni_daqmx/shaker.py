@@ -165,7 +165,7 @@ class Shaker:
             self._output.abandon()
 
     def come_back(self, route: Route, devices: Sequence[DeviceInfo]) -> None:
-        """The device is back: take its output anew."""
+        """The device is back: take its output again."""
         chosen = output_of(self._rig, devices, self._where)
         if chosen is not None:
             self._output = AnalogOutput(route, *chosen, guarded=self._guarded)

@@ -43,7 +43,7 @@ class Site:
         return 1 / (self.rate_hz * self.oversample)
 
     def age(self, bench_s: float, *, exactly: bool = False) -> Moving:
-        """The structure after some bench time: anew at a start, and else where a drift has gone on a good deal."""
+        """The structure after some bench time: again at a start, and else where a drift has gone on a good deal."""
         if not self._truth.drift:
             return self.structure
         progress = min(1.0, bench_s / self._truth.effects.altered.structure.drift_s)

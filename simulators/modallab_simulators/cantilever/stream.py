@@ -17,7 +17,7 @@ class SampleStream:
     """Samples since the start.
 
     Stretches lie on a fixed grid and their noise is drawn once, so what is read does not depend on how it is read.
-    When the excitation changes within a stretch, the stretch is computed anew from the state at its beginning.
+    When the excitation changes within a stretch, the stretch is computed again from the state at its beginning.
     """
 
     def __init__(

@@ -281,7 +281,7 @@ class SimulatedSystem:
         self.changed()
 
     def let_go(self, watchdog: WatchdogTask) -> None:
-        """The outputs of a watchdog that is cleared, stopped or started anew follow their tasks again."""
+        """The outputs of a watchdog that is cleared, stopped or started again follow their tasks again."""
         watchdog.expired = False
         for name in watchdog.states:
             self.lines[name].held = False

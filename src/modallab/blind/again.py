@@ -14,7 +14,7 @@ from modallab.gap.revisions.apply import with_diagnosis
 
 
 class Again(NamedTuple):
-    """A diagnosis held against a later campaign.
+    """A diagnosis compared with a later campaign.
 
     Attributes:
         closed: share of the reducible gap that it closes there; None where there was next to none.

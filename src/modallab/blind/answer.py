@@ -82,7 +82,7 @@ def _read(line: str, where: str) -> Answer:
         return Answer(entry["name"], diagnosis, entry["seconds"], entry.get("length_m", 1.0), withheld)
     except (ValueError, KeyError) as error:
         raise FormatError(
-            f"is no answer: {error}", where=where, remedy="take the line out; it is answered anew"
+            f"is no answer: {error}", where=where, remedy="take the line out; it is answered again"
         ) from error
 
 

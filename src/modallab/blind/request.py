@@ -18,7 +18,7 @@ class BlindRequest(Frozen):
         seed: draws everything.
         effects: names; empty for the whole catalogue.
         tolerances: how well the benches are put together: ideally, or as in an ordinary lab.
-        later: whether each diagnosis is held against a later campaign on the same bench.
+        later: whether each diagnosis is compared with a later campaign on the same bench.
     """
 
     trials: Annotated[int, Field(ge=0, le=100_000)] = 60

@@ -92,6 +92,8 @@ def campaigns_in(folder: Path) -> dict[str, Path]:
     Raises:
         DataError: there is none.
     """
+    if not folder.is_dir():
+        raise DataError("is no folder", where=str(folder), remedy="name a folder of campaign files or folders")
     files = {path.stem: path for path in folder.glob("*.h5")}
     folders = {path.name: path for path in folder.iterdir() if path.is_dir() and _is_campaign(path)}
     found = dict(sorted((files | folders).items()))

@@ -77,7 +77,7 @@ def opened(folder: Path, name: str) -> dict[str, Any]:
     text = (folder / SEALED / f"{name}.json").read_text(encoding="utf-8")
     if content is None or content["trials"].get(name) != hash_of(text):
         raise DataError(
-            f"the truth of {name} is not the one that was sealed", where=str(folder / SEALED), remedy="draw trials anew"
+            f"the truth of {name} is not the one that was sealed", where=str(folder / SEALED), remedy="draw new trials"
         )
     return json.loads(text)["truth"]
 

@@ -62,5 +62,5 @@ def trial_bench() -> TrialBench:
     """
     found = sorted(installed(GROUP), key=lambda entry: entry.name)
     if not found:
-        raise ConfigurationError("no simulated bench for blind trials is installed", remedy="install modallab anew")
+        raise ConfigurationError("no simulated bench for blind trials is installed", remedy="install modallab again")
     return cast("TrialBench", found[0].load())

@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from modallab import __version__
+from modallab.cli.outputs import check_outputs
 from modallab.cli.parser import build_parser
 from modallab.core.errors import ModallabError
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code: 0 good, 2 for anything the user can mend."""
-    arguments = build_parser(__version__).parse_args(argv)
+    """Run one command; returns the exit code: 0 good, 2 for anything the user can correct."""
     # The matrices are small: threads of the linear algebra only wait for each other, the more the busier the machine.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     try:
+        arguments = build_parser(__version__).parse_args(argv)
+        check_outputs(arguments)
         return int(import_module(f"modallab.cli.{arguments.module}").run(arguments))
     except ModallabError as error:
         print(f"modallab: {error}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`modallab backup`, `restore` and `retention`: a data folder is copied, made anew, or relieved of old samples."""
+"""`modallab backup`, `restore` and `retention`: a data folder is copied, made again, or relieved of old samples."""
 
 import argparse
 from datetime import timedelta

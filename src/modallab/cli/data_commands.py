@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
+from modallab.cli.options import not_negative, positive
 from modallab.formats.format import writers
 
 ROLES = ("observer", "operator", "admin")
@@ -22,7 +23,7 @@ def add_data_commands(commands: _Commands) -> None:
 
 
 def _add_export(commands: _Commands) -> None:
-    command = commands.add_parser("export", help="write a campaign in a format of others")
+    command = commands.add_parser("export", help="write a campaign in another format")
     command.add_argument("source", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="a campaign, or a data folder")
     command.add_argument("--format", required=True, choices=tuple(f.name for f in writers()))
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
@@ -37,21 +38,21 @@ def _add_backup(commands: _Commands) -> None:
     command = commands.add_parser("backup", help="copy a data folder, also while a run is being recorded")
     command.add_argument("data", type=Path, metavar="DATA")
     command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="not there yet, or empty")
-    command.set_defaults(module="backup", action="backup")
+    command.set_defaults(module="backup", action="backup", out_is_folder=True)
 
 
 def _add_restore(commands: _Commands) -> None:
-    command = commands.add_parser("restore", help="make a data folder of a backup")
+    command = commands.add_parser("restore", help="restore a data folder from a backup")
     command.add_argument("backup", type=Path, metavar="BACKUP")
     command.add_argument("--out", type=Path, required=True, metavar="DATA", help="not there yet, or empty")
     command.add_argument("--database", metavar="URL", help="keep the catalogue in this empty PostgreSQL database")
-    command.set_defaults(module="backup", action="restore")
+    command.set_defaults(module="backup", action="restore", out_is_folder=True)
 
 
 def _add_retention(commands: _Commands) -> None:
-    command = commands.add_parser("retention", help="list samples that may go, and delete them if asked to")
+    command = commands.add_parser("retention", help="list samples that may be deleted, and delete them with --delete")
     command.add_argument("data", type=Path, metavar="DATA")
-    command.add_argument("--older-than", type=float, default=0.0, metavar="DAYS", help="since the run's end")
+    command.add_argument("--older-than", type=not_negative, default=0.0, metavar="DAYS", help="since the run's end")
     command.add_argument("--state", action="append", choices=("done", "failed", "aborted"), help="may be repeated")
     command.add_argument("--valid", action="store_true", help="runs with valid data too")
     command.add_argument("--delete", action="store_true", help="delete them; without it they are only listed")
@@ -59,7 +60,7 @@ def _add_retention(commands: _Commands) -> None:
 
 
 def _add_user(commands: _Commands) -> None:
-    user = commands.add_parser("user", help="say who may ask the service, and make and revoke tokens")
+    user = commands.add_parser("user", help="manage users of the service and their tokens")
     actions = user.add_subparsers(metavar="ACTION", required=True, dest="action")
     add = actions.add_parser("add", help="add a user, and make a token")
     add.add_argument("--role", choices=ROLES, default="operator", help="what the user may do")
@@ -67,10 +68,12 @@ def _add_user(commands: _Commands) -> None:
     token.add_argument("--role", choices=ROLES, help="what it is for, if less than the user may do")
     for command in (add, token):
         command.add_argument("--rig", action="append", metavar="ID", help="work at this rig only; may be repeated")
-        command.add_argument("--days", type=float, metavar="N", help="it counts for so long (default: until revoked)")
+        command.add_argument(
+            "--days", type=positive, metavar="N", help="valid for so many days (default: until revoked)"
+        )
         command.add_argument("--label", default="", help="where it is kept")
-    listed = actions.add_parser("list", help="show users and tokens, without what is secret")
-    revoke = actions.add_parser("revoke", help="have the tokens of a user not count any more")
+    listed = actions.add_parser("list", help="list users and tokens, without the secrets")
+    revoke = actions.add_parser("revoke", help="revoke the tokens of a user")
     revoke.add_argument("--token", metavar="ID", help="only this one")
     for command in (add, token, revoke):
         command.add_argument("name", metavar="NAME", help="of the user")

@@ -25,7 +25,7 @@ def _release(console: Console, arguments: argparse.Namespace) -> int:
     handle = open_output(arguments.address, read_rig(arguments.rig))
     if handle is None:
         raise ConfigurationError(
-            f"{arguments.address} holds nothing when its program is gone", remedy="just start anew"
+            f"{arguments.address} holds nothing when its program is gone", remedy="just start again"
         )
     try:
         handle.release()

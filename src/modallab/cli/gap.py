@@ -1,16 +1,22 @@
 """`modallab gap`: diagnose a campaign, predict another, or say beforehand what a plan can distinguish."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 
+from modallab.acquisition.procedures.plan_checks import require_possible
+from modallab.bench.protocol import BenchInfo
 from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.errors import FormatError
+from modallab.core.errors import FormatError, PlanError
+from modallab.core.plan import ImpactPlan, Plan
+from modallab.core.rig import Rig
+from modallab.core.setups import rig_of, split_setups
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.plan_file import read_plans
 from modallab.formats.prediction import read_prediction, write_prediction
@@ -24,7 +30,12 @@ from modallab.gap.simulations.said import sentence_of
 from modallab.reporting.gap_report import write_gap_report
 from modallab.reporting.simulation_report import write_simulation_report
 from modallab.reporting.waiting import waiting
+from modallab.service.campaigns.begin import require_reasonable
 
+_ANY_BENCH = BenchInfo(url="", devices=(), can_drive=True, real_time=False, facts={})
+"""No bench is asked: what the rig itself forbids is all that can be said."""
+MOST_SAMPLES = 1 << 17
+"""Of a block; a longer one is computed for minutes, and usually is a slip in a unit."""
 _DIAGNOSE = "write one with modallab gap diagnose CAMPAIGN --json FILE"
 
 
@@ -99,17 +110,21 @@ def read_diagnosis(path: Path) -> Diagnosis:
     except UnicodeDecodeError as error:
         raise FormatError("is no diagnosis, and no text at all", where=str(path), remedy=_DIAGNOSE) from error
     except ValidationError as error:
-        first = ".".join(map(str, error.errors()[0]["loc"])) or "the whole of it"
+        first = ".".join(map(str, error.errors()[0]["loc"]))
+        count = error.error_count()
         raise FormatError(
-            f"is no diagnosis: {error.error_count()} fields are missing or wrong, the first is {first}",
+            f"is no diagnosis: {count} fields are missing or wrong, the first is {first}"
+            if first
+            else "is no diagnosis, and holds no fields of JSON",
             where=str(path),
             remedy=_DIAGNOSE,
         ) from error
 
 
 def _distinguishability(arguments: argparse.Namespace) -> int:
-    plans = read_plans(arguments.plan)
-    found = distinguishability(read_rig(arguments.rig), plans)
+    rig, plans = read_rig(arguments.rig), read_plans(arguments.plan)
+    _require_plans(rig, plans)
+    found = distinguishability(rig, plans)
     console = Console()
     pairs = found.alike()
     table = Table("effect", "and", "cosine where they are most alike")
@@ -125,3 +140,23 @@ def _distinguishability(arguments: argparse.Namespace) -> int:
     for line in advice(found, plans):
         console.print(line, markup=False)
     return 0
+
+
+def _require_plans(rig: Rig, plans: Sequence[Plan]) -> None:
+    """Reject what could not be run either: its unit is wrong, or the rig does not allow it.
+
+    Raises:
+        PlanError: what is wrong.
+    """
+    for plan in plans:
+        require_reasonable(plan, rig)
+        for part in split_setups(plan) if isinstance(plan, ImpactPlan) else (plan,):
+            stands = rig_of(rig, part.setups[0]) if isinstance(part, ImpactPlan) and part.setups else rig
+            require_possible(part, stands, _ANY_BENCH)
+        samples = plan.block_s * plan.rate_hz
+        if samples > MOST_SAMPLES:
+            raise PlanError(
+                f"block_s {plan.block_s:g} at rate_hz {plan.rate_hz:g} is {samples:g} samples; allowed: {MOST_SAMPLES}",
+                where=f"{plan.kind} plan",
+                remedy="write block_s in s and rate_hz in Hz",
+            )

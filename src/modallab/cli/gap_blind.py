@@ -19,6 +19,7 @@ from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind, blind_folder
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
+from modallab.core.field_errors import sentences
 from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
 
@@ -60,8 +61,7 @@ def _request(arguments: argparse.Namespace) -> BlindRequest:
             later=not arguments.no_later,
         )
     except ValidationError as error:
-        said = "; ".join(e["msg"].removeprefix("Value error, ") for e in error.errors())
-        raise PlanError(said, remedy="mend the options of modallab gap blind") from error
+        raise PlanError("; ".join(sentences(error)), remedy="correct the options of modallab gap blind") from error
 
 
 @contextmanager

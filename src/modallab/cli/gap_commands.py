@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from modallab.cli.options import JSON_HELP, add_saying
+from modallab.cli.options import JSON_HELP, add_saying, positive
 
 
 class _Commands(Protocol):
@@ -18,17 +18,19 @@ def add_gap_commands(commands: _Commands) -> None:
     gap.set_defaults(module="gap")
     _add_diagnose(actions)
     _add_predict(actions)
-    command = actions.add_parser("distinguishability", help="which effects a plan cannot distinguish, before any data")
+    command = actions.add_parser(
+        "distinguishability", help="say which effects a plan cannot distinguish, before it is run"
+    )
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("plan", type=Path, metavar="PLAN.yaml")
-    command = actions.add_parser("effects", help="what may be wrong with a bench, as the catalogue has it")
+    command = actions.add_parser("effects", help="list the effects of the catalogue: what may be wrong with a bench")
     command.add_argument("names", nargs="*", metavar="EFFECT", help="describe these; default: one line each for all")
     command.set_defaults(module="effects")
     _add_revisions(actions)
     _add_export(actions)
     _add_next(actions)
     _add_blind(actions)
-    command = actions.add_parser("paper", help="what explains each number of the paper's Table 1")
+    command = actions.add_parser("paper", help="explain each number of the paper's Table 1")
     command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
     command.set_defaults(module="gap_paper")
 
@@ -41,7 +43,7 @@ def _add_diagnose(actions: _Commands) -> None:
         "--hold-out",
         default="mixed",
         metavar="RULE",
-        help="records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
+        help="records kept out of the fit: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
     )
     command.add_argument(
         "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
@@ -53,7 +55,9 @@ def _add_diagnose(actions: _Commands) -> None:
 
 
 def _add_predict(actions: _Commands) -> None:
-    command = actions.add_parser("predict", help="what another campaign on the same rig would read, from its forces")
+    command = actions.add_parser(
+        "predict", help="predict the records of another campaign on the same rig from its forces"
+    )
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--on", type=Path, required=True, metavar="OTHER", help="the campaign to predict")
@@ -62,13 +66,13 @@ def _add_predict(actions: _Commands) -> None:
 
 
 def _add_revisions(actions: _Commands) -> None:
-    command = actions.add_parser("apply", help="put what was found into the simulation: the rig's next revision")
+    command = actions.add_parser("apply", help="write the rig's next revision, with the effects that were found")
     command.add_argument("diagnosis", type=Path, metavar="D.json")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="that it was diagnosed with")
     command.add_argument("--out", type=Path, required=True, metavar="RIG2.yaml", help="the next revision")
     command.add_argument("--source", metavar="TEXT", help="what was diagnosed (default: the name of D.json)")
     command.set_defaults(module="gap_revisions")
-    command = actions.add_parser("history", help="how the simulation came closer, revision by revision")
+    command = actions.add_parser("history", help="show how far each revision of the rig has closed the gap")
     command.add_argument("rig", type=Path, metavar="RIG.yaml")
     command.add_argument("--on", type=Path, nargs="+", metavar="CAMPAIGN", help="measure every revision on these")
     command.add_argument("--json", type=Path, metavar="FILE", help="write it as JSON")
@@ -77,32 +81,41 @@ def _add_revisions(actions: _Commands) -> None:
 
 
 def _add_blind(actions: _Commands) -> None:
-    command = actions.add_parser("blind", help="trials whose truth is sealed until every diagnosis is written")
-    command.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="what was begun here goes on")
+    command = actions.add_parser(
+        "blind", help="run blind trials: their true effects are read after all diagnoses are written"
+    )
+    command.add_argument(
+        "--out", type=Path, required=True, metavar="FOLDER", help="an unfinished run in it is continued"
+    )
     command.add_argument("--trials", type=int, default=60, metavar="N", help="with one effect each")
     command.add_argument("--none", type=int, metavar="N", help="without effect (default: a quarter of the others)")
     command.add_argument("--pairs", type=int, default=0, metavar="N", help="with two effects each")
-    command.add_argument("--seed", type=int, default=0, metavar="S", help="draws everything")
+    command.add_argument("--seed", type=int, default=0, metavar="S", help="seed of the random numbers")
     command.add_argument("--effects", metavar="NAME,...", help="only these (default: all of the catalogue)")
     command.add_argument(
-        "--tolerances", choices=("none", "usual"), default="none", help="how well the benches are put together"
+        "--tolerances",
+        choices=("none", "usual"),
+        default="none",
+        help="how accurate the simulated benches are: ideal, or as in a usual lab",
     )
-    command.add_argument("--no-later", action="store_true", help="hold no diagnosis against a later campaign")
+    command.add_argument("--no-later", action="store_true", help="do not check the diagnoses on a later campaign")
     command.add_argument("--folder", type=Path, metavar="CAMPAIGNS", help="diagnose these instead of making trials")
-    command.add_argument("--truth", type=Path, metavar="TRUTHS", help="of --folder, read once all is answered")
+    command.add_argument(
+        "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"
+    )
     command.add_argument("--workers", type=int, metavar="N", help="processes (default: one a processor)")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, whose workers see the folder (default: none)")
-    command.set_defaults(module="gap_blind")
+    command.set_defaults(module="gap_blind", out_is_folder=True)
 
 
 def _add_export(actions: _Commands) -> None:
-    command = actions.add_parser("export", help="the corrected simulation, in a form that other programs simulate with")
+    command = actions.add_parser("export", help="write the corrected simulation for other programs")
     command.add_argument("diagnosis", type=Path, metavar="D.json")
     command.add_argument("--rig", type=Path, required=True, metavar="RIG.yaml", help="that it was diagnosed with")
     command.add_argument("--form", required=True, choices=("npz", "mat", "mjcf", "uff"))
     command.add_argument("--out", type=Path, required=True, metavar="FILE")
     command.add_argument("--test", choices=("impact", "sine"), help="only this one (default: all, for mjcf the impact)")
-    command.add_argument("--rate", type=float, metavar="HZ", help="npz and mat: in steps of this rate too")
+    command.add_argument("--rate", type=positive, metavar="HZ", help="npz and mat: in steps of this rate too")
     command.add_argument("--on", type=Path, metavar="CAMPAIGN", help="measure its gap to these records, in this form")
     command.add_argument("--records", type=int, metavar="N", help="at most so many of them (default: all held out)")
     command.add_argument("--json", type=Path, metavar="FILE", help="write what was measured as JSON")
@@ -110,11 +123,11 @@ def _add_export(actions: _Commands) -> None:
 
 
 def _add_next(actions: _Commands) -> None:
-    command = actions.add_parser("next", help="the experiment that separates what a diagnosis has left standing")
+    command = actions.add_parser("next", help="plan the experiment that decides between the explanations that are left")
     command.add_argument("campaign", type=Path, metavar="FOLDER|CAMPAIGN.h5", help="the one that was diagnosed")
     command.add_argument("--diagnosis", type=Path, required=True, metavar="D.json")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument("--run", dest="run_it", action="store_true", help="run it on the bench, and diagnose anew")
+    command.add_argument("--run", dest="run_it", action="store_true", help="run it on the bench, and diagnose again")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, default=Path("data"), metavar="FOLDER", help="where the recordings go")
     command.add_argument("--out", type=Path, metavar="CAMPAIGN.h5", help="write all records as one campaign")

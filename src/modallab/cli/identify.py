@@ -7,7 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from modallab.cli.saying import OUT, console_of, write_json
+from modallab.cli.outputs import OUT
+from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.errors import ConfigurationError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -91,9 +92,8 @@ def show_joined(console: Console, joined: Joined, report: Path | None) -> None:
     console.print(setups_table(joined.compared))
     print_remarks(console, joined.result)
     if report is not None:
-        write_report(
-            report, report_content(joined.campaign, joined.result, f"Modal test of {joined.campaign.rig.name}")
-        )
+        title = f"Modal test of {joined.campaign.rig.name}"
+        write_report(report, report_content(joined.campaign, joined.result, title, setups=joined.readings))
         console.print(f"report: {report}", markup=False)
 
 

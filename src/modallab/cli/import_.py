@@ -9,8 +9,8 @@ from rich.table import Table
 
 from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import ConfigurationError, StorageError
-from modallab.formats.campaign.campaign_hdf5 import campaign_file, write_campaign
+from modallab.core.errors import ConfigurationError
+from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.draft import assumptions, write_draft
 from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
@@ -21,8 +21,8 @@ from modallab.reporting.waiting import waiting
 
 def run(arguments: argparse.Namespace) -> int:
     """Read all sources, write the campaign, print what it holds."""
+    arguments.sources = [file for source in arguments.sources for file in _files(source)]
     out: Path = arguments.out
-    _reject_own_source(out, arguments.sources)
     options = ImportOptions(
         test=arguments.test or "impact",
         rate_hz=arguments.rate,
@@ -55,6 +55,13 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _files(source: Path) -> list[Path]:
+    """What a pattern stands for: the command prompt of Windows hands it on as it was typed."""
+    if source.exists() or not any(mark in source.name for mark in "*?"):
+        return [source]
+    return sorted(source.parent.glob(source.name)) or [source]
+
+
 def _pair(text: str) -> tuple[str, str]:
     channel, mark, name = text.partition("=")
     if not (mark and channel and name):
@@ -62,14 +69,6 @@ def _pair(text: str) -> tuple[str, str]:
             f"--variable {text!r} says no CHANNEL=NAME", remedy="write it as force=F or a1=data:2, without blanks"
         )
     return channel, name
-
-
-def _reject_own_source(out: Path, sources: list[Path]) -> None:
-    for source in sources:
-        if out.exists() and source.exists() and campaign_file(source).samefile(out):
-            raise StorageError(
-                "is one of the sources and would be overwritten", where=str(out), remedy="give --out another name"
-            )
 
 
 def _contents(campaign: Campaign) -> Table:

@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
-from modallab.cli.options import JSON_HELP, add_saying
+from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
+from modallab.cli.usage import Parser
 from modallab.core.units import TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
@@ -19,7 +20,7 @@ class _Commands(Protocol):
 
 def build_parser(version: str) -> argparse.ArgumentParser:
     """The parser; each command names the module of `modallab.cli` that runs it."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="modallab", description="Modal tests on a cantilever: run them, identify the modal model, explain the gap."
     )
     parser.add_argument("--version", action="version", version=f"modallab {version}")
@@ -44,33 +45,36 @@ def _add_demo(commands: _Commands) -> None:
         "--effect",
         action="append",
         metavar="NAME,NUMBER=VALUE,...",
-        help="what else is wrong with that bench, as added_mass,mass=0.05,x=0.8; may occur many times",
+        help="an effect to put on that bench, such as added_mass,mass=0.05,x=0.8; may be repeated",
     )
+    demo.add_argument("--clean", action="store_true", help="on an ideal bench (default: with the usual tolerances)")
     demo.add_argument(
-        "--clean", action="store_true", help="on an ideal bench (default: a little off everywhere, as benches are)"
-    )
-    demo.add_argument(
-        "--serve", action="store_true", help="show it on the operator's page: the same bench, to be tested by hand"
+        "--serve", action="store_true", help="serve the same bench on the operator's page, to be tested by hand"
     )
     add_saying(demo)
-    demo.set_defaults(module="demo")
+    demo.set_defaults(module="demo", out_is_folder=True)
 
 
 def _add_import(commands: _Commands) -> None:
-    command = commands.add_parser("import", help="turn recordings of others into one campaign file")
+    command = commands.add_parser("import", help="convert recordings of other programs into one campaign file")
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=", ".join(f.title for f in readers()))
     command.add_argument(
-        "--rig", type=Path, metavar="RIG.yaml", help="left out: one is written from what the file says, to be completed"
+        "--rig",
+        type=Path,
+        metavar="RIG.yaml",
+        help="names the channels; without it a draft is written from what the file says",
     )
     command.add_argument("--out", type=Path, required=True, metavar="CAMPAIGN.h5")
     command.add_argument(
         "--test", choices=TESTS, help="what the recordings are of (default: impact; random if no force was measured)"
     )
-    command.add_argument("--rate", type=float, metavar="HZ", help="sampling rate, for files without times")
+    command.add_argument("--rate", type=positive, metavar="HZ", help="sampling rate, for files without times")
     command.add_argument("--drive-point", type=int, metavar="N", help="point of the hit or of the shaker")
-    command.add_argument("--frequency", type=float, nargs="+", metavar="HZ", help="of the sine in each file, or in all")
     command.add_argument(
-        "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
+        "--frequency", type=positive, nargs="+", metavar="HZ", help="of the sine in each file, or in all"
+    )
+    command.add_argument(
+        "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
     command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
@@ -88,16 +92,18 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument(
         "--refine",
         action=argparse.BooleanOptionalAction,
-        help="begin a maximum-likelihood search with its poles, or keep them (default: as is usual with the method)",
+        help="refine the poles by maximum likelihood, or not (default: as is usual with the method)",
     )
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
-    command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
-    command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
+    command.add_argument("--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz")
+    command.add_argument(
+        "--order", type=int, metavar="N", help="highest model order of the estimator (default: chosen from the data)"
+    )
     command.add_argument(
         "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
     )
-    command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
-    command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
+    command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes nearest to these")
+    command.add_argument("--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes nearest to these")
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("models"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     add_saying(command)
@@ -105,11 +111,13 @@ def _add_identify(commands: _Commands) -> None:
 
 
 def _add_rig(commands: _Commands) -> None:
-    rig = commands.add_parser("rig", help="look at what stands on the bench, and calibrate it")
+    rig = commands.add_parser("rig", help="check the channels of a bench, and calibrate them")
     actions = rig.add_subparsers(metavar="ACTION", required=True, dest="action")
-    check = actions.add_parser("check", help="walk through every channel and say what is wrong")
-    check.add_argument("--tap", action="store_true", help="look at the polarity too, by a tap at every sensor's point")
-    check.add_argument("--drive", type=float, metavar="V", help="look at the generator's clock, by a small burst")
+    check = actions.add_parser("check", help="check every channel and say what is wrong")
+    check.add_argument("--tap", action="store_true", help="check the polarity too, by a tap at every sensor's point")
+    check.add_argument(
+        "--drive", type=float, metavar="V", help="check the generator's clock too, by a burst of this amplitude"
+    )
     check.add_argument(
         "--common", nargs=2, metavar="NAME", help="two channels of different devices that read one signal: their phase"
     )
@@ -119,15 +127,16 @@ def _add_rig(commands: _Commands) -> None:
     calibrate.add_argument(
         "--value", type=float, help="what the shunt stands for (SI), rms of the reference (SI), or the mass in kg"
     )
-    calibrate.add_argument("--frequency", type=float, default=159.15, metavar="HZ", help="of the reference shaker")
+    calibrate.add_argument("--frequency", type=positive, default=159.15, metavar="HZ", help="of the reference shaker")
     calibrate.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     calibrate.add_argument("--remark", default="")
     calibrate.add_argument("--yes", action="store_true", help="do not wait for Enter")
+    calibrate.set_defaults(in_place=True)
     calibrate.add_argument("--out", type=Path, metavar="RIG.yaml", help="where the new rig goes (default: in place)")
     mass = actions.add_parser(
-        "mass", help="hold force and accelerometer against a free rigid mass, before or after a test"
+        "mass", help="check force transducer and accelerometer on a free rigid mass, before or after a test"
     )
-    mass.add_argument("--mass", type=float, required=True, metavar="KG", help="with the accelerometer on it")
+    mass.add_argument("--mass", type=positive, required=True, metavar="KG", help="with the accelerometer on it")
     mass.add_argument("--when", required=True, choices=("before", "after"))
     mass.add_argument("--against", metavar="NAME", help="accelerometer on the free mass (default: the first)")
     mass.add_argument("--into", type=Path, required=True, metavar="FOLDER", help="of the campaign that it belongs to")
@@ -135,8 +144,8 @@ def _add_rig(commands: _Commands) -> None:
     for command in (check, calibrate, mass):
         command.add_argument("rig", type=Path, metavar="RIG.yaml")
         command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
-        command.add_argument("--seconds", type=float, default=3.0, help="how long to look")
-    reset = actions.add_parser("reset", help="let a tripped rig be armed again, after somebody has looked at the bench")
+        command.add_argument("--seconds", type=positive, default=3.0, help="length of the record in s")
+    reset = actions.add_parser("reset", help="reset a tripped rig, after somebody has looked at the bench")
     reset.add_argument("rig", type=Path, metavar="RIG.yaml")
     reset.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     reset.add_argument("--data", type=Path, required=True, metavar="FOLDER", help="data folder of the recordings")
@@ -144,16 +153,16 @@ def _add_rig(commands: _Commands) -> None:
 
 
 def _add_devices(commands: _Commands) -> None:
-    command = commands.add_parser("devices", help="list what is there, with the address to open it by")
+    command = commands.add_parser("devices", help="list the devices, each with its address")
     command.add_argument("address", nargs="?", default="", help="look only there, such as nidaqmx+grpc://host:31763")
-    command.add_argument("--release", action="store_true", help="give back what a killed program has left reserved")
+    command.add_argument("--release", action="store_true", help="release what a killed program has left reserved")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="needed to release")
     command.set_defaults(module="devices")
 
 
 def _add_serve(commands: _Commands) -> None:
-    command = commands.add_parser("serve", help="run tests for other programs: a REST service and an emergency stop")
-    command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be given many times")
+    command = commands.add_parser("serve", help="run the REST service, the operator's page and the emergency stop")
+    command.add_argument("--rig", type=Path, action="append", metavar="RIG.yaml", help="may be repeated")
     command.add_argument("--bench", metavar="ADDRESS", help="if not the one the rig file names")
     command.add_argument("--data", type=Path, metavar="FOLDER", help="where the recordings go (default: data)")
     command.add_argument("--host", metavar="ADDRESS", help="to listen on (default: 127.0.0.1)")

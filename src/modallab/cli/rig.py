@@ -16,7 +16,7 @@ from modallab.commissioning.findings import Finding
 from modallab.commissioning.mass_ratio import measured
 from modallab.commissioning.rig_check import CLOCK_BURST_S, check_clock, check_idle, check_polarity, settle
 from modallab.commissioning.synchronisation_check import check_common_signal, check_synchronisation
-from modallab.core.errors import PlanError, RigError
+from modallab.core.errors import PlanError, RigError, StorageError
 from modallab.core.metrology import judged
 from modallab.core.rig import Channel, Rig
 from modallab.formats.rig.mass_ratios_file import add_mass_ratio
@@ -42,6 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _reset(url: str, arguments: argparse.Namespace) -> int:
+    if not arguments.data.is_dir():
+        raise StorageError("is no folder", where=str(arguments.data), remedy="name the data folder of the recordings")
     trip = TripLatch(arguments.data, url).reset()
     outcome = (
         f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"

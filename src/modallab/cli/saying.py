@@ -6,10 +6,8 @@ from pathlib import Path
 
 from rich.console import Console
 
+from modallab.cli.outputs import OUT
 from modallab.formats.atomic import replacing
-
-OUT = Path("-")
-"""Given as a file for JSON: standard output."""
 
 
 class _Nowhere:

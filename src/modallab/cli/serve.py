@@ -5,8 +5,11 @@ import signal
 import webbrowser
 from typing import Any
 
+from pydantic import ValidationError
+
 from modallab.cli.demo_rig import demo_rig
-from modallab.core.errors import RigError
+from modallab.core.errors import ConfigurationError, RigError
+from modallab.core.field_errors import sentences
 from modallab.core.rig import Rig
 from modallab.core.settings import Settings
 from modallab.formats.rig.rig_file import read_rig
@@ -24,7 +27,7 @@ OPTIONS = (
 def run(arguments: argparse.Namespace) -> int:
     """Serve until asked to leave."""
     given: dict[str, Any] = {name: getattr(arguments, name) for name in OPTIONS}
-    settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    settings = _settings({name: value for name, value in given.items() if value is not None})
     set_up(settings.log_level)
     rigs = [_with_bench(read_rig(path), arguments.bench) for path in arguments.rig or ()] or [_demo(arguments.bench)]
     token = require_token(settings)
@@ -45,6 +48,15 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"rig:               {state.id} at {state.bench}", flush=True)
         supervisor.wait()
     return 0
+
+
+def _settings(given: dict[str, Any]) -> Settings:
+    try:
+        return Settings(**given)
+    except ValidationError as error:
+        raise ConfigurationError(
+            "; ".join(sentences(error)), remedy="change the option, or the variable MODALLAB_... of the environment"
+        ) from error
 
 
 def _open(address: str) -> None:

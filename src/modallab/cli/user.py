@@ -10,6 +10,7 @@ from rich.console import Console
 from modallab.cli.backup import require_data
 from modallab.core.documents.users import TokenNew, UserNew
 from modallab.core.errors import DataError
+from modallab.core.field_errors import sentences
 from modallab.service.records.users import Users
 from modallab.storage import Store
 
@@ -22,8 +23,9 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             {"add": _add, "token": _token, "list": _list, "revoke": _revoke}[arguments.action](users, arguments)
         except ValidationError as error:
-            wrong = "; ".join(f"{'.'.join(map(str, e['loc']))}: {e['msg']}" for e in error.errors())
-            raise DataError(wrong, where=f"user {arguments.action}", remedy="change the option") from error
+            raise DataError(
+                "; ".join(sentences(error)), where=f"user {arguments.action}", remedy="change the option"
+            ) from error
     return 0
 
 

@@ -1,4 +1,4 @@
-"""The rigid-mass ratio before and after a test (ISO 7626-5): the whole chain held against Newton's second law."""
+"""The rigid-mass ratio before and after a test (ISO 7626-5): the whole chain compared with Newton's second law."""
 
 from datetime import date
 from typing import Literal

@@ -91,7 +91,7 @@ def _check_ascending(values: NDArray[np.float64], what: str, unit: str, where: s
     if not np.isfinite(values).all():
         at = int((~np.isfinite(values)).argmax())
         raise DataError(
-            f"the {what} axis holds {values[at]} at place {at}", where=where, remedy=f"mend the {what} axis"
+            f"the {what} axis holds {values[at]} at place {at}", where=where, remedy=f"correct the {what} axis"
         )
     steps = np.diff(values)
     if (steps > 0).all():

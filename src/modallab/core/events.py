@@ -59,7 +59,7 @@ class HitRejected(Frozen):
 
 
 class HitTooEarly(Frozen):
-    """Somebody struck before a hit was requested; rest is waited for anew, and nothing was recorded.
+    """Somebody struck before a hit was requested; rest is waited for again, and nothing was recorded.
 
     Attributes:
         run: the run.

@@ -19,7 +19,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("progress", default=None)
 def heard_by(listener: Listener) -> Generator[None]:
     """While this lasts, `listener` hears how far what is computed in it is; the share never falls.
 
-    What is tried anew, because it did not lead far enough, is no step back for who waits.
+    What is tried again, because it did not lead far enough, is no step back for who waits.
     """
     most = 0.0
 

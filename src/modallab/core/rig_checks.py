@@ -8,6 +8,15 @@ from modallab.core.units import TO_SI
 INVALID: Final = object()
 """Stands where a field was found to be wrong on its own: nothing further can be said about it."""
 
+BEAM_RANGES: Final = {
+    "length_m": (1e-3, 100.0, "m: 777 mm is 0.777"),
+    "width_m": (1e-5, 10.0, "m: 50 mm is 0.05"),
+    "thickness_m": (1e-6, 1.0, "m: 4 mm is 0.004"),
+    "youngs_modulus_pa": (1e6, 1e13, "Pa: 205 GPa is 2.05e11"),
+    "density_kg_m3": (1.0, 1e5, "kg/m^3: 7.85 g/cm^3 is 7850"),
+}
+"""What a beam on a bench can be; beyond these ranges a number is in another unit."""
+
 _ROUNDING = 1e-9
 
 
@@ -59,9 +68,17 @@ def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Pr
 
 
 def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
-    if content.get("model", "cantilever") == "cantilever" and content.get("beam") is None:
+    beam = content.get("beam")
+    if content.get("model", "cantilever") == "cantilever" and beam is None:
         return [Problem("beam", "missing", "a beam, or model: unknown")]
-    return []
+    if not isinstance(beam, Mapping):
+        return []
+    fields = cast("Mapping[str, object]", beam)
+    return [
+        Problem(f"beam.{name}", f"found {value:g}", f"{low:g} to {high:g} {unit}")
+        for name, (low, high, unit) in BEAM_RANGES.items()
+        if (value := _number(fields.get(name))) is not None and not low <= value <= high
+    ]
 
 
 def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:

@@ -1,4 +1,4 @@
-"""The identified model held against the measurement."""
+"""The identified model compared with the measurement."""
 
 from dataclasses import dataclass
 

@@ -15,9 +15,11 @@ def replacing(path: Path) -> Generator[Path]:
     """A temporary file in the folder of `path`, which takes its place once everything is written and on the disk.
 
     Raises:
-        StorageError: the folder is missing or cannot be written.
+        StorageError: the folder is missing or cannot be written, or `path` is a folder itself.
         DiskFullError: the disk is full.
     """
+    if path.is_dir():
+        raise StorageError("is a folder", where=str(path), remedy="name a file in it")
     with _disk_errors(path):
         temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
         temporary.touch(exist_ok=False)

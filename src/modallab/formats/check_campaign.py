@@ -98,7 +98,7 @@ class _Place:
                 raise DataError(
                     f"unit {unit!r} is no unit of {channel.quantity}",
                     where=where,
-                    remedy=f"give it in one of {', '.join(TO_SI[channel.quantity])}, or in V or mV; or mend the rig",
+                    remedy=f"give it in one of {', '.join(TO_SI[channel.quantity])}, or in V or mV; or correct the rig",
                 )
 
 

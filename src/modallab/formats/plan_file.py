@@ -6,13 +6,16 @@ from typing import Any, cast
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
+from yaml.composer import ComposerError
 
 from modallab.core.errors import PlanError
+from modallab.core.field_errors import allowed, short_of_wrong_entries, shown
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan
 
 _PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
 _KINDS = {"impact": ImpactPlan, "sine": SinePlan, "broadband": BroadbandPlan}
-_REMEDY = "mend what is named; docs/reference/plan.md describes every field"
+_REMEDY = "correct what is named; docs/reference/plan.md describes every field"
 _EXAMPLE = "write for instance: {kind: impact, points: [10, 6], hits: 5}"
 
 
@@ -44,6 +47,12 @@ def _entries(path: Path) -> list[object]:
         raise PlanError(found, where=str(path), remedy="name the YAML file with the plan") from error
     except UnicodeDecodeError as error:
         raise PlanError("is not text in UTF-8", where=str(path), remedy=_EXAMPLE) from error
+    except ComposerError as error:
+        raise PlanError(
+            f"is not one YAML document: {_first_line(error)}",
+            where=str(path),
+            remedy="write several tests as a list, each behind a dash: - {kind: impact, points: [10]}",
+        ) from error
     except (yaml.YAMLError, ValueError) as error:
         raise PlanError(f"is not YAML: {_first_line(error)}", where=str(path), remedy=_EXAMPLE) from error
     if isinstance(content, Mapping) and "tests" in content:
@@ -59,23 +68,30 @@ def _problems(entry: object, error: ValidationError) -> list[str]:
         return [f"{str(entry)[:40]!r} is no test; {_EXAMPLE}"]
     fields = cast("Mapping[str, Any]", entry)
     kind = fields.get("kind")
+    if "channels" in fields:
+        return ["describes a rig, no test; name the file of the plan here, and the rig file in its own place"]
     if kind not in _KINDS:
         found = "no kind is given" if kind is None else f"no test is of kind {kind!r}"
         return [f"{found}; allowed: {', '.join(_KINDS)}"]
-    found = [_problem(str(kind), cast("dict[str, Any]", dict(one))) for one in error.errors()]
-    return list(dict.fromkeys(found))
+    details = error.errors()
+    kept = [one for one in details if not short_of_wrong_entries(one, details)]
+    return list(dict.fromkeys(_problem(str(kind), one) for one in kept))
 
 
-def _problem(kind: str, error: dict[str, Any]) -> str:
+def _problem(kind: str, error: ErrorDetails) -> str:
     place = [str(part) for part in error["loc"] if part not in _KINDS and "[" not in str(part)]
-    field, kind_of = ".".join(place) or kind, error["type"]
-    if kind_of == "extra_forbidden":
+    field = ".".join(place) or kind
+    if error["type"] == "extra_forbidden":
         return f"{field} is no field here; allowed: {', '.join(_KINDS[kind].model_fields) if len(place) == 1 else ''}"
-    if kind_of == "missing":
+    if error["type"] == "missing":
         return f"{field} is missing"
-    said = str(error["msg"]).removeprefix("Value error, ").removeprefix("Input ").replace("\n", "; ")
-    said = said.replace("should be a valid dictionary", "should be fields, each as name: value")
-    return f"{field} is {str(error['input'])[:40]!r}, and {said}"
+    if error["type"] == "value_error":
+        return f"{field}: {allowed(error)}"
+    return f"{field} is {shown(error['input'])}; allowed: {_allowed(error)}"
+
+
+def _allowed(error: ErrorDetails) -> str:
+    return "a list, such as [10, 6]" if error["type"] == "tuple_type" else allowed(error)
 
 
 def _first_line(error: Exception) -> str:

@@ -65,6 +65,7 @@ def diagnose(
     """
     # First of all: without one no record is of use, whatever else it lacks.
     beam_of(campaign.rig)
+    split(campaign.blocks, hold_out)
     report(0.0, "noise, hum and ring-down")
     stated = campaign.rig.tolerance.stated
     prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))

@@ -60,7 +60,7 @@ LOG = logging.getLogger(__name__)
 CONNECT_S = 10.0
 CLOSE_S = 10.0
 MEND_S = 30.0
-"""Longer than a busy machine needs to begin a process: a cluster that is only slow must not be started anew."""
+"""Longer than a busy machine needs to begin a process: a cluster that is only slow must not be started again."""
 _CONFIG = {
     # Whole recordings go with the task: then it can run again when its worker is gone.
     "distributed.admin.large-graph-warning-threshold": "2 GiB",
@@ -134,7 +134,7 @@ class Cluster:
         return {name: pid for name, pid in found.items() if pid is not None}
 
     def worn(self, idle: bool) -> bool:
-        """Whether workers of this machine's own died and did not come back, and nothing is lost by starting anew.
+        """Whether workers of this machine's own died and did not come back, and nothing is lost by starting again.
 
         Dask replaces a worker that dies, but not one that dies the moment it has come up.
         """

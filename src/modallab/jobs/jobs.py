@@ -108,7 +108,7 @@ class Jobs:
         return [job for job in concerned if revision(job.inputs) != job.revision]
 
     def replace(self, job: Job, revision: str) -> Job:
-        """Order the work of a job anew, of what its inputs hold now, as urgently; the old one is cancelled.
+        """Order the work of a job again, of what its inputs hold now, as urgently; the old one is cancelled.
 
         Raises:
             StorageError: the database cannot be written.

@@ -108,7 +108,7 @@ class Runner:
                 with Cluster.connect(*self._address) as cluster:
                     self._compute_on(cluster)
             except Exception as error:
-                # Whatever Dask met, jobs must go on once it is mended.
+                # Whatever Dask met, jobs must go on once it is corrected.
                 self.trouble = f"{type(error).__name__}: {error}"
                 _LOG.warning("no scheduler: %s", self.trouble)
                 self._stop.wait(1.0)

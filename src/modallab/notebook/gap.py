@@ -11,6 +11,7 @@ from modallab.core.errors import FormatError
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
+from modallab.notebook.asked import path_for
 from modallab.notebook.model import campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
@@ -60,17 +61,18 @@ class GapFound:
         """Write the diagnosis as JSON, or the report if the name ends with .html; returns the path.
 
         Raises:
-            StorageError: the file cannot be written.
+            StorageError: the file cannot be written, or its name ends otherwise.
         """
+        path = path_for(path, (".json", ".html"))
         from modallab.formats.atomic import replacing
         from modallab.reporting.gap_report import write_gap_report
 
-        if Path(path).suffix == ".html":
-            write_gap_report(Path(path), self.diagnosis, self.campaign)
-            return Path(path)
-        with replacing(Path(path)) as draft:
+        if path.suffix == ".html":
+            write_gap_report(path, self.diagnosis, self.campaign)
+            return path
+        with replacing(path) as draft:
             draft.write_text(self.diagnosis.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
-        return Path(path)
+        return path
 
     def __repr__(self) -> str:
         return f"<GapFound: {self.sentence}>"
@@ -97,10 +99,10 @@ def diagnose(
         FormatError: what is kept there is no diagnosis of these records.
     """
     campaign = campaign_in(measured)
-    if keep is not None and Path(keep).exists():
+    if keep is not None and path_for(keep, (".json",)).exists():
         return GapFound(campaign, _kept(Path(keep), campaign))
     with waiting("reading the records", progress=progress):
-        found = GapFound(campaign, diagnose_campaign(campaign, hold_out))
+        found = GapFound(campaign, diagnose_campaign(campaign, str(hold_out)))
     if keep is not None:
         found.save(keep)
     return found
@@ -115,6 +117,6 @@ def _kept(path: Path, campaign: Campaign) -> Diagnosis:
         raise FormatError(
             f"is a diagnosis of other records, on {diagnosis.rig}",
             where=str(path),
-            remedy="name another file, or delete this one to diagnose anew",
+            remedy="name another file, or delete this one to diagnose again",
         )
     return diagnosis

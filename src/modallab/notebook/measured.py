@@ -78,14 +78,19 @@ def frf(
     Raises:
         DataError: shapes or numbers that do not go together, or no FRF at all.
     """
-    lines = np.atleast_1d(np.asarray(f, dtype=np.float64))
-    values = _ordered(np.asarray(H), lines)
+    lines, given = np.atleast_1d(_numbers(f, "f")), _numbers(H, "H")
+    if lines.ndim > 1:
+        raise DataError(f"f has the shape {lines.shape}", remedy="give it as (lines,), such as f.ravel()")
+    values = _ordered(given, lines)
     if quantity not in DERIVATIVES:
         raise DataError(f"no FRF is called {quantity!r}", remedy=f"use one of {', '.join(DERIVATIVES)}")
-    if not np.iscomplexobj(np.asarray(H)):
+    if not np.iscomplexobj(given):
         raise DataError("the FRFs are real numbers: without a phase there is no mode to find", remedy="give H complex")
     if not lines.size or not np.isfinite(lines).all() or (np.diff(lines) <= 0).any() or lines[0] < 0:
         raise DataError("the frequencies do not ascend from 0 on", where="f", remedy="sort f and H by frequency")
+    if not np.isfinite(values).all():
+        found = int(np.count_nonzero(~np.isfinite(values)))
+        raise DataError(f"H holds {found} values that are not finite", remedy="leave these lines out of f and H")
     to = _points(outputs, values.shape[0], "outputs") or tuple(range(1, values.shape[0] + 1))
     of = _points([inputs] if isinstance(inputs, int) else inputs, values.shape[1], "inputs")
     names = tuple(f"y{point}" for point in to)
@@ -93,12 +98,35 @@ def frf(
     return MeasuredFrf(Frf(lines, values, quantity, names, to, known), _bare_rig(names, to, of, quantity))
 
 
+def phase_rises(frf: Frf) -> bool:
+    """Whether the phase rises through the largest peak of most FRFs, as it does where H is that of exp(-i omega t).
+
+    The FRF of a mode that decays runs through its circle clockwise: D. J. Ewins, Modal Testing (2000), section 2.7.
+    """
+    rows = frf.values.reshape(-1, frf.values.shape[-1])
+    if rows.shape[1] < 3:
+        return False
+    peak = np.clip(np.argmax(np.abs(rows), axis=1), 1, rows.shape[1] - 2)
+    at = np.arange(len(rows))
+    turn = np.angle(rows[at, peak + 1] * rows[at, peak - 1].conj())
+    return bool(np.mean(turn > 0) > 0.5)
+
+
+def _numbers(given: ArrayLike, name: str) -> NDArray[Any]:
+    try:
+        found = np.asarray(given)
+        return found.astype(np.complex128 if np.iscomplexobj(found) else np.float64)
+    except (TypeError, ValueError) as error:
+        raise DataError(
+            f"{name} is no array of numbers: {error}", remedy="give a NumPy array, or lists of one length"
+        ) from error
+
+
 def _ordered(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.complex128]:
     """(outputs, inputs, lines), whichever way they lay."""
     if not 1 <= values.ndim <= 3 or lines.size not in (values.shape[0], values.shape[-1]):
         raise DataError(
             f"H of shape {values.shape} does not fit {lines.size} frequencies",
-            where="H",
             remedy="give it as (outputs, inputs, lines)",
         )
     if values.shape[-1] != lines.size:
@@ -110,7 +138,11 @@ def _ordered(values: NDArray[Any], lines: NDArray[np.float64]) -> NDArray[np.com
 def _points(given: Sequence[int] | None, count: int, which: str) -> tuple[int, ...]:
     if given is None:
         return ()
-    points = tuple(int(point) for point in given)
+    points = tuple(given)
+    if not all(isinstance(point, int | np.integer) for point in points):
+        raise DataError(
+            f"{which}={list(points)} are no numbers of points", remedy=f"number the points from 1 on: {which}=[1, 2, 3]"
+        )
     if len(points) != count or min(points) < 1 or (which == "outputs" and len(set(points)) != count):
         raise DataError(
             f"{which}={list(points)} for {count} {which} of H",

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, IdentificationError
 from modallab.core.extras import optional_package
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
-from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.asked import band_of, frequencies_of, path_for
+from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.pipelines.identify import Identified, Result, identify_campaign
@@ -106,9 +107,9 @@ class Model:
                 f"the method {self.modal.method} regenerates no FRF",
                 remedy="identify without method, or with refine=True",
             )
-        if not 0 <= drive < len(self.modal.input_points):
+        if drive not in range(len(self.modal.input_points)):
             raise DataError(
-                f"there is no input {drive}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"
+                f"there is no input {drive!r}", remedy=f"give drive from 0 to {len(self.modal.input_points) - 1}"
             )
         return all_points(check, drive)
 
@@ -133,8 +134,10 @@ class Model:
         """(modes, modes of the other) modal assurance criterion over the points that both have.
 
         Raises:
-            DataError: they share fewer than two points.
+            DataError: it is no model, or they share fewer than two points.
         """
+        if not isinstance(other, Model):
+            raise DataError(f"{type(other).__name__} is no model", remedy="give what ml.identify gives")
         return mac(*common_shapes(self.modal, other.modal))
 
     def to_pandas(self) -> "pd.DataFrame":
@@ -176,17 +179,18 @@ class Model:
         """Write the models of all tests as JSON, or the whole report if the name ends with .html; returns the path.
 
         Raises:
-            StorageError: the file cannot be written.
+            StorageError: the file cannot be written, or its name ends otherwise.
         """
-        if Path(path).suffix == ".html":
+        path = path_for(path, (".json", ".html"))
+        if path.suffix == ".html":
             from modallab.pipelines.report import report_content
             from modallab.reporting.report import write_report
 
             title = f"Modal test of {self.campaign.rig.name}"
-            write_report(Path(path), report_content(self.campaign, self.result, title))
+            write_report(path, report_content(self.campaign, self.result, title))
         else:
-            write_models(Path(path), self.campaign, self.result)
-        return Path(path)
+            write_models(path, self.campaign, self.result)
+        return path
 
     def __len__(self) -> int:
         return self.modal.n_modes
@@ -226,10 +230,24 @@ def identify(
         DataError: there is nothing to identify.
         IdentificationError: no mode stands out, or a parameter that cannot be.
     """
-    options = Options(method=method, band_hz=band, pick_hz=tuple(pick), drop_hz=tuple(drop), refine=refine)
     campaign = campaign_in(measured)
-    with waiting("identifying", progress=progress):
-        return Model(campaign, identify_campaign(campaign, options, test))
+    options = Options(
+        method=method,
+        band_hz=band_of(band),
+        pick_hz=frequencies_of(pick, "pick"),
+        drop_hz=frequencies_of(drop, "drop"),
+        refine=refine,
+    )
+    try:
+        with waiting("identifying", progress=progress):
+            return Model(campaign, identify_campaign(campaign, options, test))
+    except IdentificationError as error:
+        if any(phase_rises(frf) for frf in campaign.frfs):
+            raise IdentificationError(
+                f"{error.what}; and the phase of H rises through its peaks, as it never does for exp(+i omega t)",
+                remedy="give H.conj()",
+            ) from error
+        raise
 
 
 def campaign_in(measured: object) -> Campaign:

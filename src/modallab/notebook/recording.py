@@ -2,16 +2,20 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from pathlib import Path
+from typing import cast
 
 from modallab.core.block import Campaign
-from modallab.core.errors import FormatError
+from modallab.core.errors import FormatError, RigError
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.importer import import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
+from modallab.formats.sniff import sniff
+from modallab.notebook.asked import path_for
 from modallab.notebook.shown import Shown
 
 
@@ -44,10 +48,11 @@ class Recording:
         """Write the recordings as a campaign file (HDF5), whole or not at all; returns its path.
 
         Raises:
-            StorageError: the file cannot be written.
+            StorageError: the file cannot be written, or its name ends otherwise.
         """
-        write_campaign(self.campaign, Path(path))
-        return Path(path)
+        path = path_for(path, (".h5", ".hdf5"))
+        write_campaign(self.campaign, path)
+        return path
 
     def __repr__(self) -> str:
         tests = Counter(b.test for b in self.campaign.blocks)
@@ -73,21 +78,42 @@ def load(path: str | Path | Sequence[str | Path], rig: str | Path | Rig | None =
         RigError: no rig, or one that is not valid.
         DataError: the records hold what no measurement can hold.
     """
-    paths = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
+    paths = _paths(path)
     for one in paths:
         _require(one)
+    if not isinstance(rig, Rig | str | Path | None):
+        raise RigError(f"{rig!r} is no rig", remedy="give the name of a rig file: rig='rig.yaml'")
     known = rig if isinstance(rig, Rig) or rig is None else read_rig(Path(rig))
     if known is None or (len(paths) == 1 and (paths[0].is_dir() or paths[0].suffix == ".h5") and not options):
         if len(paths) > 1:
             raise FormatError("several files need a rig", where=str(paths[0]), remedy="give rig='rig.yaml'")
+        if known is None and not paths[0].is_dir() and sniff(paths[0]).name != "hdf5":
+            raise FormatError("names no rig", where=str(paths[0]), remedy="give rig='rig.yaml', a file on its channels")
         return Recording(read_campaign(paths[0], known))
-    return Recording(import_sources(paths, known, ImportOptions(**options)))  # pyright: ignore[reportArgumentType]
+    return Recording(import_sources(paths, known, _options(options)))
+
+
+def _paths(path: object) -> list[Path]:
+    listed = [path] if isinstance(path, str | Path) else path
+    if not isinstance(listed, Sequence) or not all(isinstance(one, str | Path) for one in cast("list[object]", listed)):
+        raise FormatError(f"{path!r} is no name of a file", remedy="give the path as text: ml.load('campaign.h5')")
+    return [Path(one) for one in cast("list[str | Path]", listed)]
+
+
+def _options(given: dict[str, object]) -> ImportOptions:
+    known = [field.name for field in fields(ImportOptions)]
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, known, n=1)
+            remedy = f"did you mean {near[0]}?" if near else f"use one of {', '.join(known)}"
+            raise FormatError(f"ml.load has no option {name!r}", remedy=remedy)
+    return ImportOptions(**given)  # pyright: ignore[reportArgumentType]
 
 
 def _require(path: Path) -> None:
     if not path.exists():
         raise FormatError("does not exist", where=str(path), remedy=f"look for it in {path.absolute().parent}")
-    if path.suffix == ".json":
+    if path.suffix in (".json", ".html"):
         raise FormatError(
             "is no recording", where=str(path), remedy="give the recordings themselves, such as campaign.h5"
         )

@@ -3,7 +3,7 @@
 import pickle
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal, cast
@@ -15,6 +15,7 @@ from modallab.core.errors import BenchError, ConfigurationError, ModallabError
 from modallab.core.plan import Plan
 from modallab.core.progress import report
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.notebook.asked import plans_of
 from modallab.notebook.recording import Recording
 from modallab.reporting.waiting import waiting
 
@@ -29,7 +30,7 @@ def simulate(
     *,
     seed: int = 1,
     tolerances: Literal["usual", "none"] = "none",
-    plan: Plan | Sequence[Plan] | None = None,
+    plan: Plan | Sequence[Plan] | str | Path | Mapping[str, object] | None = None,
     progress: bool = True,
 ) -> Recording:
     """Run a hammer test and a sine test on the simulated bench.
@@ -40,7 +41,7 @@ def simulate(
             {"added_mass": {"mass": 0.05, "x": 0.8}}.
         seed: draws the bench and its noise.
         tolerances: "usual": everything is a little off, as on a bench of a lab.
-        plan: what to run instead of the demonstration's two tests.
+        plan: what to run instead of the demonstration's two tests: plans, their fields, or the name of a plan file.
         progress: show how far it is, where somebody looks.
 
     Raises:
@@ -50,9 +51,8 @@ def simulate(
     """
     if structure != "link":
         raise ConfigurationError(f"no structure is called {structure!r}", remedy='give "link", the only one there is')
-    rig = demo_rig()
+    plans, rig = plans_of(plan) or list(demo_plans()), demo_rig()
     url = simulated_bench(rig, seed, _texts(effect), tolerances)
-    plans = list(demo_plans()) if plan is None else [plan] if not isinstance(plan, Sequence) else list(plan)
     with (
         TemporaryDirectory(prefix="modallab-", ignore_cleanup_errors=True) as folder,
         waiting("testing", progress=progress),
@@ -63,12 +63,29 @@ def simulate(
         return Recording(read_campaign(Path(folder) / "campaign.h5"))
 
 
-def _texts(effect: str | Sequence[str] | Mapping[str, Numbers]) -> list[str]:
+def _texts(effect: object) -> list[str]:
+    """Each effect as `added_mass,mass=0.05,x=0.8`.
+
+    Raises:
+        ConfigurationError: it is of no form that an effect can be given in.
+    """
     if isinstance(effect, str):
         return [effect]
     if isinstance(effect, Mapping):
-        return [",".join([name, *(f"{k}={v}" for k, v in numbers.items())]) for name, numbers in effect.items()]
-    return list(effect)
+        return [_text(pair) for pair in cast("Mapping[object, object]", effect).items()]
+    return [_text(one) for one in (cast("Iterable[object]", effect) if isinstance(effect, Iterable) else [effect])]
+
+
+def _text(effect: object) -> str:
+    match effect:
+        case str():
+            return effect
+        case (str() as name, Mapping() as numbers):
+            return ",".join([name, *(f"{k}={v}" for k, v in cast("Numbers", numbers).items())])
+        case _:
+            raise ConfigurationError(
+                f"{effect!r} is no effect", remedy='give {"added_mass": {"mass": 0.05, "x": 0.8}}, or it as one text'
+            )
 
 
 def _record(folder: Path) -> None:

@@ -101,7 +101,7 @@ class DiagnosedTwin:
         Args:
             force: in N: one number, or (n,) samples.
             dt: length of a step in s.
-            drive: point of the force; None for the shaker's. Another point begins anew from rest.
+            drive: point of the force; None for the shaker's. Another point begins again from rest.
 
         Returns:
             (outputs,) for one number, else (outputs, n), at the beginning of each step.

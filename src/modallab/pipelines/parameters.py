@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from modallab.blind.request import BlindRequest
 from modallab.core.errors import IdentificationError, JobError
+from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
@@ -80,7 +81,7 @@ class DiagnoseParameters(Frozen):
 
 
 class EstimateParameters(Frozen):
-    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at anew."""
+    """Which blocks of a run that is on: `as_of` changes whenever others count, so that they are looked at again."""
 
     as_of: Annotated[str, Field(pattern="^[0-9a-f]{0,64}$")] = ""
 
@@ -114,7 +115,7 @@ def parse_parameters(kind: str, given: Mapping[str, JsonValue]) -> Frozen:
     try:
         return PARAMETERS[kind].model_validate_json(json.dumps(dict(given)))
     except ValidationError as error:
-        wrong = "; ".join(f"{'.'.join(map(str, e['loc'])) or kind}: {e['msg']}" for e in error.errors())
+        wrong = "; ".join(sentences(error))
         raise JobError(
             f"wrong parameters: {wrong}",
             where=kind,

@@ -13,6 +13,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.frf.estimate import convert, group_by_point, impact_frf
+from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.diagram import diagram_of
 from modallab.pipelines.identify import Identified, Result, Unidentified, usable
 from modallab.reporting.content import Hit, Outcome, ReportContent, Truth
@@ -25,7 +26,11 @@ PAPER_BAND = (3.0, 110.0)
 
 
 def report_content(
-    campaign: Campaign, result: Result, title: str, rejected: Sequence[tuple[Block, str]] = ()
+    campaign: Campaign,
+    result: Result,
+    title: str,
+    rejected: Sequence[tuple[Block, str]] = (),
+    setups: Sequence[SetUpReading] = (),
 ) -> ReportContent:
     """Everything the report says of a campaign.
 
@@ -34,6 +39,7 @@ def report_content(
         result: models of the tests.
         title: heading.
         rejected: hits that were not accepted, each with its reason.
+        setups: what each set-up read, where the model joins several.
     """
     return ReportContent(
         title=title,
@@ -44,6 +50,7 @@ def report_content(
         ),
         truth=truth_of(campaign),
         provenance={"modallab": __version__},
+        setups=tuple(setups),
     )
 
 

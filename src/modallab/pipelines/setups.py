@@ -16,7 +16,8 @@ from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.options import Options
 from modallab.identification.setups.compare import Compared, compare_setups
 from modallab.identification.setups.found import SetUpModel, joined_name, same_modes
-from modallab.identification.setups.join import join_setups
+from modallab.identification.setups.join import join_setups, require_same_points
+from modallab.identification.setups.readings import SetUpReading, readings
 from modallab.pipelines.identify import Identified, Result, identify_campaign, usable
 
 
@@ -26,15 +27,17 @@ class Joined:
 
     Attributes:
         result: the joined model.
-        compared: each set-up against the one that the others are held against.
+        compared: each set-up against the one that the others are compared with.
         setups: the models of the set-ups.
         campaign: the joined outputs as a rig, without records, which are those of the set-ups.
+        readings: what each set-up read of the joined modes.
     """
 
     result: Result
     compared: tuple[Compared, ...]
     setups: tuple[SetUpModel, ...]
     campaign: Campaign
+    readings: tuple[SetUpReading, ...]
 
 
 def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
@@ -45,12 +48,14 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
         options: as for one campaign.
 
     Raises:
-        DataError: fewer than two set-ups, or struck at different points.
+        DataError: fewer than two set-ups, one of them twice, or struck at different points.
         IdentificationError: a set-up has no mode, or no mode is in all of them.
     """
     if len(campaigns) < 2:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
     names = setup_names(campaigns)
+    _require_distinct(campaigns)
+    require_same_points([(n, _struck(c)) for n, c in zip(names, campaigns, strict=True)])
     found = tuple(_identified(campaign, name, options) for campaign, name in zip(campaigns, names, strict=True))
     modes = same_modes(found)
     compared = compare_setups(found, modes)
@@ -58,7 +63,27 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
     frf, first = _measured(campaigns, model), campaigns[0]
     joined = Campaign(_joined_rig(campaigns), (), (frf,), _common(campaigns), first.source)
     # The records stay with their set-ups: the joined campaign holds FRFs.
-    return Joined(Result((Identified("frf", model, None),), ()), compared, found, joined)
+    return Joined(
+        Result((Identified("frf", model, None),), ()), compared, found, joined, readings(found, modes, compared)
+    )
+
+
+def _require_distinct(campaigns: Sequence[Campaign]) -> None:
+    """Reject records that count twice: the joined sigmas would be too small."""
+    seen: dict[bytes, Campaign] = {}
+    for campaign in campaigns:
+        for block in campaign.of("impact")[:1]:
+            twin = seen.setdefault(block.samples.tobytes(), campaign)
+            if twin is not campaign:
+                raise DataError(
+                    f"holds the same records as {twin.source}",
+                    where=campaign.source,
+                    remedy="name every set-up once",
+                )
+
+
+def _struck(campaign: Campaign) -> tuple[int | None, ...]:
+    return tuple(dict.fromkeys(block.drive_point for block in campaign.of("impact")))
 
 
 def setup_names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.core.verification import Verification
 from modallab.identification.selection.diagram import Diagram
+from modallab.identification.setups.readings import SetUpReading
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment
 
@@ -101,6 +102,7 @@ class ReportContent:
         notes: plain sentences for the reader.
         provenance: what it takes to repeat this (code version, seeds, rig hash, time), as text. The rates of the
             blocks and what the campaign says of itself are added to it.
+        setups: what each set-up read, where the model joins several.
     """
 
     title: str
@@ -109,6 +111,7 @@ class ReportContent:
     truth: Truth | None = None
     notes: tuple[str, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict[str, str])
+    setups: tuple[SetUpReading, ...] = ()
 
     @property
     def rig(self) -> Rig:

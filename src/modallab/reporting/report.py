@@ -16,6 +16,7 @@ from modallab.reporting.sections import (
     model,
     provenance,
     rig,
+    setups,
     shapes,
     signals,
     start,
@@ -42,6 +43,7 @@ def render(content: ReportContent) -> str:
     found = modes(content.models, content.truth, content.confidence)
     parts = [
         table_of_modes.section(content, found),
+        setups.section(content),
         shapes.section(content),
         verification.section(content),
         half_power.section(content, found),

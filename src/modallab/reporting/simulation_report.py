@@ -1,4 +1,4 @@
-"""A simulation held against the bench, as a page."""
+"""A simulation compared with the bench, as a page."""
 
 from pathlib import Path
 

@@ -64,5 +64,5 @@ def _later(row: NDArray[np.float64], samples: float) -> NDArray[np.float64]:
     taps: NDArray[np.float64] = np.sinc(offset) * window
     taps /= taps.sum()
     first = pad + whole - HALF
-    mended: NDArray[np.float64] = np.convolve(padded[first : first + row.size + 2 * HALF], taps[::-1], mode="valid")
-    return mended
+    corrected: NDArray[np.float64] = np.convolve(padded[first : first + row.size + 2 * HALF], taps[::-1], mode="valid")
+    return corrected

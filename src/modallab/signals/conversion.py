@@ -167,7 +167,7 @@ def require_one_axis(rig: Rig, where: str = "") -> None:
             raise DataError(
                 f"measures along {channel.direction}, the beam is driven along {rig.drive_direction}",
                 where=f"{where + ', ' if where else ''}channel {channel.name}",
-                remedy="leave the channel out, or mend its direction in the rig file",
+                remedy="leave the channel out, or correct its direction in the rig file",
             )
 
 

@@ -68,7 +68,7 @@ def _keep_private(path: str | None) -> None:
 
 def _postgresql(url: str) -> Engine:
     try:
-        # A server that was restarted is found anew by the next transaction.
+        # A server that was restarted is found again by the next transaction.
         return create_engine(
             url.replace("postgresql://", "postgresql+psycopg://", 1), pool_pre_ping=True, connect_args=PATIENCE
         )

@@ -30,7 +30,7 @@ def verify_impact(model: ModalModel, fit: Fit, groups: Sequence[Sequence[Signals
     outside the band.
 
     Args:
-        model: the identified model: what is written of it is what is held against the records.
+        model: the identified model: what is written of it is what is compared with the records.
         fit: the fit it came from, which says which records are its own.
         groups: the hits by point, in the order of the model's inputs.
         rig: channels and points.

@@ -43,7 +43,7 @@ def fields(document: Json) -> Iterator[tuple[str, Json]]:
 
 
 def test_every_field_has_a_description_a_unit_and_an_example(either: Json) -> None:
-    """To mend: a line in the docstring's Attributes; unit and example in service/api/described.yaml."""
+    """To correct: a line in the docstring's Attributes; unit and example in service/api/described.yaml."""
     lacks = [
         f"{name}: description" for name, field in fields(either) if "$ref" not in field and not field.get("description")
     ]

@@ -81,7 +81,7 @@ def test_a_model_is_not_current_once_another_block_counts(lab: Lab, run: str) ->
             verdict = {"accepted": accepted, "reason": "a slip"}
             client.put(f"{place}/blocks/0/verdict", json=verdict, headers=headers).raise_for_status()
             assert client.get(f"{place}/model").json()["current"] is accepted
-        # What waits is ordered anew besides, by the service itself.
+        # What waits is ordered again besides, by the service itself.
         entry = next(e for e in client.get(f"{API}/audit").json()["items"] if e["operator"] != "service")
     assert (entry["operator"], entry["action"]) == ("Emmy", "verdict")
 

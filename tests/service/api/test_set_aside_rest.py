@@ -23,7 +23,7 @@ def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:
         lab.wait_for_ended(run)
         lab.wait_until_idle()
         gone = client.delete_run(run)
-        # Asked again, as after an answer that was lost, the grace time does not begin anew.
+        # Asked again, as after an answer that was lost, the grace time does not begin again.
         assert client.delete_run(run).purge_utc == gone.purge_utc > gone.deleted_utc
         assert (client.runs(campaign), client.campaign(campaign).runs) == ((), ())
         assert [found.id for found in client.runs(campaign, deleted=True)] == [run]

@@ -174,7 +174,7 @@ def test_a_rig_process_that_was_started_anew_starts_no_shaker(lab: Lab, lease: L
     lab.wait_until_idle()
     queueing.resume(lab.service, RIG, lease.id)
     until(lambda: RIG in RunQueue(lab.service.engine).paused())
-    assert "started anew" in RunQueue(lab.service.engine).paused()[RIG]
+    assert "started again" in RunQueue(lab.service.engine).paused()[RIG]
     assert nothing_begins(lab, runner)
 
 

@@ -1,4 +1,4 @@
-"""Saved channels, made anew in a task."""
+"""Saved channels, made again in a task."""
 
 from typing import Any
 

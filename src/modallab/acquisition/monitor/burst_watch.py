@@ -86,7 +86,7 @@ class BurstWatch:
             self.motion.end()
 
     def restart(self) -> None:
-        """The stream begins anew."""
+        """The stream begins again."""
         self.end()
         if self.motion is not None:
             self.motion.restart()

@@ -5,7 +5,7 @@ is no more certain. But channels keep moving together in the few shapes in which
 before it. With the second moments C of that motion, x' inv(C) x is small for what keeps to these shapes and large for
 what leaves them (the squared distance of Mahalanobis). Where a window leaves them, and keeps to them far better
 once two of its channels are exchanged, these two have changed places. A new shape, such as a mode that is only now
-excited, is not mended by an exchange.
+excited, is not corrected by an exchange.
 """
 
 from itertools import combinations

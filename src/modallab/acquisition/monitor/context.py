@@ -119,7 +119,7 @@ class Context:
         return check_settled(self.look_now(floor, watch), floor)
 
     def restart(self, after: SamplesLostError, restarts: int) -> None:
-        """Bring the output to zero and start the bench anew after a gap; what came before it is never spliced.
+        """Bring the output to zero and start the bench again after a gap; what came before it is never spliced.
 
         Raises:
             SamplesLostError: `after`, once it happened too often.

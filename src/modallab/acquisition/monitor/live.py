@@ -23,7 +23,7 @@ SECONDS = 10.0, 2.0
 
 
 class Break(Frozen):
-    """Where the device's count of samples begins anew: sample `position` of the ring is its `first_sample`."""
+    """Where the device's count of samples begins again: sample `position` of the ring is its `first_sample`."""
 
     position: int
     first_sample: int
@@ -41,7 +41,7 @@ class LiveInfo(Frozen):
         scale: (channels,) unit per count.
         units: (channels,).
         dtype: of the samples, as NumPy writes it.
-        breaks: the device's count; more than one where it was begun anew.
+        breaks: the device's count; more than one where it was begun again.
     """
 
     run: str

@@ -70,7 +70,7 @@ class MotionWatch:
         self.restart()
 
     def restart(self) -> None:
-        """The stream begins anew."""
+        """The stream begins again."""
         self._bias: Real | None = None
         self._state = np.zeros((2, len(self._rows), 2))
         self._burst: tuple[Burst, int] | None = None

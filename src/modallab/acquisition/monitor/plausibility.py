@@ -3,7 +3,7 @@
 A dead channel looks safe to a limit, and like too little force to a force control. So a burst goes on only as long as
 each of these channels follows the drive as it did a moment ago (`tone_prediction`), does not repeat one value, and the
 force is there at all and within what the last burst gave for this drive. A channel whose motion lies under its noise
-cannot be held against anything; it is judged by repetition alone until it moves.
+cannot be compared with anything; it is judged by repetition alone until it moves.
 """
 
 from collections.abc import Sequence

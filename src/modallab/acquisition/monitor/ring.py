@@ -127,7 +127,7 @@ class Ring:
 
     def _mark(self, first: int, after: int, overload: NDArray[np.bool_]) -> None:
         cells = np.arange(first // CELL, (after - 1) // CELL + 1)
-        # A cell that is begun anew forgets what was in it a round before.
+        # A cell that is begun again forgets what was in it a round before.
         begun = cells[cells * CELL >= first] % self._over.shape[1]
         self._over[:, begun] = 0
         self._over[:, cells % self._over.shape[1]] |= overload[:, None].astype(np.uint8)

@@ -110,7 +110,7 @@ class WindowLook:
 
     @classmethod
     def of(cls, window: Window, noise_rms: Real) -> Self:
-        """Of a (channels, n) window, held against noise of (channels,) rms counts."""
+        """Of a (channels, n) window, compared with noise of (channels,) rms counts."""
         return cls(rms_of(window), line_power(window, noise_rms), window.shape[1])
 
 

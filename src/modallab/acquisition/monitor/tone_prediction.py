@@ -1,7 +1,7 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
 While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
-envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and held against a later one.
+envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and compared with a later one.
 Where the two part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the
 same cut at a level (clipped), or what another channel should do (swapped). A structure does none of these from one
 window to the next; that it merely parts, as after a knock on the table, is no fault of the channel.

@@ -1,6 +1,6 @@
 """While a wave plays: whether the force, and every channel with a limit, still says what the drive must make it say.
 
-A wave has no period to carry on, so a channel is held against the others and the drive (`others_say`), against its own
+A wave has no period to carry on, so a channel is compared with the others and the drive (`others_say`), against its own
 level of the last second, and against what no sound channel does: repeat a value, or end its tops at one value.
 """
 

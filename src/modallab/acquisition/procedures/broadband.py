@@ -69,7 +69,7 @@ class BroadbandTest:
         kept: names of the blocks that count, by level.
         waves: played so far, by level.
         rejected: blocks that did not count.
-        restarts: how often the bench had to be started anew.
+        restarts: how often the bench had to be started again.
     """
 
     context: Context

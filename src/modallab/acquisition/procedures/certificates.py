@@ -1,4 +1,4 @@
-"""What certificates and sensors say, held against the rig file: a contradiction is no rig to measure with."""
+"""What certificates and sensors say, compared with the rig file: a contradiction is no rig to measure with."""
 
 import re
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ TEDS_PERCENT = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """One thing that was held against another.
+    """One thing that was compared with another.
 
     Attributes:
         channel: of the rig.

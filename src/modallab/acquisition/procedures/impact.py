@@ -30,7 +30,7 @@ class ImpactTest:
         struck: knows which point a hit has struck.
         queue: hits that are requested, and those that count.
         rejected: rejected hits at the present point.
-        restarts: how often the bench had to be started anew.
+        restarts: how often the bench had to be started again.
         changed: whether the operator has changed what comes next.
         undecided: name of the block that the operator is asked about; "" if of none.
     """
@@ -66,7 +66,7 @@ class ImpactTest:
                 self.restarts += 1
                 self.context.restart(error, self.restarts)
                 self.rest.early.restarted()
-                self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was started anew")
+                self._notify_rejected(target.point, f"samples were lost: {error.what}; the bench was started again")
 
     def _hit(self, target: Target) -> None:
         rest = self.rest.wait(target.point, self._interrupted, self._report_rest)
@@ -259,7 +259,7 @@ def run_impact(context: Context, plan: ImpactPlan, expected: ExpectedModes | Non
 
 
 def _undisturbed_floor(context: Context, plan: ImpactPlan, early: EarlyHits) -> Floor:
-    """The floor, anew if somebody struck meanwhile, as long as the plan's patience lasts."""
+    """The floor, again if somebody struck meanwhile, as long as the plan's patience lasts."""
     last = context.stream.next + context.stream.samples_of(plan.hit_timeout_s)
     while True:
         seen = early.seen

@@ -32,7 +32,7 @@ class SineTest:
         limits: of the rig.
         floor: noise at rest.
         watch: looks at the limits, and whether the channels can be believed.
-        restarts: how often the bench had to be started anew.
+        restarts: how often the bench had to be started again.
         todo: bursts that are still requested.
         kept: steps that were recorded, by the name of their record.
         drive: how hard.

@@ -270,7 +270,7 @@ def _require_sensors_known(setup: Setup) -> None:
         setup.emit(Notice(run=setup.recorder.run, what=f"{remark.channel}: {remark.what}"))
     wrong = [f"{remark.channel}: {remark.what}" for remark in remarks if remark.contradiction]
     if wrong:
-        raise RigError("; ".join(wrong), where="sensors", remedy="look which sensor is mounted, and mend the rig file")
+        raise RigError("; ".join(wrong), where="sensors", remedy="check which sensor is mounted; correct the rig file")
 
 
 def _wait_for_supplies(setup: Setup, context: Context) -> None:

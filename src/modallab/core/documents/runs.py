@@ -20,7 +20,7 @@ class RunNew(Frozen):
     Attributes:
         plan: what to do; None: what is left of the plan of the run it continues.
         continues: an ended run of the same campaign, whose good blocks this one takes over; None: it begins
-            anew.
+            again.
     """
 
     plan: Plan | None = None

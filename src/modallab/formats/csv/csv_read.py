@@ -98,7 +98,7 @@ def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
         raise DataError(
             "; ".join(parts),
             where=where,
-            remedy=f"name the columns time, {', '.join(requested.values())}, and remove others; or mend the rig",
+            remedy=f"name the columns time, {', '.join(requested.values())}, and remove others; or correct the rig",
         )
     return {name: lowered.index(low) for low, name in requested.items()}
 

@@ -28,7 +28,7 @@ def read_mass_ratios(folder: Path) -> tuple[MassRatio, ...]:
         raise FormatError(
             f"is no list of rigid-mass ratios: {str(error).partition(chr(10))[0]}",
             where=str(path),
-            remedy="mend it, or move it away and measure again",
+            remedy="correct it, or move it away and measure again",
         ) from error
 
 

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from modallab.core.effect import Revision
+from modallab.core.field_errors import allowed, short_of_wrong_entries, shown
 from modallab.core.frozen import Frozen
 from modallab.core.hardware import Calibration, Excitation, Synchronisation
 from modallab.core.metrology import Certificate
@@ -34,34 +35,11 @@ _SENSITIVITY = "sensitivity_v_per_unit"
 _TESTS = ("impact", "sine")
 _PER_TEST = "a number, or one number each under impact: and sine:"
 
-_ALLOWED = {
-    "missing": "this field is needed",
-    "string_type": "text, in quotes",
-    "string_too_short": "text that is not empty",
-    "finite_number": "a finite number",
-    "float_type": "a number",
-    "float_parsing": "a number, with a decimal point",
-    "int_type": "a whole number",
-    "int_parsing": "a whole number",
-    "int_parsing_size": "a whole number of common size",
-    "int_from_float": "a whole number",
-    "tuple_type": "a list, each entry after a dash",
-    "model_type": "a group of fields, each as name: value",
-    "dict_type": "a group of fields, each as name: value",
-    "invalid_key": "a name, as text",
-    "greater_than": "more than {gt:g}",
-    "greater_than_equal": "{ge:g} or more",
-    "less_than": "less than {lt:g}",
-    "less_than_equal": "{le:g} or less",
-    "literal_error": "{expected}",
-    "too_short": "at least {min_length} entries",
-}
-
 
 def rig_problems(content: Mapping[str, object], error: ValidationError) -> list[Problem]:
     """Every problem of a rig: those of single fields, and those between fields as far as they can be seen."""
     details = [d for d in error.errors() if d["type"] != "value_error" and not _other_arm(d)]
-    details = [d for d in details if not _short_of_wrong_entries(d, details)]
+    details = [d for d in details if not short_of_wrong_entries(d, details)]
     problems = list(dict.fromkeys(_problem(detail) for detail in details))
     sieved = _copy(content)
     for detail in details:
@@ -76,18 +54,10 @@ def _problem(detail: ErrorDetails) -> Problem:
     field = _path(loc)
     if kind == "extra_forbidden":
         return Problem(field, "no such field", _nearest(loc))
-    found = "missing" if kind == "missing" else f"found {_shown(value)}"
+    found = "missing" if kind == "missing" else f"found {shown(value)}"
     if kind == "literal_error" and loc == ("format_version",):
         return Problem(field, found, "1 or 2; a newer file needs a newer modallab")
-    return Problem(field, found, _allowed(detail))
-
-
-def _short_of_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
-    # pydantic counts only the entries that are right on their own; the wrong ones are named already.
-    place = detail["loc"]
-    return detail["type"] == "too_short" and any(
-        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
-    )
+    return Problem(field, found, allowed(detail))
 
 
 def _other_arm(detail: ErrorDetails) -> bool:
@@ -103,7 +73,7 @@ def _sensitivity_problem(detail: ErrorDetails) -> Problem:
     if "[key]" in detail["loc"]:
         return Problem(_path(place), "no such test", " or ".join(_TESTS))
     whole = place[-1] == _SENSITIVITY and not isinstance(value, float)
-    return Problem(_path(place), f"found {_shown(value)}", _PER_TEST if whole else _allowed(detail))
+    return Problem(_path(place), f"found {shown(value)}", _PER_TEST if whole else allowed(detail))
 
 
 def _place(detail: ErrorDetails) -> tuple[int | str, ...]:
@@ -112,13 +82,6 @@ def _place(detail: ErrorDetails) -> tuple[int | str, ...]:
         stem = loc.index(_SENSITIVITY) + 1
         return loc[:stem] + tuple(part for part in loc[stem + 1 :] if part != "[key]")
     return loc
-
-
-def _allowed(detail: ErrorDetails) -> str:
-    template = _ALLOWED.get(detail["type"])
-    if template is not None:
-        return template.format(**detail.get("ctx", {}))
-    return "a date, as 2025-01-31" if detail["type"].startswith("date") else detail["msg"]
 
 
 def _nearest(loc: Sequence[int | str]) -> str:
@@ -133,13 +96,6 @@ def _path(loc: Sequence[int | str]) -> str:
     for part in loc:
         text += f"[{part}]" if isinstance(part, int) and text else f".{part}" if text else str(part)
     return text
-
-
-def _shown(value: object) -> str:
-    if value is None:
-        return "nothing"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _copy(content: object) -> object:

@@ -15,6 +15,8 @@ from modallab.formats.rig.messages import rig_problems
 from modallab.formats.rig.rig_yaml import load_yaml
 from modallab.formats.rig.sensors_file import with_certificates
 
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
 
 def read_rig(path: Path) -> Rig:
     """Read a rig file.
@@ -27,7 +29,11 @@ def read_rig(path: Path) -> Rig:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise RigError("is not text in UTF-8", where=str(path), remedy="save the rig file as UTF-8 text") from error
+        with path.open("rb") as file:
+            hdf5 = file.read(8) == _HDF5
+        found = "is not text in UTF-8 but HDF5, as campaigns are" if hdf5 else "is not text in UTF-8"
+        remedy = "name the YAML file that describes the rig" if hdf5 else "save the rig file as UTF-8 text"
+        raise RigError(found, where=str(path), remedy=remedy) from error
     except OSError as error:
         found = "is a folder" if path.is_dir() else f"cannot be read: {error.strerror or error}"
         raise RigError(found, where=str(path), remedy="name the YAML file that describes the rig") from error
@@ -43,11 +49,14 @@ def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
     try:
         content, problems = load_yaml(text)
     except Exception as error:  # PyYAML lets AttributeError, OverflowError and others through on odd text.
-        raise RigError(f"is not YAML: {_syntax(error)}", where=where, remedy="mend the syntax there") from error
+        raise RigError(f"is not YAML: {_syntax(error)}", where=where, remedy="correct the syntax there") from error
     if not isinstance(content, Mapping):
         found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
         raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
     fields = cast("Mapping[str, object]", content)
+    if "kind" in fields and "channels" not in fields:
+        found = f"is the plan of a test (kind: {fields['kind']}), not a rig file"
+        raise RigError(found, where=where, remedy="name the rig file here, and the plan in its own place")
     if folder is not None:
         fields = with_certificates(fields, folder, where)
     try:
@@ -78,7 +87,7 @@ def write_rig(rig: Rig, path: Path) -> None:
 def _rejection(problems: list[Problem], where: str) -> RigError:
     count = "1 field is wrong" if len(problems) == 1 else f"{len(problems)} fields are wrong"
     lines = "".join(f"\n  {problem}" for problem in problems)
-    return RigError(f"{count}:{lines}", where=where, remedy="mend the fields named above; docs/reference/rig-file.md")
+    return RigError(f"{count}:{lines}", where=where, remedy="correct the fields above; docs/reference/rig-file.md")
 
 
 def _syntax(error: Exception) -> str:

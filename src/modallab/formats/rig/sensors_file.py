@@ -56,10 +56,10 @@ def read_sensors(path: Path) -> list[Certificate]:
         raise RigError(
             f"{place}: {first['msg']}; found {first['input']!r}",
             where=str(path),
-            remedy="mend this field; docs/reference/rig-file.md",
+            remedy="correct this field; docs/reference/rig-file.md",
         ) from error
     if problems:
-        raise RigError("; ".join(str(problem) for problem in problems), where=str(path), remedy="mend these fields")
+        raise RigError("; ".join(str(problem) for problem in problems), where=str(path), remedy="correct these fields")
     return found
 
 

@@ -113,5 +113,5 @@ def _check_nodes(content: Mapping[str, Any], rig: Rig, where: str) -> None:
             raise DataError(
                 f"nodes {first} and {node} are {apart:g} m apart, the rig's points {own:g} m",
                 where=where,
-                remedy="mend the points of the rig file, or number the nodes as the rig does",
+                remedy="correct the points of the rig file, or number the nodes as the rig does",
             )

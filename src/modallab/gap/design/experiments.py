@@ -87,7 +87,7 @@ def _rivals(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Pairs of effects by which explanations that are left standing differ from the most probable."""
     sets = [frozenset(c.effects) for c in sorted(diagnosis.candidates, key=lambda c: -c.probability)]
     likely = {frozenset(c.effects) for c in diagnosis.candidates if c.probability >= POSSIBLE}
-    # Where one stands alone, it is still held against the one behind it.
+    # Where one stands alone, it is still compared with the one behind it.
     kept = [s for k, s in enumerate(sets) if s in likely or k < 2]
     pairs = {
         (one, other) if one < other else (other, one)

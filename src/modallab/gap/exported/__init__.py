@@ -1,1 +1,1 @@
-"""The corrected twin in the forms that other programs simulate with, each read back and held against the bench."""
+"""The corrected twin in the forms that other programs simulate with, each read back and compared with the bench."""

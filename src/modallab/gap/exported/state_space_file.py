@@ -55,7 +55,7 @@ def read_state_space(path: Path) -> dict[Test, StateSpace]:
         tests: list[Test] = [test for test in ("impact", "sine") if f"A_{test}" in content]
         return {test: _system(content, test) for test in tests}
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise FormatError(f"is no state space: {error}", where=str(path), remedy="export it anew") from error
+        raise FormatError(f"is no state space: {error}", where=str(path), remedy="export it again") from error
 
 
 def _system(content: Mapping[str, Any], test: Test) -> StateSpace:

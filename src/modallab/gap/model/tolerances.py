@@ -92,7 +92,7 @@ def deviations(rig: Rig, hits: Collection[tuple[float, int]]) -> tuple[Deviation
     one = [] if believed_root(rig.beam) else [Deviation("clamp_compliance", 0.0, t.clamp_compliance, 1)]
     if rig.shaker_point is not None:
         one += [Deviation(name, 0.0, getattr(t, name), 1) for name in ("shaker_mass_kg", "stinger_rotation")]
-    # A sensitivity that the rig file does not speak of is no licence to turn it.
+    # A sensitivity that the rig file does not mention is no licence to turn it.
     force = FORCE_SHARE * t.sensitivity if "sensitivity" in t.model_fields_set else 0.0
     found = [
         Deviation("sensitivity", float(rig.force_channel.index), force),

@@ -31,7 +31,7 @@ def next_experiment(
         if separating:
             return min(separating, key=lambda r: r.rank).experiment
         return f"Separate {' from '.join(sorted(differ))}: strike at a point where only one of them moves."
-    return "Put the effect into the simulated bench, or mend it on the real one, and repeat the campaign."
+    return "Put the effect into the simulated bench, or correct it on the real one, and repeat the campaign."
 
 
 def _for_unknown(campaign: Campaign, nonlinear: bool) -> str:

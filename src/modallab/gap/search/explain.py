@@ -1,6 +1,6 @@
 """Which effects explain the data: round after round, each effect fitted with the nuisances and with those before.
 
-Forward selection (Draper and Smith, Applied Regression Analysis, 1998), all numbers fitted anew in each round.
+Forward selection (Draper and Smith, Applied Regression Analysis, 1998), all numbers fitted again in each round.
 """
 
 from dataclasses import replace

@@ -214,7 +214,7 @@ def _seen(problem: Problem, fit: Fit) -> Fit:
 
 
 def without(fit: Fit, which: int) -> Fit:
-    """The fit without one of its effects, all other numbers fitted anew."""
+    """The fit without one of its effects, all other numbers fitted again."""
     candidates = fit.problem.candidates
     slots = [len(c.slots) for c in candidates]
     start_at = fit.problem.free.size + sum(slots[:which])

@@ -122,7 +122,7 @@ def tolerated(effect: Effect, rig: Rig) -> float:
     """What the tolerance that an effect stands for has in it, one deviation, as a share of the effect; 0 for none."""
     search = search_of(effect.effect)
     name = "sensitivity" if search.replaces_gain else search.replaces
-    # A sensitivity that the rig file does not speak of is exact.
+    # A sensitivity that the rig file does not mention is exact.
     if name not in rig.tolerance.model_fields_set:
         return 0.0
     return 1 / max(search.deviations(effect, rig), 1e-9)

@@ -1,1 +1,1 @@
-"""Other simulations of the bench: what they predict of its records, held against the bench and against the twin."""
+"""Other simulations of the bench: what they predict of its records, compared with the bench and against the twin."""

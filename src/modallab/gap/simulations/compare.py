@@ -40,7 +40,7 @@ class Differs(Frozen):
 
 
 class Compared(Frozen):
-    """A simulation held against the bench.
+    """A simulation compared with the bench.
 
     Attributes:
         rig: its name.

@@ -50,12 +50,12 @@ def circle_fit(frequency_hz: NDArray[np.float64], mobility: NDArray[np.complex12
         )
     ascending = np.all(np.diff(frequency_hz) > 0) and frequency_hz[0] > 0
     if not (ascending and np.isfinite(mobility).all() and np.any(mobility.imag != 0)):
-        raise DataError("the lines do not ascend from above 0 Hz, or have NaN or no phase", remedy="mend the FRF")
+        raise DataError("the lines do not ascend from above 0 Hz, or have NaN or no phase", remedy="correct the FRF")
     centre, radius = _circle(mobility)
     misfit = float(np.std(np.abs(mobility - centre)) / radius)
     if not np.isfinite(misfit) or misfit > 0.2:
         raise IdentificationError(
-            f"the lines stand off their circle by {100 * misfit:.0f} % of its radius",
+            f"the lines are off their circle by {100 * misfit:.0f} % of its radius",
             remedy="take lines about one resonance that stands alone",
         )
     omega = 2 * np.pi * frequency_hz

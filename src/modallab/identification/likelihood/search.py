@@ -65,7 +65,7 @@ THOROUGH = Effort()
 def search(problem: Problem, start: Parameters, effort: Effort = THOROUGH) -> Refined:
     """Minimise the cost from `start`.
 
-    The noise of each output is taken anew from the residuals at every step.
+    The noise of each output is taken again from the residuals at every step.
 
     Args:
         problem: data and structure.

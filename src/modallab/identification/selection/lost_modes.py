@@ -1,7 +1,7 @@
 """Modes that the search for the maximum of the likelihood has lost, or that only some orders of the estimator show.
 
 A pole that the search pulls onto a neighbour, out of the band or up to a damping that is none has not shown that its
-mode is not there. What it explains of the FRFs shows that, held against what is left where it stands.
+mode is not there. What it explains of the FRFs shows that, compared with what is left where it stands.
 """
 
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ FROM_ESTIMATOR = (
 def own_share(fit: Fit) -> Real:
     """(poles,) share of the power within each pole's width that it explains and no other pole or residual term does.
 
-    The residues of all others are solved for anew, in closed form.
+    The residues of all others are solved for again, in closed form.
 
     Args:
         fit: of FRFs: one group.

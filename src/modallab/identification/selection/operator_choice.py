@@ -83,9 +83,15 @@ def chosen(fit: Fit, band_hz: tuple[float, float], options: Options, *, first: b
     else:
         # What an estimator says is taken as it says it: there is no covariance to judge it by.
         keep = (frequency > band_hz[0]) & (frequency < band_hz[1])
+    had = bool(np.any(keep))
     for unwanted in options.drop_hz if first else ():
         keep[_nearest(frequency, np.flatnonzero(keep), unwanted, "no mode stands there", "give a frequency found")] = (
             False
+        )
+    if had and not np.any(keep):
+        raise IdentificationError(
+            f"no mode is left once {', '.join(f'{f:g}' for f in options.drop_hz)} Hz are dropped",
+            remedy="drop fewer modes, or widen the band",
         )
     return keep
 

@@ -21,7 +21,7 @@ OFF_RATIO = 0.02
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Compared:
-    """One set-up held against the one that the others are held against.
+    """One set-up compared with the one that the others are compared with.
 
     Attributes:
         name: of the set-up.
@@ -107,7 +107,7 @@ def _others(off: NDArray[np.bool_]) -> str:
 
 
 def _differs(off: Real, sigma: Real, least: float) -> NDArray[np.bool_]:
-    # What has no sigma, or nothing to be held against, differs from nothing.
+    # What has no sigma, or nothing to be compared with, differs from nothing.
     return (np.abs(off) > least) & (np.abs(off) > OFF_SIGMAS * sigma)
 
 

@@ -32,10 +32,7 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
         DataError: they were struck at different points.
     """
     models = [item.model for item in found]
-    if any(model.input_points != models[0].input_points for model in models):
-        raise DataError(
-            f"struck at {[model.input_points for model in models]}", remedy="strike the same points in every set-up"
-        )
+    require_same_points([(item.name, item.model.input_points) for item in found])
     frequency, frequency_sigma = averaged(*_poles(models, modes, "frequency"))
     damping, damping_sigma = averaged(*_poles(models, modes, "damping"))
     names, points = _outputs(found)
@@ -64,6 +61,28 @@ def join_setups(found: Sequence[SetUpModel], modes: Places, compared: Sequence[C
         half_power_floor=np.median([m.half_power_floor[at] for m, at in zip(models, modes, strict=True)], axis=0),
         notes=_notes(found, modes, compared),
     )
+
+
+def require_same_points(struck: Sequence[tuple[str, Sequence[int | None]]]) -> None:
+    """Reject set-ups that were struck at different points.
+
+    Args:
+        struck: name of each set-up, and its points in their order.
+
+    Raises:
+        DataError: they differ.
+    """
+    first, points = struck[0]
+    for name, others in struck[1:]:
+        if tuple(others) != tuple(points):
+            raise DataError(
+                f"set-up {first} was struck at {_listed(points)}, set-up {name} at {_listed(others)}",
+                remedy="strike the same points, in the same order, in every set-up; or identify each by itself",
+            )
+
+
+def _listed(points: Sequence[int | None]) -> str:
+    return "no point that is known" if None in points or not points else f"points {', '.join(map(str, points))}"
 
 
 def averaged(values: Real, sigmas: Real) -> tuple[Real, Real]:

@@ -134,7 +134,7 @@ def _merged(x: Real, v: Real, y: Real, u: Real) -> tuple[Real, Real]:
 
 
 def off(common: Common) -> NDArray[np.int64]:
-    """Set-ups whose frequencies stand off those of the others by more than these scatter."""
+    """Set-ups whose frequencies differ from those of the others by more than these scatter."""
     if common.shift.size < 4:
         return np.zeros(0, np.int64)
     away = common.shift - np.median(common.shift)

@@ -36,7 +36,7 @@ def _picture(mode: int, frequency_hz: float, found: Shape, clamped: bool) -> Mar
     slower = frequency_hz * period
     name = f"Mode {mode + 1}, {plain(frequency_hz)} Hz"
     caption = tag("figcaption", tag("b", glued(name)), tag("br"), f"shown {plain(slower, 2)} times slower")
-    return tag("figure", _drawing(found, clamped, period, f"{name}: the beam swings to and fro"), caption)
+    return tag("figure", _drawing(found, clamped, period, f"{name}: the beam vibrates"), caption)
 
 
 def _drawing(found: Shape, clamped: bool, period_s: float, alt: str) -> Markup:

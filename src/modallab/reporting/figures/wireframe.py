@@ -117,7 +117,7 @@ def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], shape: MovingShape) ->
     drawing = trusted(
         f'<svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" role="img" data-period="{_PERIOD_S:g}" '
         f'data-points="{_json(data.tolist())}" data-lines="{_json([list(p) for p in pairs])}">'
-        f"{tag('title', f'{name}: the structure swings to and fro')}"
+        f"{tag('title', f'{name}: the structure vibrates')}"
         f'<path class="rest" d="{still}"/><path class="beam" d="{joined}"/><path class="dots" d="{dots}"/></svg>'
     )
     return tag("figure", drawing, tag("figcaption", tag("b", glued(name))))

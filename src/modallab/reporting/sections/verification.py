@@ -1,4 +1,4 @@
-"""The model held against the measurement."""
+"""The model compared with the measurement."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def section(content: ReportContent) -> Section:
         if outcome.verification is None:
             if outcome.model is not None:
                 absent.append(
-                    f"The model of {_called(outcome)} was not held against its measurement: no verification was given."
+                    f"The model of {_called(outcome)} was not compared with its measurement: no verification was given."
                 )
             continue
         parts += _one(content, outcome, outcome.verification, i)

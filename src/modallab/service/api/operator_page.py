@@ -15,7 +15,7 @@ FOLDER = Path(str(files("modallab.service") / "page"))
 
 
 class _Files(StaticFiles):
-    """Files of the page: asked for anew each time, so that versions never mix; and nothing else may be loaded."""
+    """Files of the page: asked for again each time, so that versions never mix; and nothing else may be loaded."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         response = await super().get_response(path, scope)

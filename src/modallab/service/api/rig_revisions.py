@@ -37,7 +37,7 @@ def get_rig_revision(rig: str, number: Number, service: ServiceOf) -> Rig:
 
 @router.post("/rigs/{rig}/revisions", status_code=201, dependencies=ONCE, responses=documented(404, 409, 507))
 def revise_rig(rig: str, new: RigRevisionNew, service: ServiceOf, lease: LeaseId = None) -> RigView:
-    """Go on with another description of what stands on the bench, which is opened anew; needs the rig's lease."""
+    """Go on with another description of what stands on the bench, which is opened again; needs the rig's lease."""
     service.control.revise(state_of(service, rig).id, new.description, new.reason, lease)
     return rig_view(service, state_of(service, rig))
 

@@ -117,13 +117,13 @@ def take_lease(rig: str, new: NewLease, service: ServiceOf, caller: CallerOf, op
 
 @lease_router.put("/rigs/{rig}/lease", responses=documented(404, 507))
 def renew_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Lease:
-    """Begin the lease's time anew."""
+    """Begin the lease's time again."""
     return service.leases.renew(state_of(service, rig).id, lease or "")
 
 
 @lease_router.delete("/rigs/{rig}/lease", status_code=204, responses=documented(404, 507))
 def release_lease(rig: str, service: ServiceOf, lease: LeaseId = None) -> Response:
-    """Give the lease back."""
+    """Release the lease."""
     service.leases.release(state_of(service, rig).id, lease or "")
     return Response(status_code=204)
 

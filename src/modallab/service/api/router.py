@@ -103,7 +103,7 @@ def idempotency_key(
             min_length=8,
             max_length=128,
             pattern=r"^[\x21-\x7e]+$",
-            description="Made anew for each request; sent again with the same request, it gives the first answer.",
+            description="Made again for each request; sent again with the same request, it gives the first answer.",
         ),
     ] = None,
 ) -> str | None:

@@ -101,7 +101,7 @@ def require_plan(plan: Plan, controller: ControllerState) -> None:
 def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
     """The same plan without what good blocks are there for.
 
-    A point of an impact test is struck anew if any of its hits is missing, since a plan wants as many at each point.
+    A point of an impact test is struck again if any of its hits is missing, since a plan wants as many at each point.
     Levels of a sine test keep all frequencies that are missing at any of them.
 
     Raises:
@@ -126,7 +126,7 @@ def remaining_plan(plan: Plan, blocks: Sequence[BlockRecord]) -> Plan:
 
 
 def _remaining_levels(plan: BroadbandPlan, good: Sequence[BlockNote]) -> BroadbandPlan:
-    # A level is taken anew whole: its blocks are averaged, and belong to one time.
+    # A level is taken again whole: its blocks are averaged, and belong to one time.
     counts = {level: sum(note.level == level for note in good) for level in plan.levels_v}
     levels = {level: volts for level, volts in plan.levels_v.items() if counts[level] < plan.blocks}
     if not levels:

@@ -94,7 +94,7 @@ class _Followed:
         counted = rows.keys()
         gone = self._seen.keys() - counted
         back = {n for n in counted - self._seen.keys() if self._seen and n < max(self._seen)}
-        # Such a point is summed anew: what was added cannot be taken away to the last digit, nor put between others.
+        # Such a point is summed again: what was added cannot be taken away to the last digit, nor put between others.
         changed = {self._seen[n] for n in gone} | {rows[n] for n in back}
         self.sums.forget(gone, changed)
         self._seen = {n: point for n, point in self._seen.items() if point not in changed}

@@ -153,7 +153,7 @@ class LiveView:
         for run, source in self._sources.items():
             # What was written last is read once more after this.
             source.ended = run not in on
-            # It is written anew only where the device's count begins anew, and looked for many times a second.
+            # It is written again only where the device's count begins again, and looked for many times a second.
             if not source.ended and on[run] != source.written_ns:
                 source.written_ns = on[run]
                 source.info = live_info(self.folder, run) or source.info

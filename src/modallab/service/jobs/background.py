@@ -69,7 +69,7 @@ LOG = logging.getLogger(__name__)
 
 
 class AfterRun:
-    """Orders the identification of every run that ended with good blocks, and anew if blocks are judged meanwhile."""
+    """Orders the identification of every run that ended with good blocks, and again if blocks are judged meanwhile."""
 
     def __init__(self, store: Store, jobs: Jobs) -> None:
         self._store = store

@@ -61,7 +61,7 @@ export function show(error) {
   if (error.name === "AbortError") return;
   const box = document.getElementById("messages");
   const text = error.detail ?? error.message ?? String(error);
-  const remedy = error.remedy ? ` To mend it: ${error.remedy}.` : "";
+  const remedy = error.remedy ? ` To correct it: ${error.remedy}.` : "";
   const line = h("p", { class: "message" }, h("span", {}, sentence(text), remedy),
     h("button", { type: "button", "aria-label": "Close this message", onclick: () => line.remove() }, "×"));
   for (const old of box.children) if (old.firstChild.textContent === line.firstChild.textContent) old.remove();

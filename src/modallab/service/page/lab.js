@@ -17,7 +17,7 @@ export function watch(listener, signal) {
   listener();
 }
 
-/** Read everything anew. */
+/** Read everything again. */
 export async function refresh() {
   const [caller, rigs, health] = await Promise.all([get("me"), get("rigs"), get("/health")]);
   Object.assign(lab, { caller, rigs: rigs.items, health, operator: caller.name || operator.get() });
@@ -95,7 +95,7 @@ export async function release() {
   await look();
 }
 
-/** Have a command done under the lease; one that counts no longer is taken anew once. */
+/** Have a command done under the lease; one that counts no longer is taken again once. */
 export async function command(path, content = {}) {
   try { return await post(path, content, { lease: await lease() }); } catch (error) {
     if (!["lease-needed", "lease_needed"].includes(error.code)) throw error;

@@ -5,7 +5,7 @@ import { h, panel, put, say, table } from "./dom.js";
 import { waitForJob } from "./jobs.js";
 import { number, uncertain } from "./numbers.js";
 
-/** Asks for the modes anew whenever other blocks count, one question at a time; `changed` is called with each answer. */
+/** Asks for the modes again whenever other blocks count, one question at a time; `changed` is called with each answer. */
 export class ModesSoFar {
   constructor(run, signal, changed) {
     Object.assign(this, { run, signal, changed, asked: "", busy: false, enough: false });

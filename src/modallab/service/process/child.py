@@ -93,7 +93,7 @@ class Child:
         now = time.monotonic()
         if self.process is not None and self._connection is not None:
             LOG.warning("%s ended with %s", self.name, self.process.exitcode)
-            # Not closed: whoever listens to it hears its end by himself, and a number in use is never given anew.
+            # Not closed: whoever listens to it hears its end by himself, and a number in use is never given again.
             self._connection = None
             self._pause_s = AGAIN_S if now - self._began_s > STEADY_S else min(2 * self._pause_s, MOST_S)
             self._next_s = now + self._pause_s

@@ -73,7 +73,7 @@ def _frozen(process: psutil.Process) -> bool:
 def _living(pid: int, began_s: float) -> psutil.Process | None:
     try:
         process = psutil.Process(pid)
-        # A number that is used anew is another process.
+        # A number that is used again is another process.
         return process if abs(process.create_time() - began_s) < CLOCK_S else None
     except psutil.Error:
         return None

@@ -45,6 +45,10 @@ def require_token(settings: Settings) -> str:
         )
     try:
         return _read(path) or _make(path)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise ServiceError(
+            "is a file", where=str(path.parent), remedy="name a folder for the recordings by --data"
+        ) from error
     except OSError as error:
         raise ServiceError(
             f"the token file cannot be used: {error.strerror}", where=str(path), remedy="name another by --token-file"

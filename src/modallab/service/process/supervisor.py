@@ -235,7 +235,7 @@ class Supervisor:
         if counter is None or not counter.began:
             return ""
         timed_out = timer.look(counter.heard_s, self._api.used_s)
-        # Started anew it may be back within the second that it is given: its end alone is reason enough.
+        # Started again it may be back within the second that it is given: its end alone is reason enough.
         return counter.gone or (
             f"no sign of life of the REST process for {counter.since_heard_s:.1f} s" if timed_out else ""
         )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FOLDER = "tls"
 LIFE = timedelta(days=825)
 LEFT = timedelta(days=30)
-"""A certificate that was made here is made anew when less is left of it."""
+"""A certificate that was made here is made again when less is left of it."""
 
 
 def settle_tls(settings: Settings) -> Settings:
@@ -60,7 +60,7 @@ def server_context(settings: Settings) -> ssl.SSLContext | None:
 
 
 def self_signed(folder: Path, names: Iterable[str]) -> tuple[Path, Path]:
-    """Certificate and key for these names, as PEM files in a folder; made anew if they end soon or lack a name.
+    """Certificate and key for these names, as PEM files in a folder; made again if they end soon or lack a name.
 
     Raises:
         MissingPackageError: the package that makes certificates is not installed.

@@ -47,7 +47,7 @@ class Leases:
         return lease
 
     def renew(self, rig: str, lease: str) -> Lease:
-        """Begin the lease's time anew.
+        """Begin the lease's time again.
 
         Raises:
             LeaseNeededError: it is over or not the one.
@@ -59,7 +59,7 @@ class Leases:
         return _lease(row)
 
     def release(self, rig: str, lease: str) -> None:
-        """Give the lease back.
+        """Release the lease.
 
         Raises:
             LeaseNeededError: it is over or not the one.
@@ -85,7 +85,7 @@ class Leases:
             return connection.scalar(select(LEASES.c.operator).where(LEASES.c.id == lease))
 
     def recover(self, rig: str, operator: str) -> Lease:
-        """The lease that `operator` holds, whose program has forgotten its id; its time begins anew.
+        """The lease that `operator` holds, whose program has forgotten its id; its time begins again.
 
         Raises:
             LeaseHeldError: someone else holds it.

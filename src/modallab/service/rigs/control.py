@@ -106,7 +106,7 @@ class Control(Protocol):
         ...
 
     def revise(self, rig: str, description: Rig, reason: str, lease: str | None) -> None:
-        """Go on with another description of what stands on the bench; the bench is opened anew.
+        """Go on with another description of what stands on the bench; the bench is opened again.
 
         Raises:
             LeaseNeededError, NotFoundError, ConflictError, StorageError.

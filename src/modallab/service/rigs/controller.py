@@ -181,7 +181,7 @@ class Controller:
         self._diary.reset(self.bench.id, reason, operator)
 
     def revise(self, rig: Rig, reason: str, operator: str) -> None:
-        """Go on with another description of what stands on the bench, which is opened anew for it.
+        """Go on with another description of what stands on the bench, which is opened again for it.
 
         Raises:
             ConflictError: a run is going on, or the description is of another rig.

@@ -85,7 +85,7 @@ class QueueRunner:
     def _try(self, item: QueueItem, state: ControllerState) -> None:
         consent = self._controllers.consent(item.rig)
         if consent is not None and consent.process != self._controllers.pid(item.rig):
-            self._pause(item.rig, "the rig's process was started anew since its operator has consented")
+            self._pause(item.rig, "the rig's process was started again since its operator has consented")
             return
         given = None if consent is None else consent.view
         if obstacle(item, state, self._controllers.trip(item.rig), given) or not self._may_begin():

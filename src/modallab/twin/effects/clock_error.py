@@ -32,5 +32,5 @@ MODEL = EffectModel(
         needs="sine",
         is_clock=True,
     ),
-    experiment="Record a tone of known frequency: it stands off its line by the error of the clock.",
+    experiment="Record a tone of known frequency: its frequency is off by the error of the clock.",
 )

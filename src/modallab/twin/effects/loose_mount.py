@@ -36,5 +36,5 @@ MODEL = EffectModel(
     moves_poles=False,
     once=False,
     search=Search(rank=240, slots=_slots),
-    experiment="Fasten the accelerometer anew and repeat the hits: a resonance of the mount moves or goes.",
+    experiment="Fasten the accelerometer again and repeat the hits: a resonance of the mount moves or goes.",
 )

@@ -1,4 +1,4 @@
-"""Whether a hit has struck the point that was requested: held against the hits before and the expected modes."""
+"""Whether a hit has struck the point that was requested: compared with the hits before and the expected modes."""
 
 from dataclasses import dataclass, field
 from typing import Self

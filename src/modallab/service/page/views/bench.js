@@ -32,7 +32,7 @@ export function show(view, signal) {
 
 function sayLive(element, strips) {
   if (strips.fresh) say(element, `Live at ${number(strips.about.rate_hz, 5)} Hz${strips.about.run ? ` from run ${strips.about.run}` : ", nothing is recorded"}.`);
-  else say(element, "No samples come now: they do while a run is on.");
+  else say(element, "There are no live samples now; there are while a run is on.");
 }
 
 function row(channel, converter) {
@@ -69,7 +69,7 @@ function state() {
     fact("Lease", rig.lease ? `${rig.lease.operator}, ${duration(rig.lease.remaining_s)} left${lab.lease ? " (this page)" : ""}` : "nobody holds it"));
   return [facts, rig.error && h("p", { class: "bad" }, rig.error), rig.trip && tripped(rig.trip), h("p", { class: "buttons" },
     !lab.lease && button(rig.lease ? "Take over" : "Take the lease", () => lease({ takeOver: Boolean(rig.lease) })),
-    lab.lease && button("Give the lease back", release))];
+    lab.lease && button("Release the lease", release))];
 }
 
 const WORDS = { starting: "its bench is being opened", idle: "ready", running: "a run is on", unavailable: "cannot be used" };

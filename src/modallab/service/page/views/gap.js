@@ -2,13 +2,13 @@
 
 import { get, post } from "../api.js";
 import { button, h, panel, put, sentence } from "../dom.js";
-import { budget, candidates, residuals, shrink, where } from "../gap-parts.js";
+import { budget, candidates, described, residuals, shrink, where } from "../gap-parts.js";
 import { newestJob, waitForJob } from "../jobs.js";
 import { command, lab } from "../lab.js";
 import { clock, number } from "../numbers.js";
 import { revisions } from "../revisions.js";
 
-const VERDICTS = { no_gap: "Simulation and bench agree.", known: "The gap has a known cause.", unknown: "There is a gap, and nothing in the catalogue explains it." };
+const VERDICTS = { no_gap: "Simulation and bench agree.", known: "The gap has a known cause.", unknown: "There is a gap, and no effect of the catalogue explains it." };
 
 export async function show(view, signal, [wanted]) {
   const campaigns = (await get(`campaigns?limit=50${wanted ? "" : `&rig=${encodeURIComponent(lab.rig.id)}`}`)).items.filter(({ runs }) => runs.length);
@@ -38,8 +38,8 @@ async function draw(place, campaign, signal) {
   if (!jobs.done) { put(place, panel("No diagnosis yet", waiting, bar, !jobs.open && h("p", { class: "buttons" }, diagnose("Diagnose")))); return; }
   const { diagnosis, current, runs } = await get(`campaigns/${id}/gap`);
   if (signal.aborted) return;
-  put(place, waiting, bar, !current && h("p", { class: "alarm" }, "Other blocks count by now: order the diagnosis anew.", diagnose("Diagnose anew")),
-    verdict(diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), candidates(diagnosis.candidates), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
+  put(place, waiting, bar, !current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the diagnosis again.", diagnose("Diagnose again")),
+    verdict(diagnosis, campaign, runs), h("div", { class: "pair" }, where(diagnosis.where), shrink(diagnosis.shrink)), described(diagnosis.described), candidates(diagnosis.candidates), h("div", { class: "pair" }, residuals(diagnosis.gap), budget(diagnosis.budget)));
 }
 
 function verdict({ verdict: found, effects, gap, next_experiment: next, notes }, campaign, runs) {

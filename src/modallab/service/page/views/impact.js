@@ -31,11 +31,11 @@ function prompt(state) {
     case "waiting": return ["Wait", resting(state.rest), "waiting"];
     case "decide": return ["Does it count?", "Accept with A, undo with U", "early"];
     case "paused": return ["Paused", "Go on with P", "waiting"];
-    case "done": return ["Done", "All that the plan asks for is recorded.", "good"];
+    case "done": return ["Done", "Everything in the plan is recorded.", "good"];
     case "failed": return ["Ended early", failure(state), "rejected"];
     case "aborted": return ["Stopped", sentence(state.reason || "the run was aborted"), "rejected"];
     case "good": return ["Wait", "The next hit is being prepared.", "waiting"];
-    default: return ["Wait", ["rejected", "early"].includes(state.phase) ? "The hit is asked for again." : "The bench is being prepared.", "waiting"];
+    default: return ["Wait", ["rejected", "early"].includes(state.phase) ? "Repeat the hit." : "The bench is being prepared.", "waiting"];
   }
 }
 

@@ -41,7 +41,7 @@ async function draw(place, id, signal, again) {
   const found = await get(`campaigns/${id}/model`);
   const curves = await find(`campaigns/${id}/curves`);
   if (signal.aborted) return;
-  put(place, !found.current && h("p", { class: "alarm" }, "Other blocks count by now: order the model anew.", button("Identify anew", () => identify())), ordering,
+  put(place, !found.current && h("p", { class: "alarm" }, "The accepted blocks have changed since: compute the model again.", button("Identify again", () => identify())), ordering,
     found.without_model.map(({ test, error }) => h("p", { class: "warn" }, `The ${test} test gave no model: ${error}`)),
     found.models.map((one, n) => modelPart(one, curves?.tests[n] ?? null, identify, signal)));
 }

@@ -1,0 +1,78 @@
+"""What pydantic says of a wrong field, in plain words: the field, the value found, and what is allowed."""
+
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+ALLOWED = {
+    "missing": "this field is needed",
+    "string_type": "text, in quotes",
+    "string_too_short": "text that is not empty",
+    "string_too_long": "at most {max_length} characters",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "float_parsing": "a number, with a decimal point",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_parsing_size": "a whole number of common size",
+    "int_from_float": "a whole number",
+    "tuple_type": "a list, each entry after a dash",
+    "model_type": "a group of fields, each as name: value",
+    "model_attributes_type": "a group of fields, each as name: value",
+    "dict_type": "a group of fields, each as name: value",
+    "invalid_key": "a name, as text",
+    "greater_than": "more than {gt:g}",
+    "greater_than_equal": "{ge:g} or more",
+    "less_than": "less than {lt:g}",
+    "less_than_equal": "{le:g} or less",
+    "literal_error": "{expected}",
+    "too_short": "at least {min_length} entries",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+}
+"""Kind of error -> what the field may hold."""
+
+
+def allowed(detail: ErrorDetails) -> str:
+    """What the field may hold."""
+    template = ALLOWED.get(detail["type"])
+    if template is not None:
+        return template.format(**detail.get("ctx", {})).replace("at least 1 entries", "at least one entry")
+    if detail["type"].startswith("date"):
+        return "a date, as 2025-01-31"
+    return detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ").replace("\n", "; ")
+
+
+def short_of_wrong_entries(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
+    """Whether a list is called too short only since its entries are wrong, which are named themselves."""
+    place = detail["loc"]
+    return detail["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in details
+    )
+
+
+def shown(value: object) -> str:
+    """A value as a message quotes it."""
+    if value is None:
+        return "nothing"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def sentences(error: ValidationError) -> list[str]:
+    """Each wrong field once: `hits is -1; allowed: more than 0`."""
+    details = error.errors()
+    kept = [d for d in details if not short_of_wrong_entries(d, details)]
+    return list(dict.fromkeys(_sentence(detail) for detail in kept))
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    field = ".".join(map(str, detail["loc"]))
+    if detail["type"] == "missing":
+        return f"{field} is missing"
+    if detail["type"] == "extra_forbidden":
+        return f"{field} is no field here"
+    if detail["type"] == "value_error":
+        return f"{field}: {allowed(detail)}" if field else allowed(detail)
+    return f"{field} is {shown(detail['input'])}; allowed: {allowed(detail)}"
