@@ -73,6 +73,7 @@ def _add_import(commands: _Commands) -> None:
         "--window", type=float, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
     command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
+    command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")
@@ -94,7 +95,11 @@ def _add_identify(commands: _Commands) -> None:
     command.add_argument("--band", type=float, nargs=2, metavar=("LO", "HI"), help="band in Hz")
     command.add_argument("--order", type=int, metavar="N", help="highest order of the estimator (default: what suits)")
     command.add_argument(
-        "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
+        "--response-only",
+        nargs="?",
+        const="ssi_cov",
+        choices=("ssi_cov", "plscf_spectra"),
+        help="from the responses alone: the force is random, measured or not (default: where none was measured)",
     )
     command.add_argument("--pick", type=float, nargs="+", metavar="HZ", help="these modes and no others, by hand")
     command.add_argument("--drop", type=float, nargs="+", metavar="HZ", help="leave out the modes nearest to these")

@@ -103,7 +103,7 @@ def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
     with heard_by(notify):
-        found = identify_campaign(campaign, parameters.options(), parameters.test)
+        found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
 
@@ -120,7 +120,7 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
     campaign, parameters = payload
     with heard_by(notify), part(0.0, 0.7):
-        result = identify_campaign(campaign, parameters.options(), parameters.test)
+        result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
     return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
