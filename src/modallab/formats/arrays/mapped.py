@@ -107,7 +107,8 @@ def _guessed(values: NDArray[Any], sizes: Mapping[str, int], wanted: tuple[Axis,
     places: list[Axis] = []
     for n in values.shape:
         fitting = [a for a in named if sizes.get(a) == n and a not in places]
-        places += fitting[:1] if len({sizes.get(a) for a in fitting}) == 1 and len(fitting) == 1 else []
+        if len(fitting) == 1:
+            places += fitting
     if len(places) != values.ndim:
         raise DataError(
             f"which axis of an array {values.shape} counts what is not certain",
