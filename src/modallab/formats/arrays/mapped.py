@@ -103,10 +103,10 @@ def _units(
 
 def _guessed(values: NDArray[Any], sizes: Mapping[str, int], wanted: tuple[Axis, ...], where: str) -> tuple[Axis, ...]:
     """The axes of an array, if their sizes leave no choice."""
-    named: list[Axis] = [a for a in wanted if sizes.get(a, 0) != 1 or values.ndim == len(wanted)]
+    named = tuple(a for a in wanted if sizes.get(a, 0) != 1 or values.ndim == len(wanted))
     places: list[Axis] = []
     for n in values.shape:
-        fitting = [a for a in named if sizes.get(a) == n and a not in places]
+        fitting = tuple(a for a in named if sizes.get(a) == n and a not in places)
         if len(fitting) == 1:
             places += fitting
     if len(places) != values.ndim:
