@@ -50,7 +50,7 @@ def _settled(run: Sequence[Signals], poles: Complex, band_hz: tuple[float, float
 def _decays(poles: Complex, blocks: int, n: int, rate_hz: float) -> Real:
     """(blocks, 2 modes, samples) real decays: of a state's real part, then of its imaginary part."""
     time = np.arange(blocks * n) / rate_hz
-    decay = np.exp(np.outer(poles, time)).reshape(poles.size, blocks, n).transpose(1, 0, 2)
+    decay: Complex = np.exp(np.outer(poles, time)).reshape(poles.size, blocks, n).transpose(1, 0, 2)
     return np.concatenate([decay.real, -decay.imag], axis=1)
 
 
@@ -61,4 +61,4 @@ def _sizes(differences: Complex, basis: Complex) -> Real:
         turned = values.transpose(0, 2, 1).reshape(-1, values.shape[1])
         return np.concatenate([turned.real, turned.imag])
 
-    return np.linalg.lstsq(flat(basis), flat(differences), rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(flat(basis), flat(differences), rcond=None)[0], np.float64)

@@ -103,12 +103,11 @@ def _units(
 
 def _guessed(values: NDArray[Any], sizes: Mapping[str, int], wanted: tuple[Axis, ...], where: str) -> tuple[Axis, ...]:
     """The axes of an array, if their sizes leave no choice."""
-    named = tuple(a for a in wanted if sizes.get(a, 0) != 1 or values.ndim == len(wanted))
     places: list[Axis] = []
     for n in values.shape:
-        fitting = tuple(a for a in named if sizes.get(a) == n and a not in places)
+        fitting = _fitting(n, values.ndim, sizes, wanted, places)
         if len(fitting) == 1:
-            places += fitting
+            places.append(fitting[0])
     if len(places) != values.ndim:
         raise DataError(
             f"which axis of an array {values.shape} counts what is not certain",
@@ -116,6 +115,15 @@ def _guessed(values: NDArray[Any], sizes: Mapping[str, int], wanted: tuple[Axis,
             remedy=f"write axes into the map, such as [{', '.join(wanted)}]",
         )
     return tuple(places)
+
+
+def _fitting(n: int, axes: int, sizes: Mapping[str, int], wanted: tuple[Axis, ...], taken: list[Axis]) -> list[Axis]:
+    """What an axis of n elements may count; one of a single element may be missing."""
+    found: list[Axis] = []
+    for a in wanted:
+        if sizes.get(a) == n and a not in taken and (n != 1 or axes == len(wanted)):
+            found.append(a)  # noqa: PERF401
+    return found
 
 
 def _blocks(arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str) -> Iterator[Block]:

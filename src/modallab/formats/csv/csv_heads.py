@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from modallab.formats.csv.csv_cells import head_cells, number
+from modallab.formats.csv.csv_cells import BLANKS, head_cells, number
 from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
 
 _SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
@@ -26,7 +26,10 @@ def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, colu
         columns: how many there are.
     """
     rows = [cells for line in above if len(cells := head_cells(line, delimiter, columns)) == columns]
-    if above and not rows:
+    if delimiter == BLANKS:
+        # Words and numbers side by side are no names.
+        rows = [row for row in rows if all(number(cell) is None for cell in row)]
+    elif above and not rows:
         # Of a table that is cut off or damaged: what stands first was meant to be the header.
         rows = [head_cells(above[0], delimiter, columns)]
     if not rows and comments:

@@ -64,6 +64,8 @@ def read_table(path: Path) -> Table:
     columns = n_cells(body[-1].text if len(body) == 1 else body[-2].text, delimiter)
     marked = [comment.lstrip("".join(_COMMENTS)).strip() for comment in comments]
     names, units = headings([line.text for line in lines[:above]], marked, delimiter, columns)
+    if delimiter == BLANKS and above and not names:
+        raise _not_a_number([_Line(lines[0].number, lines[0].text)], delimiter, (), where)
     ended = text.endswith(("\n", "\r"))
     if not ended:
         _check_end(body, delimiter, where)
