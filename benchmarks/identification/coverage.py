@@ -27,17 +27,22 @@ def one(name: str, seed: int) -> dict:
     begin = time.process_time()
     if name == "paper":
         truth_hz, zeta, phi, model = paper(seed)
+        drive: tuple[int, ...] = (phi.shape[1] - 1,)
     else:
         case = CASES[name](seed)
         begin = time.process_time()
         model = identified(case)
-        truth_hz, zeta, phi = case.truth.frequency_hz, case.truth.zeta, case.truth.phi
+        truth_hz, zeta, phi, drive = case.truth.frequency_hz, case.truth.zeta, case.truth.phi, case.truth.drive
     took = time.process_time() - begin
-    return {"case": name, "seed": seed, "s": took, **compared(truth_hz, zeta, phi, model)}
+    return {"case": name, "seed": seed, "s": took, **compared(truth_hz, zeta, phi, drive, model)}
 
 
 def compared(
-    truth_hz: NDArray[np.float64], zeta: NDArray[np.float64], phi: NDArray[np.float64], model: ModalModel | None
+    truth_hz: NDArray[np.float64],
+    zeta: NDArray[np.float64],
+    phi: NDArray[np.float64],
+    drive: tuple[int, ...],
+    model: ModalModel | None,
 ) -> dict:
     """Each mode's relative errors of f and zeta, both in sigmas, and the constants' shares inside 95 %: re, im."""
     pairs = matched(truth_hz, np.zeros(0) if model is None else model.frequency_hz)
@@ -48,15 +53,17 @@ def compared(
             continue
         df, dz = model.frequency_hz[near] - f, model.damping_ratio[near] - z
         in_sigmas = [df / model.frequency_sigma_hz[near], dz / model.damping_sigma[near]]
-        rows.append([df / f, dz / z, *in_sigmas, *constants_inside(shape, near, model)])
+        rows.append([df / f, dz / z, *in_sigmas, *constants_inside(shape, drive, near, model)])
     return {"modes": rows, "spurious": 0 if model is None else model.n_modes - sum(p is not None for p in pairs)}
 
 
-def constants_inside(shape: NDArray[np.float64], near: int, model: ModalModel) -> tuple[float, float]:
-    """Shares of a mode's modal constants, driven at the last output, whose real and imaginary parts are inside 95 %."""
+def constants_inside(
+    shape: NDArray[np.float64], drive: tuple[int, ...], near: int, model: ModalModel
+) -> tuple[float, float]:
+    """Shares of a mode's modal constants, for every driven output, whose real and imaginary parts are inside 95 %."""
     assert model.modal_constant_part_sigma is not None
-    away = model.modal_constants[near][:, 0] - shape * shape[-1]
-    sigma = model.modal_constant_part_sigma[near][:, 0]
+    away = model.modal_constants[near] - np.outer(shape, shape[list(drive)])
+    sigma = model.modal_constant_part_sigma[near]
     return tuple(float(np.mean(np.abs(a) < INSIDE * s)) for a, s in ((away.real, sigma.real), (away.imag, sigma.imag)))
 
 

@@ -1,6 +1,6 @@
 """Responses alone: a cantilever under white noise at one point, ten accelerometers, the truth is known.
 
-    python benchmarks/identification/response_only.py --repeats 20
+    python benchmarks/identification/response_only.py --repeats 20 [--method plscf_spectra]
 
 Modes are those of a clamped beam with its first at 4.75 Hz, damped as that of the demonstration; each answers the noise
 exactly from sample to sample. For every mode it prints how often it was found, the error of frequency and damping (rms
@@ -16,6 +16,7 @@ from scipy.signal import lfilter
 
 from modallab.core.errors import ModallabError
 from modallab.identification.response_only.modes import response_modes
+from modallab.pipelines.response_only import POLES
 
 Real = NDArray[np.float64]
 
@@ -57,13 +58,14 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=20)
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--rate", type=float, default=2000.0)
+    parser.add_argument("--method", choices=POLES, default="ssi_cov")
     a = parser.parse_args()
     n = FREQUENCY_HZ.size
     errors: list[list[tuple[float, float, bool, bool]]] = [[] for _ in range(n)]
     spurious = 0
     for seed in range(a.repeats):
         try:
-            found = response_modes([responses(seed, a.seconds, a.rate)], a.rate, (3.0, 750.0))
+            found = response_modes([responses(seed, a.seconds, a.rate)], a.rate, (3.0, 750.0), POLES[a.method])
         except ModallabError as error:
             print(f"seed {seed}: {error}", flush=True)
             continue

@@ -7,7 +7,7 @@ from modallab.formats import all_formats, writers
 from modallab.identification import Estimator, estimator_names, find_estimator
 
 HERE = Path(__file__).parent
-OPTIONS = {"window_s": "window", "variables": "variable"}
+OPTIONS = {"window_s": "window", "variables": "variable", "array_map": "map"}
 """Of the command line, where it calls what is asked otherwise."""
 
 

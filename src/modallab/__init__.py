@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
     from modallab.notebook.recording import Recording, load
+    from modallab.notebook.response_records import responses
     from modallab.notebook.simulate import simulate
     from modallab.notebook.twin import DiagnosedTwin
 
@@ -28,6 +29,7 @@ __all__ = [
     "frf",
     "identify",
     "load",
+    "responses",
     "simulate",
 ]
 
@@ -38,6 +40,7 @@ __getattr__ = lazily(
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),
         "notebook.recording": ("Recording", "load"),
+        "notebook.response_records": ("responses",),
         "notebook.simulate": ("simulate",),
         "notebook.twin": ("DiagnosedTwin",),
     },

@@ -12,7 +12,8 @@ from modallab.core.errors import DataError, IdentificationError
 from modallab.core.rig import Channel, Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.identification.response_only.covariances import bands
-from modallab.identification.response_only.modes import response_modes
+from modallab.identification.response_only.half_spectra import HalfSpectra
+from modallab.identification.response_only.modes import PLSCF, response_modes
 from modallab.identification.response_only.subspace import Subspace
 from modallab.pipelines.model_file import read_models
 from modallab.pipelines.response_only import identify_responses
@@ -76,6 +77,27 @@ def test_what_a_segment_moves_is_the_derivative():
     np.testing.assert_allclose(first.moved[0], (ahead.poles - back.poles) / (2 * step), rtol=1e-3, atol=1e-7)
     shapes = (ahead.shapes - back.shapes) / (2 * step)
     np.testing.assert_allclose(first.shapes_moved[0], shapes, rtol=1e-3, atol=1e-6)
+
+
+def test_plscf_on_half_spectra_finds_what_ssi_finds():
+    """Both see the same records, so that they differ by little more than either is off."""
+    ours, known = response_modes([responses(1)], RATE, (3.0, 55.0), PLSCF), found(1)
+    assert np.all(np.abs(ours.frequency_hz - known.frequency_hz) < 1.5 * known.frequency_sigma_hz)
+    assert np.all(np.abs(ours.damping_ratio - known.damping_ratio) < 1.5 * known.damping_sigma)
+    assert np.all(np.abs(ours.frequency_hz - F) < 3 * ours.frequency_sigma_hz)
+    assert np.all(ours.frequency_sigma_hz < 2 * known.frequency_sigma_hz)
+    for shape, phi in zip(ours.shapes, PHI, strict=True):
+        assert abs(np.vdot(shape, phi)) ** 2 > 0.99 * np.vdot(shape, shape).real * (phi @ phi)
+
+
+def test_a_sum_over_cut_off_decays_is_rational_at_its_own_lines():
+    """Few lags of modes that hardly decay within them: without noise the poles are exact."""
+    s = 2 * np.pi * F * (-ZETA + 1j * np.sqrt(1 - ZETA**2))
+    decays = np.exp(s / RATE * np.arange(1, 49)[:, None])
+    clean = np.einsum("m,lm,mo,mp->lop", [1.0, 0.8, 0.6], decays.real, PHI, PHI)
+    poles = HalfSpectra(np.stack([clean, clean]), RATE, 12).at(6).poles
+    for pole in s:
+        assert np.abs(poles / pole - 1).min() < 1e-6
 
 
 def test_bands_divide_the_range_without_a_gap():
@@ -146,5 +168,10 @@ def test_responses_alone_are_identified_at_the_terminal(campaign, tmp_path, caps
     (model,) = read_models(tmp_path / "m.json")
     assert model.method == "ssi_cov"
     assert model.operating_shapes is not None
+    assert main([*command[:3], "plscf_spectra", *command[3:], "--report", str(tmp_path / "r.html")]) == 0
+    page = (tmp_path / "r.html").read_text()
+    assert "from the responses alone, with unscaled shapes" in page
+    assert "each is 1 at its largest component" in page
+    assert "pLSCF on half spectra" in page
     assert main([*command, "--pick", "21"]) == 2
     assert "does not go with --pick" in capsys.readouterr().err

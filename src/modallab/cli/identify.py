@@ -17,10 +17,10 @@ from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
-from modallab.pipelines.identify import Result, identify_campaign
+from modallab.pipelines.identify import Result
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
-from modallab.pipelines.response_only import identify_responses
+from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
 from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
@@ -52,10 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     (campaign,) = campaigns
     with waiting("identifying", progress=not arguments.hush):
-        if arguments.response_only:
-            result = identify_responses(campaign, arguments.test, band)
-        else:
-            result = identify_campaign(campaign, options, arguments.test)
+        alone, how = response_choice(arguments.response_only)
+        result = identify_chosen(campaign, options, arguments.test, response_only=alone, method=how)
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
@@ -68,11 +66,15 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def response_choice(said: ResponseMethod | None) -> tuple[bool | None, ResponseMethod]:
+    """Whether the responses alone are asked for, None for where no force was measured; and how."""
+    return (None, USUAL_RESPONSE) if said is None else (True, said)
+
+
 def _require_plain(arguments: argparse.Namespace) -> None:
     """Reject what the identification of responses alone has no place for."""
     given = {
         "several campaigns": len(arguments.campaign) > 1,
-        "--report": arguments.report is not None,
         "--method": arguments.method != USUAL,
         "--refine": arguments.refine is not None,
         "--order": arguments.order is not None,
@@ -82,7 +84,8 @@ def _require_plain(arguments: argparse.Namespace) -> None:
     named = [name for name, there in given.items() if there]
     if named:
         raise ConfigurationError(
-            f"--response-only does not go with {', '.join(named)}", remedy="leave it out; --band and --test remain"
+            f"--response-only does not go with {', '.join(named)}",
+            remedy="leave it out; --band, --test and --report remain",
         )
 
 

@@ -10,6 +10,7 @@ from rich.table import Table
 from modallab.cli.saying import console_of
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import ConfigurationError
+from modallab.formats.arrays.array_map import read_map
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.draft import assumptions, write_draft
 from modallab.formats.importer import draft_rig, import_sources
@@ -30,6 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
         volts=arguments.volts,
         window_s=arguments.window,
         variables=tuple(_pair(text) for text in arguments.variable or ()),
+        array_map=None if arguments.map is None else read_map(arguments.map),
     )
     console = console_of(arguments)
     if arguments.rig is None and holds_results_only(arguments.sources[0]):
@@ -37,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
             console.print(line, markup=False, highlight=False)
         return 0
     with waiting("reading", progress=not arguments.hush):
-        rig = draft_rig(arguments.sources[0]) if arguments.rig is None else read_rig(arguments.rig)
+        rig = draft_rig(arguments.sources[0], options) if arguments.rig is None else read_rig(arguments.rig)
         if arguments.test is None and rig.force is None:
             options = replace(options, test="random")
         campaign = import_sources(arguments.sources, rig, options, arguments.frequency or ())

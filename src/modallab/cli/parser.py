@@ -77,6 +77,7 @@ def _add_import(commands: _Commands) -> None:
         "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
     command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
+    command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")
@@ -100,7 +101,11 @@ def _add_identify(commands: _Commands) -> None:
         "--order", type=int, metavar="N", help="highest model order of the estimator (default: chosen from the data)"
     )
     command.add_argument(
-        "--response-only", action="store_true", help="from the responses alone: the force is random, measured or not"
+        "--response-only",
+        nargs="?",
+        const="ssi_cov",
+        choices=("ssi_cov", "plscf_spectra"),
+        help="from the responses alone: the force is random, measured or not (default: where none was measured)",
     )
     command.add_argument("--pick", type=positive, nargs="+", metavar="HZ", help="keep only the modes nearest to these")
     command.add_argument("--drop", type=positive, nargs="+", metavar="HZ", help="leave out the modes nearest to these")

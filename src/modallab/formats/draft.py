@@ -5,13 +5,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from modallab.core.errors import DataError
+from modallab.core.frf import FrfQuantity
 from modallab.core.rig import Channel, Direction, Point, Rig
 from modallab.core.units import SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
 from modallab.formats.rig.rig_file import dump_rig
 from modallab.formats.unit_text import quantity_of
 
-_FORCE_NAMES = ("force", "hammer", "ham", "kraft", "impact", "f")
+MEASURED: dict[FrfQuantity, Quantity] = {
+    "receptance": "displacement",
+    "mobility": "velocity",
+    "inertance": "acceleration",
+}
+"""What is measured for an FRF."""
+FORCE_NAMES = ("force", "hammer", "ham", "kraft", "impact", "f")
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +102,7 @@ def write_draft(rig: Rig, out: Path, notes: Sequence[str]) -> None:
 def _is_force(said: Said) -> bool:
     if said.quantity is not None:
         return said.quantity == "force"
-    return said.name.strip().lower() in _FORCE_NAMES
+    return said.name.strip().lower() in FORCE_NAMES
 
 
 def _channel(index: int, said: Said, others: Sequence[Said], *, force: bool) -> Channel:

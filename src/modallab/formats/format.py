@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from modallab.formats.options import ImportOptions
 
 Part = Literal["records", "FRFs", "modes"]
-Option = Literal["test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables"]
+Option = Literal["test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map"]
 
 PACKAGE = "modallab.formats.known"
 """Where they are declared, one module each."""
@@ -61,7 +61,7 @@ class Format:
     fits: Callable[[bytes, Path], bool] | None = None
     inside: str = ""
     read: Callable[[Path, Rig, ImportOptions], Campaign] | None = None
-    draft: Callable[[Path], Rig] | None = None
+    draft: Callable[[Path, ImportOptions], Rig] | None = None
     write: Callable[[Campaign, Path, Sequence[ModalModel]], None] | None = None
 
     def __post_init__(self) -> None:

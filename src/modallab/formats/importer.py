@@ -54,8 +54,12 @@ def import_sources(
     return Campaign(rig, blocks, tuple(frfs), provenance, ", ".join(part.source for part in parts))
 
 
-def draft_rig(path: Path) -> Rig:
+def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
     """The rig that a recording was made on, as far as its file says; for the user to complete.
+
+    Args:
+        path: of the recording.
+        options: what the file does not say itself.
 
     Raises:
         DataError: files of this format say too little of their channels.
@@ -68,7 +72,7 @@ def draft_rig(path: Path) -> Rig:
             where=str(path),
             remedy="write a rig file and give it with --rig; docs/how-to/write-a-rig-file.md says how",
         )
-    return found.draft(path)
+    return found.draft(path, options or ImportOptions())
 
 
 def _each(options: ImportOptions, n: int, frequencies_hz: Sequence[float]) -> list[ImportOptions]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from modallab.core.errors import DataError
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import Test
+from modallab.formats.arrays.array_map import ArrayMap
 
 _AGREE = 1e-3
 """Relative difference allowed between a rate that was given and that of the times."""
@@ -25,6 +26,7 @@ class ImportOptions:
         window_s: time constant tau of the exponential window exp(-t / tau) that FRFs were made with.
         variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
             instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
+        array_map: what the arrays of a MATLAB file are; instead of `variables`.
     """
 
     test: Test = "impact"
@@ -34,6 +36,7 @@ class ImportOptions:
     frequency_hz: float | None = None
     window_s: float | None = None
     variables: tuple[tuple[str, str], ...] = ()
+    array_map: ArrayMap | None = None
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""

@@ -56,7 +56,7 @@ def broadband_frf(
     n, rate = first.force.size, first.rate_hz
     chosen = lines(n, rate, band_hz)
     if first.block.test in PERIODIC:
-        chosen = _driven(chosen, driven_by or signals)
+        chosen = driven_lines(chosen, driven_by or signals)
     window = _window(n, hann=first.block.test == "random")
     force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
@@ -92,7 +92,7 @@ def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
     return low * rate / n, max(low + 4, ceil(high)) * rate / n
 
 
-def _driven(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:
+def driven_lines(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:
     """Those of the lines that a periodic drive holds.
 
     Raises:

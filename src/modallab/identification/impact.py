@@ -1,6 +1,7 @@
 """Identification of an impact test: an estimator for the start, then maximum likelihood on the unfiltered blocks."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
+from modallab.identification.likelihood.hit_scatter import factors_by_scatter
 from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
 from modallab.identification.likelihood.search import NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
@@ -65,9 +67,23 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
         )
     if not fit.refined.settled:
         notes = (*notes, NOT_SETTLED)
-    notes = (*notes, *model_error_notes(ratio))
+    factors = factors_by_scatter(fit, ratio)
+    notes = (*notes, *model_error_notes(ratio, widened=bool(np.any(factors[keep] > 1))))
+    notes = (*notes, *_scatter_notes(factors[keep]))
+    fit = replace(fit, by_scatter=factors)
     readings = _readings(fit, groups, rig, band, keep)
     return model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method), fit
+
+
+def _scatter_notes(factors: NDArray[np.float64]) -> tuple[str, ...]:
+    """What is said where hits differ by more than noise."""
+    most = float(factors.max(initial=1.0))
+    if most <= 1:
+        return ()
+    return (
+        f"The modes shift from hit to hit by up to {most:.2g} times what the noise explains, as with the temperature "
+        "or a clamp that settles. The uncertainties of frequencies and damping ratios hold that.",
+    )
 
 
 def _readings(

@@ -20,8 +20,9 @@ from modallab.notebook.asked import band_of, frequencies_of, path_for
 from modallab.notebook.measured import MeasuredFrf, phase_rises
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
-from modallab.pipelines.identify import Identified, Result, identify_campaign
+from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
+from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
 from modallab.reporting.digits import concise
 from modallab.reporting.waiting import waiting
 from modallab.verification.comparison import common_shapes
@@ -212,18 +213,23 @@ def identify(
     pick: tuple[float, ...] = (),
     drop: tuple[float, ...] = (),
     refine: bool | None = None,
+    response_only: bool | None = None,
+    response_method: ResponseMethod = USUAL_RESPONSE,
     progress: bool = True,
 ) -> Model:
     """The modal model of recordings or FRFs.
 
     Args:
-        measured: what `simulate`, `load` or `frf` gave.
+        measured: what `simulate`, `load`, `frf` or `responses` gave.
         test: only this test; None for all there are.
         band: in Hz; None for all that the data hold.
         method: name of the estimator.
         pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
         drop: frequencies in Hz of modes to leave out.
         refine: whether a maximum-likelihood search follows; None for what is usual with the method.
+        response_only: whether the force is left out, and taken for random; None for where none was measured. Shapes
+            then have no scale: `modal.operating_shapes`, 1 at the largest.
+        response_method: how modes of the responses alone are found.
         progress: show how far it is, where somebody looks.
 
     Raises:
@@ -240,7 +246,8 @@ def identify(
     )
     try:
         with waiting("identifying", progress=progress):
-            return Model(campaign, identify_campaign(campaign, options, test))
+            result = identify_chosen(campaign, options, test, response_only=response_only, method=response_method)
+            return Model(campaign, result)
     except IdentificationError as error:
         if any(phase_rises(frf) for frf in campaign.frfs):
             raise IdentificationError(

@@ -1,8 +1,8 @@
 """Recordings of a test, from wherever they come."""
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import cast
@@ -10,8 +10,9 @@ from typing import cast
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError, RigError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.array_map import ArrayMap, map_of, read_map
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
-from modallab.formats.importer import import_sources
+from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.sniff import sniff
@@ -64,12 +65,20 @@ class Recording:
         return self.table().html()
 
 
-def load(path: str | Path | Sequence[str | Path], rig: str | Path | Rig | None = None, **options: object) -> Recording:
+def load(
+    path: str | Path | Sequence[str | Path],
+    rig: str | Path | Rig | None = None,
+    *,
+    array_map: str | Path | Mapping[str, object] | None = None,
+    **options: object,
+) -> Recording:
     """Open recordings.
 
     Args:
         path: a campaign file, the folder of one, or files of any format that can be imported.
-        rig: the rig file, if it is neither inside nor beside the recordings; needed for the formats of others.
+        rig: the rig file, if it is neither inside nor beside the recordings. For files of others that name their
+            channels one is made where none is given.
+        array_map: which variable of a MATLAB file is what: a YAML file, or its content.
         options: what such files do not say themselves, as the fields of `ImportOptions`: test, rate_hz, drive_point,
             volts.
 
@@ -84,13 +93,22 @@ def load(path: str | Path | Sequence[str | Path], rig: str | Path | Rig | None =
     if not isinstance(rig, Rig | str | Path | None):
         raise RigError(f"{rig!r} is no rig", remedy="give the name of a rig file: rig='rig.yaml'")
     known = rig if isinstance(rig, Rig) or rig is None else read_rig(Path(rig))
-    if known is None or (len(paths) == 1 and (paths[0].is_dir() or paths[0].suffix == ".h5") and not options):
+    own = paths[0].is_dir() or sniff(paths[0]).name == "hdf5"
+    if own and (known is None or (len(paths) == 1 and not options)):
         if len(paths) > 1:
             raise FormatError("several files need a rig", where=str(paths[0]), remedy="give rig='rig.yaml'")
-        if known is None and not paths[0].is_dir() and sniff(paths[0]).name != "hdf5":
-            raise FormatError("names no rig", where=str(paths[0]), remedy="give rig='rig.yaml', a file on its channels")
         return Recording(read_campaign(paths[0], known))
-    return Recording(import_sources(paths, known, _options(options)))
+    said = replace(_options(options), array_map=_map(array_map))
+    found = known or draft_rig(paths[0], said)
+    if found.force is None and "test" not in options:
+        said = replace(said, test="random")
+    return Recording(import_sources(paths, found, said))
+
+
+def _map(given: str | Path | Mapping[str, object] | None) -> ArrayMap | None:
+    if given is None:
+        return None
+    return read_map(Path(given)) if isinstance(given, str | Path) else map_of(given, "array_map")
 
 
 def _paths(path: object) -> list[Path]:

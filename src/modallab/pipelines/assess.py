@@ -11,6 +11,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import broadband_frf, of_one_level
+from modallab.frf.distortions import distortions
 from modallab.frf.estimate import impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
@@ -20,6 +21,7 @@ from modallab.identification.selection.assumptions import (
     SIGMAS,
     Allowance,
     Verdict,
+    distorted,
     driving_point,
     linearity,
     proportional_damping,
@@ -119,8 +121,14 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         one, other = ([s for s in signals if (s.block.level or "") == name] for name in names)
         return broadband_frf(one, rig, band, signals), broadband_frf(other, rig, band, signals)
 
+    def linear() -> Verdict:
+        # Two levels show what depends on the amplitude, several waves what has other frequencies than the drive.
+        if len({s.block.level for s in signals}) == 2:
+            return linearity(*levels())
+        return distorted(distortions(ordered, band))
+
     judges: list[Judge] = [
-        ("linearity", lambda: linearity(*levels())),
+        ("linearity", linear),
         ("time invariance", lambda: time_invariance(*halves())),
         ("reciprocity", _not_in_this_test("a shaker test drives one point")),
         ("driving point", lambda: driving_point(frf)),

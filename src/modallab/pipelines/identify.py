@@ -13,9 +13,8 @@ from modallab.core.progress import part, report
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND, Broadband, Test
 from modallab.core.verification import Verification
-from modallab.frf.broadband import broadband_frf, driven_band, of_one_level
+from modallab.frf.broadband import driven_band
 from modallab.frf.estimate import group_by_point, impact_frf
-from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.impact import default_band, identify_impact
@@ -23,6 +22,7 @@ from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
+from modallab.pipelines.drive import frf_of_drive, identify_drive
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
@@ -188,16 +188,11 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
     every, notes = usable(campaign, campaign.of(test))
     band = options.band_hz or driven_band(every)
-    # A block of random drive is cut out of what never ends: only the blocks together are long enough.
-    made = joined_frf if test in ("random", "burst-random") else broadband_frf
-    # Its lines count alike: what varies from line to line is the drive's own level, and the next look has another.
-    measured = made(of_one_level(every), campaign.rig, band)
-    check_followed(measured)
-    frf = replace(measured, coherence=None, variance=None)
+    frf = frf_of_drive(every, campaign.rig, band)
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)
-    found, fit = identify_frf(frf, campaign.rig, options)
+    found, fit, frf = identify_drive(every, frf, campaign.rig, options)
     model = found.model_copy(update={"test": test})
     assessment = assess_broadband(model, fit, every, frf, campaign.rig)
     return _judged(test, _with_notes(model, notes), verify_frf(model, frf), assessment)

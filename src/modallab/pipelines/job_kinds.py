@@ -95,12 +95,11 @@ def campaigns_of(store: Store, *, ended: bool = True) -> Campaigns:
 
 def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> Computed:
     from modallab.pipelines.curves import curves_of
-    from modallab.pipelines.identify import identify_campaign
     from modallab.pipelines.model_file import model_document
 
     campaign, parameters = payload
     with heard_by(notify):
-        found = identify_campaign(campaign, parameters.options(), parameters.test)
+        found = parameters.identified(campaign)
     curves = curves_of(campaign, found).model_dump_json().encode()
     return Computed(_plain(model_document(campaign, found)), {CURVES: curves})
 
@@ -118,14 +117,13 @@ def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> C
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:
-    from modallab.pipelines.identify import identify_campaign
     from modallab.pipelines.model_file import model_document
     from modallab.pipelines.report import report_content
     from modallab.reporting.report import render
 
     campaign, parameters = payload
     with heard_by(notify), part(0.0, 0.7):
-        result = identify_campaign(campaign, parameters.options(), parameters.test)
+        result = parameters.identified(campaign)
     notify(0.7, "figures")
     content = report_content(campaign, result, parameters.title or f"Modal test of {campaign.rig.name}")
     return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})

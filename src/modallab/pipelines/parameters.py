@@ -8,12 +8,15 @@ from pydantic import AfterValidator, Field, JsonValue, ValidationError, model_va
 from pydantic_core import PydanticCustomError
 
 from modallab.blind.request import BlindRequest
+from modallab.core.block import Campaign
 from modallab.core.errors import IdentificationError, JobError
 from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
 from modallab.core.units import Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
 from modallab.identification.options import Options
+from modallab.pipelines.identify import Result
+from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
 
 Hertz = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -36,6 +39,9 @@ class IdentifyParameters(Frozen):
         test: only this test.
         pick_hz: if given, these modes and no others.
         refine: whether its poles begin a maximum-likelihood search; None for what is usual with the method.
+        response_only: whether the responses alone are identified, to a random force; None for where none was measured.
+            Of the others only band_hz and test go with it.
+        response_method: how modes of the responses alone are found.
     """
 
     method: Annotated[str, AfterValidator(_estimator)] = USUAL
@@ -46,6 +52,8 @@ class IdentifyParameters(Frozen):
     pick_hz: Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(max_length=100)] = Field(
         default=(), exclude_if=unstated
     )
+    response_only: bool | None = Field(default=None, exclude_if=unstated)
+    response_method: ResponseMethod = Field(default=USUAL_RESPONSE, exclude_if=lambda method: method == USUAL_RESPONSE)
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
@@ -56,6 +64,30 @@ class IdentifyParameters(Frozen):
             except IdentificationError as error:
                 raise PydanticCustomError("max_order", "max_order: {why}", {"why": str(error)}) from error
         return self
+
+    @model_validator(mode="after")
+    def _check_alone(self) -> Self:
+        given = self.model_fields_set - {"response_only", "response_method", "band_hz", "test", "title"}
+        named = [name for name in sorted(given) if getattr(self, name) != type(self).model_fields[name].default]
+        if self.response_only and named:
+            raise PydanticCustomError(
+                "response_only", "response_only does not go with {named}", {"named": ", ".join(named)}
+            )
+        return self
+
+    def identified(self, campaign: Campaign) -> Result:
+        """What a campaign gives, asked so.
+
+        Raises:
+            ModallabError: there is nothing to identify, or no mode.
+        """
+        return identify_chosen(
+            campaign,
+            self.options(),
+            self.test,
+            response_only=self.response_only,
+            method=self.response_method,
+        )
 
     def options(self) -> Options:
         """For the identification."""

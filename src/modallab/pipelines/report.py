@@ -79,6 +79,8 @@ def _outcome(campaign: Campaign, item: Identified, rejected: Sequence[tuple[Bloc
             diagram=diagram_of(campaign, item, _given(campaign, item)),
         )
     test: Test = item.source
+    if item.model.operating_shapes is not None:
+        return Outcome(test=test, model=item.model, diagram="its modes were found in the responses alone")
     block = example_block(campaign, test)
     example = None if block is None else to_signals(block, campaign.rig)
     return Outcome(

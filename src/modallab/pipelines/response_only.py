@@ -1,37 +1,82 @@
 """Identifies the responses of a campaign alone, whatever drove them."""
 
+from dataclasses import replace
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.array_checks import check_signals
 from modallab.core.block import Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
 from modallab.core.units import Test
 from modallab.frf.joined import contiguous
+from modallab.identification.options import Options
 from modallab.identification.response_only.covariances import TooShortError
-from modallab.identification.response_only.modes import ResponseModes, response_modes
-from modallab.pipelines.identify import Identified, Result
+from modallab.identification.response_only.modes import PLSCF, SSI_COV, Method, ResponseModes, response_modes
+from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import to_signals_of
 
-METHOD = "ssi_cov"
+ResponseMethod = Literal["ssi_cov", "plscf_spectra"]
+USUAL_RESPONSE: ResponseMethod = "ssi_cov"
+POLES: dict[ResponseMethod, Method] = {"ssi_cov": SSI_COV, "plscf_spectra": PLSCF}
 LEAST_PERIODS = 100.0
 """The lower edge of the band by itself: so many periods of it fit into the records."""
 TOP = 0.4
 """Of the rate, the upper edge by itself: up to there the chain's anti-alias filters are flat."""
-NO_FORCE = "From the responses alone: a force that excites all modes alike is assumed, and modal masses are not known."
+NO_FORCE = (
+    "From the responses alone: a force that excites all modes alike is assumed. Shapes are unscaled, and modal masses "
+    "are not known."
+)
+
+
+def identify_chosen(
+    campaign: Campaign,
+    options: Options,
+    test: Test | None = None,
+    *,
+    response_only: bool | None = None,
+    method: ResponseMethod = USUAL_RESPONSE,
+) -> Result:
+    """The models by force and responses, or that of the responses alone.
+
+    Args:
+        campaign: records or FRFs, and the rig.
+        options: of the identification; for the responses alone only its band.
+        test: only this test.
+        response_only: whether the force is left out; None for where none was measured.
+        method: how modes of the responses alone are found.
+
+    Raises:
+        IdentificationError: no mode, or options that the responses alone have no place for.
+        DataError: nothing to identify, or damaged records.
+    """
+    alone = campaign.rig.force is None and bool(campaign.blocks) if response_only is None else response_only
+    if not alone:
+        return identify_campaign(campaign, options, test)
+    if replace(options, band_hz=None) != Options():
+        raise IdentificationError(
+            "of the options of an identification, only the band goes with the responses alone",
+            remedy="leave out method, order, refine, and what is to be picked or dropped",
+        )
+    return identify_responses(campaign, test, options.band_hz, method)
 
 
 def identify_responses(
-    campaign: Campaign, test: Test | None = None, band_hz: tuple[float, float] | None = None
+    campaign: Campaign,
+    test: Test | None = None,
+    band_hz: tuple[float, float] | None = None,
+    method: ResponseMethod = USUAL_RESPONSE,
 ) -> Result:
-    """The modal model of one test's responses, by covariance-driven subspace identification.
+    """The modal model of one test's responses.
 
     Args:
         campaign: records of one test, or of the one that is named. Those that follow each other without a gap are one.
         test: which; None if there is only one.
         band_hz: where modes are looked for; None for 100 periods of the records up to 0.4 of their rate.
+        method: covariance-driven subspace identification, or pLSCF on half spectra.
 
     Raises:
         DataError: no records, records of several tests, too short or damaged ones.
@@ -58,22 +103,28 @@ def identify_responses(
     rate = signals[0].rate_hz
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous(signals)]
     seconds = sum(r.shape[1] for r in records) / rate
-    band, found = _found(records, rate, band_hz, seconds)
+    band, found = _found(records, rate, band_hz, seconds, method)
     left = len(blocks) - len(clean)
     notes = (NO_FORCE, *((f"{left} records ran into the converter's full scale and were left out.",) if left else ()))
-    return Result((Identified(blocks[0].test, _model(found, campaign, blocks[0].test, band, notes), None),), ())
+    model = _model(found, campaign, blocks[0].test, band, notes, method)
+    return Result((Identified(blocks[0].test, model, None),), ())
 
 
 def _found(
-    records: list[NDArray[np.float64]], rate_hz: float, band_hz: tuple[float, float] | None, seconds: float
+    records: list[NDArray[np.float64]],
+    rate_hz: float,
+    band_hz: tuple[float, float] | None,
+    seconds: float,
+    method: ResponseMethod,
 ) -> tuple[tuple[float, float], ResponseModes]:
     """The band and its modes; by itself the band begins as low as the records are long enough for."""
+    poles_of = POLES[method]
     if band_hz is not None:
-        return band_hz, response_modes(records, rate_hz, band_hz)
+        return band_hz, response_modes(records, rate_hz, band_hz, poles_of)
     low, top = LEAST_PERIODS / seconds, TOP * rate_hz
     while True:
         try:
-            return (low, top), response_modes(records, rate_hz, (low, top))
+            return (low, top), response_modes(records, rate_hz, (low, top), poles_of)
         except TooShortError:
             if 2 * low >= top / 4:
                 raise
@@ -81,13 +132,18 @@ def _found(
 
 
 def _model(
-    found: ResponseModes, campaign: Campaign, test: Test, band_hz: tuple[float, float], notes: tuple[str, ...]
+    found: ResponseModes,
+    campaign: Campaign,
+    test: Test,
+    band_hz: tuple[float, float],
+    notes: tuple[str, ...],
+    method: ResponseMethod,
 ) -> ModalModel:
     n, outputs = found.frequency_hz.size, campaign.rig.responses
     nothing = np.zeros((n, len(outputs), 0))
     unread = np.full(n, np.nan)
     return ModalModel(
-        method=METHOD,
+        method=method,
         test=test,
         band_hz=band_hz,
         frequency_hz=found.frequency_hz,

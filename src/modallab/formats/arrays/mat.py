@@ -12,6 +12,8 @@ from scipy import io
 from modallab.core.block import Campaign
 from modallab.core.errors import FormatError
 from modallab.core.rig import Rig
+from modallab.formats.arrays.arrays_draft import draft_arrays
+from modallab.formats.arrays.mapped import campaign_of_map
 from modallab.formats.arrays.named import campaign_of_arrays
 from modallab.formats.options import ImportOptions
 
@@ -28,13 +30,28 @@ def read_mat(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         FormatError: no whole MATLAB file.
         DataError: variables that are missing or do not fit.
     """
+    if options.array_map is not None:
+        return campaign_of_map(_arrays(path), options.array_map, path.stem, rig, options, str(path))
+    return campaign_of_arrays(_arrays(path), path.stem, rig, options, str(path))
+
+
+def draft_mat(path: Path, options: ImportOptions) -> Rig:
+    """The rig that a MATLAB file's records or FRFs were made on, as far as its variables or the map say.
+
+    Raises:
+        FormatError: no whole MATLAB file.
+        DataError: what a variable is cannot be known.
+    """
+    return draft_arrays(_arrays(path), options.array_map, path)
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     with path.open("rb") as source:
         newer = source.read(len(MARKS[1])) == MARKS[1]
     try:
-        arrays = dict(_of_hdf5(path) if newer else _flat("", io.loadmat(str(path), simplify_cells=True)))
+        return dict(_of_hdf5(path) if newer else _flat("", io.loadmat(str(path), simplify_cells=True)))
     except Exception as error:  # On damaged files SciPy and HDF5 raise nearly every type there is.
         raise FormatError(f"is no whole MATLAB file: {error}", where=str(path), remedy=_AGAIN) from error
-    return campaign_of_arrays(arrays, path.stem, rig, options, str(path))
 
 
 def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -43,6 +60,9 @@ def _flat(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, NDArray[A
             continue
         if isinstance(value, dict):
             yield from _flat(f"{prefix}{name}.", value)
+        elif isinstance(value, list | np.ndarray) and len(value) and all(isinstance(one, dict) for one in value):
+            for k, one in enumerate(value, start=1):
+                yield from _flat(f"{prefix}{name}({k}).", one)
         elif (array := np.asarray(value)).dtype.kind in "fiuc":
             yield f"{prefix}{name}", array
 

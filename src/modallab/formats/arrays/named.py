@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from modallab.core.array_checks import check_frf, check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
-from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.core.units import DERIVATIVE
+from modallab.formats.arrays.array_map import array_named, listed
+from modallab.formats.frf_factor import assumed_factor
 from modallab.formats.options import ImportOptions
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -54,25 +55,25 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
     return Campaign(rig, (block,), source=where)
 
 
+def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:
+    """The array that is usually called so, or the only field of a structure that is; None if there is none."""
+    usual = _USUAL.get(key, (key.lower(),))
+    for last in (False, True):
+        names = [(name.rpartition(".")[2] if last else name).lower() for name in arrays]
+        for name in usual:
+            if names.count(name) == 1:
+                return list(arrays.values())[names.index(name)]
+    return None
+
+
 def _find(arrays: Arrays, key: str, options: ImportOptions, where: str) -> NDArray[Any] | None:
     """The array that a key stands for; None if there is none."""
     said = dict(options.variables).get(key)
     if said is not None:
-        name, _, column = said.partition(":")
-        if name not in arrays:
-            raise DataError(f"has no array {name!r}", where=where, remedy=f"name one of {', '.join(arrays) or 'none'}")
-        return arrays[name] if not column else _column(arrays[name], column, said, where)
-    lowered = {name.lower(): name for name in arrays}
-    return next((arrays[lowered[u]] for u in _USUAL.get(key, (key.lower(),)) if u in lowered), None)
-
-
-def _column(values: NDArray[Any], column: str, said: str, where: str) -> NDArray[Any]:
-    if values.ndim != 2 or not column.isdigit() or not 1 <= int(column) <= min(values.shape):
-        raise DataError(
-            f"{said!r} names no column of an array {values.shape}", where=where, remedy="count its columns from 1"
-        )
-    rows = values if values.shape[0] < values.shape[1] else values.T
-    return rows[int(column) - 1]
+        return array_named(arrays, said, where)
+    if key.rpartition(":")[0] in arrays:
+        return array_named(arrays, key, where)
+    return find_usual(arrays, key)
 
 
 def _samples(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> NDArray[np.float64]:
@@ -97,11 +98,11 @@ def _together(
     if whole is None and len(fitting) == 1:
         (whole,) = fitting
     if whole is None or whole.ndim != 2 or len(names) not in whole.shape:
-        held = ", ".join(f"{name} {'x'.join(map(str, a.shape))}" for name, a in arrays.items()) or "no arrays"
         raise DataError(
-            f"no array for channel {', '.join(missing)}; there are {held}",
+            f"no array for channel {', '.join(missing)}; there are {listed(arrays)}",
             where=where,
-            remedy="say which is which by --variable CHANNEL=NAME or CHANNEL=NAME:COLUMN, or all of them by all=NAME",
+            remedy="say which is which by --map map.yaml, by --variable CHANNEL=NAME or CHANNEL=NAME:COLUMN, or all of "
+            "them by all=NAME",
         )
     return _real(whole if whole.shape[0] == len(names) else whole.T, where)
 
@@ -134,20 +135,16 @@ def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOpti
     values = _matrix(_there(found[FRF]), lines.size, len(outputs), where).astype(np.complex128)
     names = tuple(channel.name for channel in outputs)
     check_frf(lines, values, names, where, even=False)
-    kinds = {DERIVATIVE.get(channel.quantity) for channel in outputs}
-    quantity: dict[int | None, FrfQuantity] = {d: q for q, d in DERIVATIVES.items()}
-    (kind, *others) = kinds
-    if others or kind not in quantity:
+    assumed = [assumed_factor(channel, rig, where) for channel in outputs]
+    if len({quantity for quantity, _ in assumed}) > 1:
         raise DataError(
-            "the rig's responses are of several quantities, or of none of motion",
-            where=where,
-            remedy="leave the others out of the rig",
+            "the rig's responses are of several quantities", where=where, remedy="leave the others out of the rig"
         )
     inputs = values.shape[1]
     return Frf(
         frequency_hz=lines,
-        values=values,
-        quantity=quantity[kind],
+        values=values * np.array([factor for _, factor in assumed])[:, None, None],
+        quantity=assumed[0][0],
         outputs=names,
         output_points=tuple(channel.point for channel in outputs),
         input_points=(options.drive_point,) if inputs == 1 else (None,) * inputs,

@@ -1,17 +1,22 @@
-"""A rig from the header of a table of time records."""
+"""A rig from the header of a table of time records or FRFs."""
 
 from pathlib import Path
 
 from modallab.core.errors import DataError
-from modallab.core.rig import Rig
-from modallab.formats.csv.csv_read import TIME_NAMES
-from modallab.formats.csv.csv_table import read_table
-from modallab.formats.draft import Said, rig_of
-from modallab.formats.unit_text import quantity_of
+from modallab.core.rig import Direction, Rig
+from modallab.core.units import Quantity
+from modallab.formats.csv.csv_frf_table import columns_of, holds_frfs
+from modallab.formats.csv.csv_heads import TIME_NAMES
+from modallab.formats.csv.csv_table import Table, read_table
+from modallab.formats.csv.frf_heading import FrfHeading, pair_of
+from modallab.formats.draft import MEASURED, Said, rig_of
+from modallab.formats.unit_text import frf_unit, quantity_of
+
+_DIRECTIONS: dict[str, Direction] = {"+x": "+x", "-x": "-x", "+y": "+y", "-y": "-y", "+z": "+z", "-z": "-z"}
 
 
 def draft_csv(path: Path) -> Rig:
-    """The rig of a table: a channel for each column but the times, by its name and unit.
+    """The rig of a table: a channel for each column but the times, by its name and unit; for each response of an FRF.
 
     Raises:
         FormatError: no table, or cut off.
@@ -24,6 +29,26 @@ def draft_csv(path: Path) -> Rig:
             where=str(path),
             remedy="add a header line with time and the names of the channels, or give a rig file with --rig",
         )
+    if holds_frfs(table):
+        return _of_frfs(table, path)
     units = table.units or ("",) * len(table.names)
     columns = [(n, u) for n, u in zip(table.names, units, strict=True) if n.lower() not in TIME_NAMES]
     return rig_of([Said(name, quantity_of(unit), unit) for name, unit in columns], path)
+
+
+def _of_frfs(table: Table, path: Path) -> Rig:
+    headings = [c.heading for c in columns_of(table, None, str(path)) if c.heading.part not in ("phase", "coherence")]
+    pairs = [pair_of(h.of) for h in headings]
+    drives = {p.input for p in pairs if p.input is not None}
+    responses: dict[str, Said] = {}
+    for heading, pair in zip(headings, pairs, strict=True):
+        name = pair.name or "response" if pair.point is None else f"p{pair.point}{pair.axis}"
+        if name not in responses or responses[name].quantity is None:
+            responses[name] = Said(name, _quantity(heading), "", pair.point, _DIRECTIONS.get(pair.axis))
+    force = Said("force", "force", "N", min(drives) if len(drives) == 1 else None)
+    return rig_of([force, *responses.values()], path, driven=drives)
+
+
+def _quantity(heading: FrfHeading) -> Quantity | None:
+    said = frf_unit(heading.unit, "")
+    return None if said is None else MEASURED[said[0]]

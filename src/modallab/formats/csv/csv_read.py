@@ -1,4 +1,4 @@
-"""CSV files: a column of times and one column per channel, by the names of the rig; or FRFs as they are exported."""
+"""CSV files: a column of times and one column per channel, by the names of the rig; or FRFs."""
 
 from pathlib import Path
 
@@ -10,13 +10,13 @@ from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.csv.csv_frf import frf_of, is_frf
+from modallab.formats.csv.csv_frf_table import frf_of_table, holds_frfs
+from modallab.formats.csv.csv_heads import FREQUENCY_NAMES, TIME_NAMES
 from modallab.formats.csv.csv_table import Table, read_table
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import normal_unit
 
-TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
 _TIME_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
-_FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "hz", "frequenz"}
 
 
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
@@ -34,6 +34,8 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     table = read_table(path)
     if is_frf(table):
         return Campaign(rig, (), (frf_of(table, rig, where),), source=where)
+    if holds_frfs(table):
+        return Campaign(rig, (), (frf_of_table(table, rig, options, where),), source=where)
     names = table.names or _names_by_place(table, rig, options, where)
     places = _places(names, rig, where)
     time = _time_column(names)
@@ -81,11 +83,11 @@ def _time_column(names: tuple[str, ...]) -> int | None:
 def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
     """The column of each channel. Rejects channels that are missing, unknown or there twice."""
     lowered = [name.lower() for name in names]
-    if lowered[0] in _FREQUENCY_NAMES:
+    if lowered[0] in FREQUENCY_NAMES:
         raise DataError(
-            f"its first column is {names[0]!r}: of FRFs only those that modallab exported are read from CSV",
+            f"its first column is {names[0]!r}, and the others hold neither complex numbers nor Re and Im, nor a phase",
             where=where,
-            remedy="give the time records, or the FRFs as a universal file (dataset 58)",
+            remedy="name two columns for each FRF, as Re a1 and Im a1; spectra without a phase hold no modes",
         )
     requested = {channel.name.lower(): channel.name for channel in rig.channels}
     missing = [name for low, name in requested.items() if low not in lowered]

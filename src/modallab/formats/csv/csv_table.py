@@ -1,7 +1,7 @@
-"""The table in a CSV file: its delimiter, decimal mark, header, units and numbers."""
+"""The table in a text file: its delimiter, decimal mark, header, units and numbers."""
 
-import csv
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
-from modallab.formats.unit_text import normal_unit
+from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, delimiter_of, n_cells, number, plain_complex
+from modallab.formats.csv.csv_heads import headings
 
-_DELIMITERS = (";", "\t", ",")
-_COMMENT = "#"
-_HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(](?P<unit>.*)[\])])?\s*$")
+_COMMENTS = ("#", "%")
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,10 +23,11 @@ class Table:
     Attributes:
         names: heading of each column, () if the file has none.
         units: unit of each column, "" where none is written.
-        values: (rows, columns).
+        values: (rows, columns), the real part of complex numbers.
         resolution: half of the last digit of the first column.
         ended: whether the last line has its end.
         remark: the comment lines, one after the other.
+        imaginary: (rows, columns), 0 in columns of real numbers; None if there are no complex ones.
     """
 
     names: tuple[str, ...]
@@ -36,6 +36,7 @@ class Table:
     resolution: float
     ended: bool
     remark: str = ""
+    imaginary: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class _Line:
 
 
 def read_table(path: Path) -> Table:
-    """Read the table of a CSV file.
+    """Read the table of a text file.
 
     Raises:
         FormatError: no text, no table, or cut off.
@@ -53,21 +54,25 @@ def read_table(path: Path) -> Table:
     where = str(path)
     text = _decode(path)
     lines = [_Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    remark = "".join(line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENT))
-    lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENT)]
-    delimiter = _delimiter(lines)
-    if lines and lines[0].text.startswith("sep="):
-        lines = lines[1:]
-    heads = _heads(lines, delimiter)
-    body = lines[len(heads) :]
+    comments = [line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENTS)]
+    lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENTS)]
+    delimiter, lines = _delimited(lines)
+    above = next((k for k, line in enumerate(lines) if _begins_with_number(line, delimiter)), len(lines))
+    body = [_Line(line.number, plain_complex(line.text)) for line in lines[above:]]
     if not body:
         raise FormatError("holds no numbers", where=where, remedy="give a header line and then rows of numbers")
-    names, units = _headings(heads, delimiter)
+    columns = n_cells(body[-1].text if len(body) == 1 else body[-2].text, delimiter)
+    marked = [comment.lstrip("".join(_COMMENTS)).strip() for comment in comments]
+    names, units = headings([line.text for line in lines[:above]], marked, delimiter, columns)
+    if delimiter == BLANKS and above and not names:
+        raise _not_a_number([_Line(lines[0].number, lines[0].text)], delimiter, (), where)
     ended = text.endswith(("\n", "\r"))
     if not ended:
         _check_end(body, delimiter, where)
     values = _numbers(body, delimiter, names, where)
-    return Table(names, units, values, _resolution(body, delimiter), ended, remark)
+    imaginary = np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None
+    real = np.ascontiguousarray(values.real)
+    return Table(names, units, real, _resolution(body, delimiter), ended, "".join(comments), imaginary)
 
 
 def _decode(path: Path) -> str:
@@ -83,52 +88,21 @@ def _decode(path: Path) -> str:
     raise FormatError("is no text", where=str(path), remedy="name a CSV file, or one of another known kind")
 
 
-def _delimiter(lines: list[_Line]) -> str:
-    if lines and re.fullmatch(r"sep=.", lines[0].text.strip()):
-        return lines[0].text.strip()[-1]
-    # Of those that could be meant, the first: with ; or tab between the columns a comma is a decimal mark.
-    sample = [line.text for line in lines[-20:]]
-    return next((mark for mark in _DELIMITERS if sample and all(mark in line for line in sample)), ",")
+def _delimited(lines: list[_Line]) -> tuple[str, list[_Line]]:
+    """The delimiter, and the lines without the one that may say it."""
+    if lines and (said := re.fullmatch(r"sep=(.)", lines[0].text.strip())):
+        return said[1], lines[1:]
+    return delimiter_of([plain_complex(line.text) for line in lines[-20:]]), lines
 
 
-def _fields(line: str, delimiter: str) -> list[str]:
-    return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, strict=False), [])]
-
-
-def _heads(lines: list[_Line], delimiter: str) -> list[_Line]:
-    # A line of names, known by its first field; below it perhaps a line of units, in which nothing is a number.
-    heads: list[_Line] = []
-    if lines and _float(_fields(lines[0].text, delimiter)[0]) is None:
-        heads = lines[:1]
-        below = [_float(field) for line in lines[1:2] for field in _fields(line.text, delimiter)]
-        if below and all(number is None for number in below):
-            heads = lines[:2]
-    return heads
-
-
-def _float(field: str) -> float | None:
-    try:
-        return float(field.replace(",", "."))
-    except ValueError:
-        return None
-
-
-def _headings(heads: list[_Line], delimiter: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    if not heads:
-        return (), ()
-    matches = [_HEADING.match(field) for field in _fields(heads[0].text, delimiter)]
-    names = tuple(match["name"].strip() if match else "" for match in matches)
-    units = tuple(normal_unit(match["unit"] or "") if match else "" for match in matches)
-    if len(heads) > 1:  # A second line of words holds units.
-        below = [normal_unit(field.strip("[]")) for field in _fields(heads[1].text, delimiter)]
-        units = tuple(unit or second for unit, second in zip(units, [*below, *[""] * len(names)], strict=False))
-    return names, units
+def _begins_with_number(line: _Line, delimiter: str) -> bool:
+    return number((cells(plain_complex(line.text), delimiter) or [""])[0]) is not None
 
 
 def _check_end(body: list[_Line], delimiter: str, where: str) -> None:
     # Without its line end the last number may have lost digits. It has, if no other of its column has so few after
     # the decimal mark.
-    ends = [line.text.rpartition(delimiter)[2].strip() for line in body]
+    ends = [cells(line.text, delimiter)[-1] for line in body]
     places = [len(after) if mark else -1 for _, mark, after in (end.replace(",", ".").partition(".") for end in ends)]
     if len(ends) > 1 and places[-1] < min(places[:-1]):
         raise FormatError(
@@ -138,9 +112,11 @@ def _check_end(body: list[_Line], delimiter: str, where: str) -> None:
         )
 
 
-def _numbers(body: list[_Line], delimiter: str, names: tuple[str, ...], where: str) -> NDArray[np.float64]:
-    columns = len(names) or len(_fields(body[0].text, delimiter))
-    counts = np.array([line.text.count(delimiter) + 1 for line in body])
+def _numbers(
+    body: list[_Line], delimiter: str, names: tuple[str, ...], where: str
+) -> NDArray[np.float64] | NDArray[np.complex128]:
+    columns = len(names) or n_cells(body[0].text, delimiter)
+    counts = np.array([n_cells(line.text, delimiter) for line in body])
     if (counts != columns).any():
         wrong = int((counts != columns).argmax())
         cut = wrong == len(body) - 1
@@ -149,18 +125,27 @@ def _numbers(body: list[_Line], delimiter: str, names: tuple[str, ...], where: s
             where=where,
             remedy="copy or export the file again" if cut else "give every line the same columns",
         )
-    decimal_comma = delimiter != ","
-    texts = [line.text.replace(",", ".") if decimal_comma else line.text for line in body]
+    if any("j" in line.text for line in body):
+        rows = [[complex_number(cell) for cell in cells(line.text, delimiter)] for line in body]
+        return np.array([[_there(cell, body, delimiter, names, where) for cell in row] for row in rows], np.complex128)
+    texts = [line.text if delimiter == "," else line.text.replace(",", ".") for line in body]
+    split = None if delimiter == BLANKS else delimiter
     try:
-        return np.loadtxt(texts, delimiter=delimiter, dtype=np.float64, ndmin=2, comments=None, quotechar='"')
+        return np.loadtxt(texts, delimiter=split, dtype=np.float64, ndmin=2, comments=None, quotechar='"')
     except ValueError as error:
         raise _not_a_number(body, delimiter, names, where) from error
 
 
-def _not_a_number(body: list[_Line], delimiter: str, names: tuple[str, ...], where: str) -> FormatError:
+def _there(cell: complex | None, body: list[_Line], delimiter: str, names: tuple[str, ...], where: str) -> complex:
+    if cell is None:
+        raise _not_a_number(body, delimiter, names, where)
+    return cell
+
+
+def _not_a_number(body: list[_Line], delimiter: str, names: Sequence[str], where: str) -> FormatError:
     for line in body:
-        for column, field in enumerate(_fields(line.text, delimiter)):
-            if _float(field) is None:
+        for column, field in enumerate(cells(line.text, delimiter)):
+            if complex_number(field) is None:
                 name = f" ({names[column]})" if column < len(names) else ""
                 return FormatError(
                     f"line {line.number}, column {column + 1}{name}: {field!r} is no number",
@@ -173,7 +158,7 @@ def _not_a_number(body: list[_Line], delimiter: str, names: tuple[str, ...], whe
 def _resolution(body: list[_Line], delimiter: str) -> float:
     """Half of the last digit in the first column: the finest of plain numbers, the coarsest of those with exponents."""
     sample = [*body[:: max(1, len(body) // 50)], body[-1]]
-    texts = [_fields(line.text, delimiter)[0].replace(",", ".") for line in sample]
+    texts = [cells(line.text, delimiter)[0].replace(",", ".") for line in sample]
     try:
         exponents = [int(Decimal(text).as_tuple().exponent) for text in texts]
     except (InvalidOperation, ValueError):

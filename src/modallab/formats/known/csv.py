@@ -34,7 +34,7 @@ def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None
     write_csv(campaign, path, models)
 
 
-def _draft(path: Path) -> Rig:
+def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.csv.csv_draft import draft_csv
 
     return draft_csv(path)

@@ -26,6 +26,12 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     return read_mat(path, rig, options)
 
 
+def _draft(path: Path, options: ImportOptions) -> Rig:
+    from modallab.formats.arrays.mat import draft_mat
+
+    return draft_mat(path, options)
+
+
 FORMAT = Format(
     name="mat",
     title="MATLAB (.mat)",
@@ -33,8 +39,9 @@ FORMAT = Format(
     endings=(".mat",),
     is_no="MATLAB file of version 5 or 7.3",
     holds=("records", "FRFs"),
-    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s", "variables"),
+    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s", "variables", "array_map"),
     priority=5,
     fits=_fits,
     read=_read,
+    draft=_draft,
 )

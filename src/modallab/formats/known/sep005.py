@@ -26,6 +26,12 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     return read_sep005(path, rig, options)
 
 
+def _draft(path: Path, options: ImportOptions) -> Rig:
+    from modallab.formats.sep005.sep005_draft import draft_sep005
+
+    return draft_sep005(path)
+
+
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
     from modallab.formats.sep005.sep005 import write_sep005
 
@@ -43,5 +49,6 @@ FORMAT = Format(
     priority=40,
     fits=_fits,
     read=_read,
+    draft=_draft,
     write=_write,
 )

@@ -27,6 +27,12 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     return read_tdms(path, rig, options)
 
 
+def _draft(path: Path, options: ImportOptions) -> Rig:
+    from modallab.formats.tdms.tdms_draft import draft_tdms
+
+    return draft_tdms(path)
+
+
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
     from modallab.formats.tdms.tdms_write import write_tdms
 
@@ -44,5 +50,6 @@ FORMAT = Format(
     priority=30,
     fits=_fits,
     read=_read,
+    draft=_draft,
     write=_write,
 )

@@ -28,7 +28,7 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     return read_uff(path, rig, options)
 
 
-def _draft(path: Path) -> Rig:
+def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.uff.uff_draft import draft_uff
 
     return draft_uff(path)

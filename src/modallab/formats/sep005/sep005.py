@@ -45,13 +45,22 @@ def read_sep005(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         FormatError: no list of series.
         DataError: channels missing, or of unequal rates or lengths.
     """
-    where = str(path)
-    groups: dict[str, dict[str, dict[str, Any]]] = {}
-    for place, series in enumerate(_load(path), start=1):
-        _check(series, f"{where}, series {place}")
-        groups.setdefault(str(series.get("group", path.stem)), {})[series["name"]] = series
+    where, groups = str(path), series_of(path)
     blocks = [_block(name, group, order, rig, options, where) for order, (name, group) in enumerate(groups.items())]
     return Campaign(rig, tuple(blocks), source=where)
+
+
+def series_of(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
+    """Group -> name -> its series, with `data` as an array.
+
+    Raises:
+        FormatError: no list of series.
+    """
+    groups: dict[str, dict[str, dict[str, Any]]] = {}
+    for place, series in enumerate(_load(path), start=1):
+        _check(series, f"{path}, series {place}")
+        groups.setdefault(str(series.get("group", path.stem)), {})[series["name"]] = series
+    return groups
 
 
 def _series(block: Block, rig: Rig) -> list[dict[str, Any]]:

@@ -30,6 +30,22 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: channels that are not those of the rig, or of unequal type, length or rate.
     """
     where = str(path)
+    groups, remarks = groups_of(path)
+    if not groups:
+        raise DataError("holds no samples", where=where, remedy="export the records again")
+    blocks = [
+        _block(name, group, remarks.get(name, ""), order, rig, options, f"{where}, group {name}")
+        for order, (name, group) in enumerate(groups.items())
+    ]
+    return Campaign(rig, tuple(blocks), source=where)
+
+
+def groups_of(path: Path) -> tuple[dict[str, dict[str, TdmsObject]], dict[str, str]]:
+    """Group -> channel -> its samples, and group -> its description.
+
+    Raises:
+        FormatError: no TDMS file, cut off, or of a kind that is not read here.
+    """
     groups: dict[str, dict[str, TdmsObject]] = {}
     remarks: dict[str, str] = {}
     for name, found in read_tdms_objects(path).items():
@@ -38,13 +54,7 @@ def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             remarks[parts[0]] = str(found.properties.get("description", ""))
         elif len(parts) == 2 and found.parts:
             groups.setdefault(parts[0], {})[parts[1]] = found
-    if not groups:
-        raise DataError("holds no samples", where=where, remedy="export the records again")
-    blocks = [
-        _block(name, group, remarks.get(name, ""), order, rig, options, f"{where}, group {name}")
-        for order, (name, group) in enumerate(groups.items())
-    ]
-    return Campaign(rig, tuple(blocks), source=where)
+    return groups, remarks
 
 
 def _block(

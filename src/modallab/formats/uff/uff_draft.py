@@ -1,23 +1,18 @@
 """A rig from what a universal file says of its channels and its geometry."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from modallab.core.errors import DataError
-from modallab.core.frf import FrfQuantity
 from modallab.core.rig import Direction, Point, Rig
-from modallab.core.units import Quantity
-from modallab.formats.draft import Said, rig_of
+from modallab.formats.draft import MEASURED, Said, rig_of
 from modallab.formats.uff.uff_functions import KINDS, Function, read_functions
 from modallab.formats.uff.uff_match import SPECIFIC
 from modallab.formats.uff.uff_results import read_results
+from modallab.formats.uff.uff_systems import read_nodes
 from modallab.formats.unit_text import frf_unit, quantity_of
 
-_MEASURED: dict[FrfQuantity, Quantity] = {
-    "receptance": "displacement",
-    "mobility": "velocity",
-    "inertance": "acceleration",
-}
 _DIRECTIONS: dict[int, Direction] = {1: "+x", 2: "+y", 3: "+z", -1: "-x", -2: "-y", -3: "-z"}
 
 
@@ -41,10 +36,17 @@ def draft_uff(path: Path) -> Rig:
                 else ""
             ),
         )
-    said = list(dict.fromkeys(_said(f, _name_at(used)) for f in used))
+    nodes = read_nodes(path)
+
+    def turned(one: Said) -> Said:
+        if one.point is None or one.direction is None:
+            return one
+        return replace(one, direction=nodes.direction(one.point, one.direction, where))
+
+    said = [turned(one) for one in dict.fromkeys(_said(f, _name_at(used)) for f in used)]
     if used[0].kind == 4:
         node, axis = used[0].reference_node, used[0].reference_direction
-        said.insert(0, Said("force", "force", "N", node or None, _DIRECTIONS.get(axis)))
+        said.insert(0, turned(Said("force", "force", "N", node or None, _DIRECTIONS.get(axis))))
     found = read_results(path).geometry
     drives = {f.reference_node for f in used if f.reference_node}
     places = {n: Point(id=n, x_m=at[0], y_m=at[1], z_m=at[2]) for n, at in found.points.items() if n > 0}
@@ -59,7 +61,7 @@ def _name_at(functions: Sequence[Function]) -> int:
 def _said(function: Function, name_at: int) -> Said:
     of_frf = frf_unit(function.unit, function.divisor_unit) if function.kind == 4 else None
     if of_frf is not None:
-        quantity, unit = _MEASURED[of_frf[0]], ""
+        quantity, unit = MEASURED[of_frf[0]], ""
     else:
         quantity = quantity_of(function.unit) or SPECIFIC.get(function.specific)
         unit = function.unit if quantity is not None and quantity_of(function.unit) else ""

@@ -1,4 +1,4 @@
-"""The lines of universal datasets as the format prescribes them: 15, 55, 58b, 151 and 164."""
+"""The lines of universal datasets as the format prescribes them: 15, 55, 58b, 82, 151 and 164."""
 
 from collections.abc import Iterator, Sequence
 
@@ -66,9 +66,16 @@ def units_164() -> bytes:
     return dataset(164, [f"{1:10d}{'SI: Meter (newton)':<20}{2:10d}", factors, f"{273.15:25.17E}".replace("E", "D")])
 
 
-def nodes_15(points: Sequence[tuple[int, float]]) -> bytes:
-    """Dataset 15: points on the x axis, in m."""
-    return dataset(15, [f"{n:10d}{0:10d}{0:10d}{0:10d}{x:13.5E}{0:13.5E}{0:13.5E}" for n, x in points])
+def nodes_15(points: Sequence[tuple[int, float, float, float]]) -> bytes:
+    """Dataset 15: points by number, x, y and z in m."""
+    return dataset(15, [f"{n:10d}{0:10d}{0:10d}{0:10d}{x:13.5E}{y:13.5E}{z:13.5E}" for n, x, y, z in points])
+
+
+def traces_82(lines: Sequence[tuple[int, int]]) -> bytes:
+    """Dataset 82: pairs of nodes that are joined, as one trace that lifts its pen between them."""
+    nodes = [n for pair in lines for n in (*pair, 0)][:-1]
+    rows = [_ints(*nodes[k : k + 8]) for k in range(0, len(nodes), 8)]
+    return dataset(82, [_ints(1, len(nodes), 1), "lines of the rig", *rows])
 
 
 def shape_55(

@@ -1,7 +1,7 @@
 """Geometry and modes of a universal file, whatever rig they belong to: datasets 15, 2411, 82, 2412, 55 and 2414."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.formats.uff.uff_functions import read_datasets
+from modallab.formats.uff.uff_systems import Nodes, read_nodes
 
 NORMAL, COMPLEX = 2, 3
 """Analysis types that are modes; others are static or forced responses."""
@@ -69,24 +70,26 @@ class Results:
 def read_results(path: Path) -> Results:
     """Geometry in m and modes of a universal file.
 
-    Coordinates are taken as those of the whole part, and divided by the length factor of dataset 164 if there is one.
+    Coordinates and motions are turned into the axes of the whole part, and coordinates divided by the length factor of
+    dataset 164 if there is one.
 
     Raises:
         FormatError: no universal file, cut off or damaged.
+        DataError: nodes in coordinate systems that are not understood.
     """
     units = read_datasets(path, 164)
     factor = float(units[0].get("length") or 1.0) if units else 1.0
-    nodes = [*read_datasets(path, 15), *read_datasets(path, 2411)]
-    points = {
-        int(n): (float(x) / factor, float(y) / factor, float(z) / factor)
-        for content in nodes
-        for n, x, y, z in zip(content["node_nums"], content["x"], content["y"], content["z"], strict=True)
-    }
+    nodes = read_nodes(path)
+    points = {n: (float(x) / factor, float(y) / factor, float(z) / factor) for n, (x, y, z) in nodes.at.items()}
     edges = [*_traced(read_datasets(path, 82)), *_of_elements(read_datasets(path, 2412))]
     lines = dict.fromkeys((min(a, b), max(a, b)) for a, b in edges if a != b and a in points and b in points)
     old = (_mode_55(c) for c in read_datasets(path, 55) if int(c["analysis_type"]) in (NORMAL, COMPLEX))
     new = (_mode_2414(c) for c in read_datasets(path, 2414) if _is_mode(c))
-    return Results(Geometry(points, tuple(lines)), (*old, *new))
+    return Results(Geometry(points, tuple(lines)), tuple(_turned(mode, nodes) for mode in (*old, *new)))
+
+
+def _turned(mode: NodeMode, nodes: Nodes) -> NodeMode:
+    return replace(mode, at={node: nodes.turned(node, motion) for node, motion in mode.at.items()})
 
 
 def _traced(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:

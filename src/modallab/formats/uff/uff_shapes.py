@@ -104,12 +104,12 @@ def _along(mode: _Mode, channel: Channel, where: str) -> complex:
 
 def _check_nodes(content: Mapping[str, Any], rig: Rig, where: str) -> None:
     places = np.stack([np.asarray(content[name], dtype=np.float64) for name in "xyz"], axis=1)
-    known = {point.id: point.x_m for point in rig.points}
+    known = {point.id: np.array([point.x_m, point.y_m, point.z_m]) for point in rig.points}
     common = [(int(node), at) for node, at in zip(content["node_nums"], places, strict=True) if int(node) in known]
     for node, at in common[1:]:
         first, origin = common[0]
-        apart, own = float(np.linalg.norm(at - origin)), abs(known[node] - known[first])
-        if abs(apart - own) > _DIGITS * max(float(np.abs(places).max()), abs(known[node])):
+        apart, own = float(np.linalg.norm(at - origin)), float(np.linalg.norm(known[node] - known[first]))
+        if abs(apart - own) > _DIGITS * max(float(np.abs(places).max()), float(np.abs(known[node]).max())):
             raise DataError(
                 f"nodes {first} and {node} are {apart:g} m apart, the rig's points {own:g} m",
                 where=where,

@@ -1,4 +1,4 @@
-"""Campaigns, FRFs and modal models as a universal file: datasets 151, 164, 15, 58b and 55."""
+"""Campaigns, FRFs and modal models as a universal file: datasets 151, 164, 15, 82, 58b and 55."""
 
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
@@ -24,6 +24,7 @@ from modallab.formats.uff.uff_lines import (
     nodes_15,
     physical,
     shape_55,
+    traces_82,
     units_164,
 )
 
@@ -56,7 +57,9 @@ def _parts(campaign: Campaign, models: Sequence[ModalModel]) -> Iterator[bytes]:
     yield header_151(rig.name, f"modallab {__version__}", f"{datetime.now(UTC):%d-%b-%y  %H:%M:%S}")
     yield units_164()
     if rig.points:
-        yield nodes_15([(point.id, point.x_m) for point in rig.points])
+        yield nodes_15([(point.id, point.x_m, point.y_m, point.z_m) for point in rig.points])
+    if rig.lines:
+        yield traces_82(rig.lines)
     for block in campaign.blocks:
         yield from _records(block, rig)
     for frf in campaign.frfs:
@@ -89,7 +92,9 @@ def _place(channel: Channel, drive_point: int | None, rig: Rig) -> tuple[str, in
 
 
 def _reference(drive_point: int | None, rig: Rig) -> tuple[str, int, int]:
-    return (rig.force_channel.name, drive_point, axis_of(rig.drive_direction)) if drive_point else ("NONE", 0, 0)
+    if rig.force is None or not drive_point:
+        return "NONE", 0, 0
+    return rig.force.name, drive_point, axis_of(rig.drive_direction)
 
 
 def _frf(frf: Frf, rig: Rig) -> Iterator[bytes]:
@@ -100,7 +105,8 @@ def _frf(frf: Frf, rig: Rig) -> Iterator[bytes]:
         channel = channels[output]
         for j, point in enumerate(frf.input_points):
             place = _place(channel, None, rig)
-            reference = (rig.force_channel.name, point or 0, axis_of(rig.drive_direction))
+            force = "NONE" if rig.force is None else rig.force.name
+            reference = (force, point or 0, axis_of(rig.drive_direction))
             ids = [output, f"FRF to point {point}", "NONE", "NONE", "NONE"]
             labels = [(18, "Frequency", "Hz"), _ORDINATE[frf.quantity], (13, "Force", "N"), _NONE]
             lines = len(frf.frequency_hz)
@@ -115,7 +121,8 @@ def _frf(frf: Frf, rig: Rig) -> Iterator[bytes]:
 
 
 def _shapes(model: ModalModel, rig: Rig) -> Iterator[bytes]:
-    if model.shapes is None:
+    shapes = model.operating_shapes if model.shapes is None else model.shapes
+    if shapes is None:
         raise DataError(
             f"the model of the {model.test or 'FRF'} has no shapes: {model.shapes_unavailable}", remedy="leave it out"
         )
@@ -125,11 +132,13 @@ def _shapes(model: ModalModel, rig: Rig) -> Iterator[bytes]:
         if not (np.isfinite(zeta) and 0 <= zeta < 1):
             raise DataError(f"mode {r + 1} has the damping ratio {zeta:g}", remedy="leave this model out")
         pole = complex(-zeta * omega, omega * np.sqrt(1 - zeta**2))
-        ids = [f"{rig.name}, {model.test or 'frf'}, {model.method}", f"mode {r + 1}", "NONE", "NONE", "NONE"]
+        scale = "unit modal mass" if model.shapes is not None else "no scale: no force was measured"
+        ids = [f"{rig.name}, {model.test or 'frf'}, {model.method}", f"mode {r + 1}", scale, "NONE", "NONE"]
         shape: dict[int, np.ndarray] = {}
-        for name, point, value in zip(model.outputs, model.output_points, model.shapes[r], strict=True):
+        for name, point, value in zip(model.outputs, model.output_points, shapes[r], strict=True):
             if point is not None:
                 direction = directions[name]
                 at = shape.setdefault(point, np.zeros(3, dtype=np.complex128))
                 at[abs(direction) - 1] = value * np.sign(direction)
-        yield shape_55(ids, r + 1, pole, 1.0, shape)
+        # A modal mass of 0 is none, as a shape without a scale has.
+        yield shape_55(ids, r + 1, pole, float(model.shapes is not None), shape)

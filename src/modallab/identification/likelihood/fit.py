@@ -24,13 +24,15 @@ Real = NDArray[np.float64]
 class Fit:
     """The end of an identification, with what is needed to regenerate every block.
 
-    `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such.
+    `channels` says how one group's outputs unfold into (outputs, inputs), where FRFs came as such. `by_scatter` (modes,
+    2) are factors of the poles' sigmas, where what was measured says by its own scatter how well it is known.
     """
 
     problem: Problem
     refined: Refined
     input_points: tuple[int | None, ...]
     channels: tuple[int, int] | None = None
+    by_scatter: Real | None = None
 
     @property
     def point(self) -> Point:
@@ -41,7 +43,8 @@ class Fit:
     def pole_sigma(self) -> Real:
         """(modes, 2) sigma of omega (rad/s) and zeta."""
         n = 2 * self.point.parameters.omega.size
-        return np.sqrt(np.diag(self.refined.covariance)[:n]).reshape(-1, 2)
+        own = np.sqrt(np.diag(self.refined.covariance)[:n]).reshape(-1, 2)
+        return own if self.by_scatter is None else own * self.by_scatter
 
     @cached_property
     def modal_constants(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:

@@ -1,7 +1,8 @@
 """Modes of responses alone: which poles are modes, and how well each is known."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +11,9 @@ from scipy.special import ndtri, stdtrit
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.progress import report
 from modallab.identification.response_only.covariances import Band, bands, segment_covariances
+from modallab.identification.response_only.half_spectra import LAGS, HalfSpectra
 from modallab.identification.response_only.subspace import Poles, Subspace
-from modallab.identification.start.stabilisation import StablePole, Tolerance, stable_poles
+from modallab.identification.start.stabilisation import OrderPoles, StablePole, Tolerance, stable_poles
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -68,13 +70,45 @@ class _Mode:
     shape_sigma: Real
 
 
-def response_modes(records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float]) -> ResponseModes:
+class Solver(Protocol):
+    """Poles of covariances at rising orders, and at one of them with what moves them."""
+
+    def orders(self) -> list[OrderPoles]:
+        """Poles at rising orders; an order is the number of poles."""
+        ...
+
+    def at(self, order: int) -> Poles:
+        """Those of one order, with what each segment's deviation moves."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """How poles of covariances are found.
+
+    Attributes:
+        lags: how many of them, by the number of outputs.
+        solve: covariances (segments, lags, outputs, outputs), their rate, and the highest order.
+    """
+
+    lags: Callable[[int], int]
+    solve: Callable[[Real, float, int], Solver]
+
+
+SSI_COV = Method(lambda outputs: 2 * int(np.clip(ROWS // outputs, *BLOCK_ROWS)), Subspace)
+PLSCF = Method(lambda outputs: LAGS, HalfSpectra)
+
+
+def response_modes(
+    records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float], method: Method = SSI_COV
+) -> ResponseModes:
     """Modes of responses to a random force that was not measured.
 
     Args:
         records: each (outputs, samples), any length, of one set-up.
         rate_hz: their rate.
         band_hz: where modes are looked for.
+        method: how poles are found.
 
     Raises:
         DataError: no records, records that differ in outputs or hold no motion, or too short ones.
@@ -87,7 +121,7 @@ def response_modes(records: Sequence[Real], rate_hz: float, band_hz: tuple[float
     parts = list(bands([r / scale[:, None] for r in still], rate_hz, band_hz))
     for k, band in enumerate(parts):
         report(k / len(parts), f"{band.low_hz:.3g} to {band.high_hz:.3g} Hz")
-        found += _of_band(band, scale)
+        found += _of_band(band, scale, method)
     modes = _each_once(found)
     if not modes:
         raise IdentificationError(
@@ -120,13 +154,11 @@ def _check(records: Sequence[Real], rate_hz: float, band_hz: tuple[float, float]
         raise DataError("a response is not finite, or does not move", remedy="leave that channel out")
 
 
-def _of_band(band: Band, scale: Real) -> list[_Mode]:
-    outputs = len(band.records[0])
-    rows = int(np.clip(ROWS // outputs, *BLOCK_ROWS))
-    covariances = segment_covariances(band, 2 * rows)
+def _of_band(band: Band, scale: Real, method: Method) -> list[_Mode]:
+    covariances = segment_covariances(band, method.lags(len(band.records[0])))
     length_s = sum(r.shape[1] for r in band.records) / band.rate_hz / len(covariances)
-    subspace = Subspace(covariances, band.rate_hz, HIGHEST)
-    orders = subspace.orders()
+    solver = method.solve(covariances, band.rate_hz, HIGHEST)
+    orders = solver.orders()
     low, high = 2 * np.pi * band.low_hz * (1 - AT_EDGE), 2 * np.pi * band.high_hz * (1 + AT_EDGE)
     known: dict[int, Poles] = {}
     seconds = length_s * len(covariances)
@@ -139,7 +171,7 @@ def _of_band(band: Band, scale: Real) -> list[_Mode]:
         for place in np.unique(np.linspace(0, len(holding) - 1, min(len(holding), ASKED)).astype(int)):
             order = holding[place]
             if order not in known:
-                known[order] = subspace.at(order)
+                known[order] = solver.at(order)
             at = known[order]
             asked.append((order, _mode(at, int(np.argmin(np.abs(at.poles - stable.pole))), scale, length_s)))
         held = [(order, mode) for order, mode in asked if _known(mode, seconds)]

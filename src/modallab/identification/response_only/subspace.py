@@ -118,6 +118,12 @@ def _mixed(by_mode: Complex, values: Complex, keep: NDArray[np.int64]) -> Comple
     return mixed
 
 
+def unit_at_largest(shapes: Complex, largest: NDArray[np.int64] | None = None) -> Complex:
+    """Shapes (modes, outputs) turned and scaled until one component is 1: the largest, or the one that is named."""
+    at = np.argmax(np.abs(shapes), axis=1) if largest is None else largest
+    return shapes / shapes[np.arange(len(shapes)), at][:, None]
+
+
 def _scaled(shapes: Complex, moved: Complex, shapes_moved: Complex) -> tuple[Complex, Complex, Complex]:
     largest = np.argmax(np.abs(shapes), axis=1)
     rows = np.arange(len(shapes))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
+from modallab.frf.distortions import Distortions
 from modallab.frf.estimate import convert
 from modallab.identification.selection.criteria import mpd
 
@@ -66,6 +67,22 @@ def linearity(low: Frf, high: Frf, allowed: Allowance = USUAL) -> Verdict:
         DataError: the two are not FRFs of the same outputs, inputs and lines, or noise leaves it open.
     """
     return _unchanged("linearity", low, high, "The FRFs of the two levels", allowed)
+
+
+def distorted(found: Distortions) -> Verdict:
+    """What waves of other phases do not agree on beyond noise: of a linear structure nothing.
+
+    Raises:
+        DataError: noise hides as much as is allowed.
+    """
+    level, noise = float(np.max(found.level)), float(np.max(found.noise_level)) / np.sqrt(found.periods * found.waves)
+    if noise > CHANGE_LIMIT:
+        raise DataError(f"{CANNOT_BE_SAID}: noise of {100 * noise:.2g} % hides what is allowed")
+    words = (
+        f"What changes from one random wave to the next, beyond noise, is at most {100 * level:.2g} % of a response; "
+        f"up to {100 * CHANGE_LIMIT:.2g} % is allowed."
+    )
+    return Verdict("linearity", level <= CHANGE_LIMIT, level, CHANGE_LIMIT, words)
 
 
 def time_invariance(first: Frf, last: Frf, allowed: Allowance = USUAL) -> Verdict:

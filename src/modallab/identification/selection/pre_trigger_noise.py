@@ -34,12 +34,13 @@ def pre_trigger_noise(signals: Sequence[Signals]) -> NDArray[np.float64] | None:
     return np.maximum(np.sqrt(variance * signals[0].force.size / 2), np.finfo(float).tiny)
 
 
-def model_error_notes(ratio: float) -> tuple[str, ...]:
-    """What is to be said of such a ratio."""
+def model_error_notes(ratio: float, *, widened: bool = False) -> tuple[str, ...]:
+    """What is to be said of such a ratio; the sigmas of the poles may have been widened by the hits' own scatter."""
     if not ratio > MODEL_ERROR_FROM:
         return ()
+    which = "uncertainties of the modal constants" if widened else "stated uncertainties"
     return (
         f"The fit's residual is {ratio:.3g} times the pre-trigger noise: linear modes do not explain all of it. Hits "
-        "that land off their points, a drift or a nonlinearity do that. The stated uncertainties are too small, and "
+        f"that land off their points, a drift or a nonlinearity do that. The {which} are too small, and "
         "weak modes may not be real.",
     )

@@ -11,6 +11,15 @@ from modallab.reporting.figures.selection import place
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 
+_RESPONSE_METHODS = {
+    "ssi_cov": "covariance-driven subspace identification of the responses alone",
+    "plscf_spectra": "pLSCF on half spectra of the responses alone",
+}
+_UNSCALED = (
+    "No force was used, so that the shapes have no scale: each is 1 at its largest component. Modal masses and modal "
+    "constants are not known, and no response to a force can be predicted."
+)
+
 
 def section(content: ReportContent) -> Section:
     """Modal constants, shapes and residuals of every model, folded away."""
@@ -20,6 +29,8 @@ def section(content: ReportContent) -> Section:
             parts += _model(model)
     if not parts:
         return Section("model", "The model in full", None)
+    if all(model.operating_shapes is not None for model in content.models):
+        return Section("model", "The model in full", join([paragraph(_UNSCALED), *parts]))
     formula = paragraph(
         "The receptance is the sum over the modes of A / (ω₀² − ω² + 2jζω₀ω), with the modal constant A = φⱼφₖ of "
         "response point j and force point k at unit modal mass."
@@ -30,7 +41,9 @@ def section(content: ReportContent) -> Section:
 def _model(model: ModalModel) -> list[Markup]:
     low, high = model.band_hz
     head = f"{(model.test or 'FRFs').capitalize()}: {_method(model.method)}, {about(low)} to {about(high)} Hz"
-    folds = [_fold("Modal constants", _constants(model))]
+    folds = [_fold("Modal constants", _constants(model))] if model.input_points else []
+    if model.operating_shapes is not None:
+        folds.append(_fold("Mode shapes without a scale", _operating(model, model.operating_shapes)))
     if model.shapes is not None:
         folds.append(_fold("Mode shapes at unit modal mass", _shapes(model)))
     if model.residual_powers:
@@ -67,6 +80,8 @@ def _percent(value: float) -> str:
 
 def _method(name: str) -> str:
     known = estimator_of(name)
+    if name in _RESPONSE_METHODS:
+        return _RESPONSE_METHODS[name]
     return name if known is None else known.title
 
 
@@ -99,13 +114,23 @@ def _constants(model: ModalModel) -> Markup:
 
 def _shapes(model: ModalModel) -> Markup:
     assert model.shapes is not None
-    sigma = np.full(model.shapes.shape, np.nan) if model.shape_sigma is None else model.shape_sigma
+    return _by_point(model, model.shapes, model.shape_sigma, "Shapes φ in kg⁻¹ᐟ²: value and sigma")
+
+
+def _operating(model: ModalModel, shapes: NDArray[np.complex128]) -> Markup:
+    return _by_point(model, shapes, model.operating_shape_sigma, "Shapes, 1 at the largest: value and sigma")
+
+
+def _by_point(
+    model: ModalModel, shapes: NDArray[np.complex128], sigma: NDArray[np.float64] | None, caption: str
+) -> Markup:
+    known = np.full(shapes.shape, np.nan) if sigma is None else sigma
     rows = [
         (_point(model, j), *(_complex(complex(v), float(s), float(s)) for v, s in zip(phi, own, strict=True)))
-        for j, (phi, own) in enumerate(zip(model.shapes.T, sigma.T, strict=True))
+        for j, (phi, own) in enumerate(zip(shapes.T, known.T, strict=True))
     ]
     header = ("point", *(f"mode {r + 1}" for r in range(model.n_modes)))
-    return table("Shapes φ in kg⁻¹ᐟ²: value and sigma", header, rows, range(1, model.n_modes + 1))
+    return table(caption, header, rows, range(1, model.n_modes + 1))
 
 
 def _residuals(model: ModalModel) -> Markup:

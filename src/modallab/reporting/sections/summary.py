@@ -25,7 +25,12 @@ def _sentence(content: ReportContent, modes: tuple[Mode, ...]) -> str:
         return f"No mode was found between {about(low)} and {about(high)} Hz."
     low, high = (f(m.band_hz[i] for m in content.models) for i, f in enumerate((min, max)))
     head = f"{counted(len(modes), 'mode')} between {about(low)} and {about(high)} Hz"
-    return f"{head}: {_modes(modes)}{_agreement(modes)}{_mismatch(content)}."
+    return f"{head}{_unscaled(content)}: {_modes(modes)}{_agreement(modes)}{_mismatch(content)}."
+
+
+def _unscaled(content: ReportContent) -> str:
+    alone = all(model.operating_shapes is not None for model in content.models)
+    return " from the responses alone, with unscaled shapes" if alone else ""
 
 
 def compare_tests(modes: tuple[Mode, ...]) -> list[tuple[Mode, float, float]]:

@@ -18,7 +18,12 @@ def section(content: ReportContent) -> Section:
     absent: list[str] = []
     for i, outcome in enumerate(content.outcomes):
         if outcome.verification is None:
-            if outcome.model is not None:
+            if outcome.model is not None and outcome.model.operating_shapes is not None:
+                absent.append(
+                    f"The model of {_called(outcome)} was not held against its measurement: without a force there is "
+                    "no response to play again."
+                )
+            elif outcome.model is not None:
                 absent.append(
                     f"The model of {_called(outcome)} was not compared with its measurement: no verification was given."
                 )

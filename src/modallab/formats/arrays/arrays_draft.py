@@ -1,0 +1,97 @@
+"""A rig from the arrays of a file: as a map says, or where their names and sizes leave no choice."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.core.units import Quantity
+from modallab.formats.arrays.array_map import REMEDY, ArrayMap, array_named, listed
+from modallab.formats.arrays.named import FREQUENCY, FRF, RATE, TIME, Arrays, find_usual
+from modallab.formats.draft import FORCE_NAMES, MEASURED, Said, rig_of
+from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
+
+
+def draft_arrays(arrays: Arrays, said: ArrayMap | None, path: Path) -> Rig:
+    """The rig that the arrays of a file were made on.
+
+    Args:
+        arrays: by name.
+        said: what they are; None if nobody says it.
+        path: of the file.
+
+    Raises:
+        DataError: what an array is cannot be known; the message lists all of them.
+    """
+    if said is not None:
+        return _of_map(arrays, said, path)
+    found = {key: find_usual(arrays, key) for key in (FREQUENCY, FRF, TIME, RATE)}
+    frf, frequency = found[FRF], found[FREQUENCY]
+    if frf is not None and frequency is not None:
+        names = [f"y{k}" for k in range(1, _outputs(frf, frequency, arrays, path) + 1)]
+        return rig_of([Said("force", "force", "N"), *(Said(name) for name in names)], path)
+    if found[TIME] is None and found[RATE] is None:
+        raise _unclear("says neither frequency and FRF nor time or rate", arrays, path)
+    return rig_of(_channels(arrays, found, path), path)
+
+
+def _of_map(arrays: Arrays, said: ArrayMap, path: Path) -> Rig:
+    of_frf = frf_unit(normal_unit(said.unit), "") if said.unit else None
+    unit = normal_unit(said.response_unit)
+    quantity: Quantity | None = MEASURED[of_frf[0]] if of_frf else quantity_of(unit)
+    if isinstance(said.responses, dict):
+        rows = [Said(name, quantity, unit) for name in said.responses]
+    else:
+        outputs = said.outputs or tuple(f"y{k}" for k in range(1, _mapped_outputs(arrays, said, path) + 1))
+        rows = [Said(o if isinstance(o, str) else f"p{o}", quantity, unit, o if isinstance(o, int) else None)
+                for o in outputs]  # fmt: skip
+    if said.frf or said.force:
+        at = said.inputs[0] if len(said.inputs) == 1 else None
+        rows.insert(0, Said("force", "force", normal_unit(said.force_unit) or "N", at))
+    return rig_of(rows, path, driven=said.inputs)
+
+
+def _mapped_outputs(arrays: Arrays, said: ArrayMap, path: Path) -> int:
+    values = array_named(arrays, said.frf or str(said.responses), str(path))
+    if "outputs" not in said.axes:
+        if said.axes or values.ndim == 1:
+            return 1
+        raise DataError(
+            f"how many responses an array {values.shape} holds is not certain",
+            where=str(path),
+            remedy="write axes into the map, or outputs",
+        )
+    # MATLAB drops axes of one element.
+    return values.shape[said.axes.index("outputs")] if values.ndim == len(said.axes) else 1
+
+
+def _outputs(frf: NDArray[Any], frequency: NDArray[Any], arrays: Arrays, path: Path) -> int:
+    rest = [n for n in np.squeeze(frf).shape if n != frequency.size]
+    if frequency.size not in frf.shape or len(rest) > 1 or frf.shape.count(frequency.size) > 1:
+        raise _unclear("holds FRFs whose axes are not known", arrays, path)
+    return rest[0] if rest else 1
+
+
+def _channels(arrays: Arrays, found: dict[str, NDArray[Any] | None], path: Path) -> list[Said]:
+    """A channel for every array as long as the record, and for every column of one that is."""
+    of_time = {id(found[TIME]), id(found[RATE])}
+    held = {name: a for name, a in arrays.items() if id(a) not in of_time and a.size > 1 and a.dtype.kind in "fiu"}
+    time = found[TIME]
+    n = time.size if time is not None and time.size > 1 else max((max(a.shape) for a in held.values()), default=0)
+    if not held or any(n not in a.shape or a.ndim > 2 or min(a.shape) == n < max(a.shape) for a in held.values()):
+        raise _unclear("holds arrays that differ in length or have more than two axes", arrays, path)
+    forces = [name for name, a in held.items() if a.ndim == 1 and name.rpartition(".")[2].lower() in FORCE_NAMES]
+    if any(a.ndim == 2 for a in held.values()) and len(forces) != 1:
+        raise _unclear("does not say which column is the force", arrays, path)
+    return [
+        Said(name if a.ndim == 1 else f"{name}:{k}", "force" if name in forces else None)
+        for name, a in held.items()
+        for k in range(1, (1 if a.ndim == 1 else min(a.shape)) + 1)
+    ]
+
+
+def _unclear(what: str, arrays: Arrays, path: Path) -> DataError:
+    return DataError(f"{what}; there are {listed(arrays)}", where=str(path), remedy=REMEDY)

@@ -1,0 +1,201 @@
+"""Records or FRFs from arrays, as a map says what they are."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_frf, check_rate, check_time
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.rig import Channel, Rig
+from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
+from modallab.formats.frf_factor import assumed_factor
+from modallab.formats.options import ImportOptions
+from modallab.formats.unit_text import frf_unit, normal_unit
+
+Arrays = Mapping[str, NDArray[Any]]
+
+_TO_HZ = {"Hz": 1.0, "kHz": 1e3, "rad/s": 1 / (2 * np.pi)}
+_FRF: tuple[Axis, ...] = ("outputs", "inputs", "lines")
+_RECORDS: tuple[Axis, ...] = ("records", "outputs", "samples")
+
+
+def campaign_of_map(
+    arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str
+) -> Campaign:
+    """The records, or one matrix of FRFs.
+
+    Raises:
+        DataError: arrays that are missing, or of other shapes, units or channels than the map and the rig say.
+    """
+    if said.frf:
+        return Campaign(rig, (), (_frf(arrays, said, rig, options, where),), source=where)
+    return Campaign(rig, tuple(_blocks(arrays, said, name, rig, options, where)), source=where)
+
+
+def channels_of(said: ArrayMap, rig: Rig, where: str) -> tuple[Channel, ...]:
+    """The rig's channel of each response of the map, in the map's order; all responses if it names none.
+
+    Raises:
+        DataError: one is not on the rig, or several are at one point.
+    """
+    found: list[Channel] = []
+    for one in said.outputs:
+        fitting = [c for c in rig.responses if one in (c.name, c.point)]
+        if len(fitting) != 1:
+            raise DataError(
+                f"output {one!r} of the map is {'several channels' if fitting else 'no channel'} of the rig",
+                where=where,
+                remedy=f"name channels of it: {', '.join(c.name for c in rig.responses)}",
+            )
+        found += fitting
+    return tuple(found) or rig.responses
+
+
+def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where: str) -> Frf:
+    lines = np.ravel(array_named(arrays, said.frequency, where)).astype(np.float64) * _TO_HZ[said.frequency_unit]
+    outputs = channels_of(said, rig, where)
+    sizes = {"lines": lines.size, "outputs": len(outputs), "inputs": len(said.inputs) or 1}
+    if not said.inputs and "inputs" in said.axes:
+        sizes.pop("inputs")
+    axes = said.axes or _guessed(array_named(arrays, said.frf, where), sizes, _FRF, where)
+    values = in_order(array_named(arrays, said.frf, where), axes, _FRF, sizes, f"{where}, {said.frf}")
+    quantity, factors = _units(said, outputs, rig, where)
+    names = tuple(c.name for c in outputs)
+    check_frf(lines, values, names, where, even=False)
+    coherence = None
+    if said.coherence:
+        coherence = in_order(array_named(arrays, said.coherence, where), axes, _FRF, sizes, f"{where}, coherence")
+    inputs = said.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
+    return Frf(
+        frequency_hz=lines,
+        values=values.astype(np.complex128) * factors[:, None, None],
+        quantity=quantity,
+        outputs=names,
+        output_points=tuple(c.point for c in outputs),
+        input_points=inputs,
+        coherence=None if coherence is None else coherence.astype(np.float64),
+    )
+
+
+def _units(
+    said: ArrayMap, outputs: tuple[Channel, ...], rig: Rig, where: str
+) -> tuple[FrfQuantity, NDArray[np.float64]]:
+    assumed = [assumed_factor(c, rig, where) for c in outputs]
+    if len({quantity for quantity, _ in assumed}) > 1:
+        raise DataError(
+            "the outputs are of several quantities", where=where, remedy="name those of one quantity as outputs"
+        )
+    if not said.unit:
+        return assumed[0][0], np.array([factor for _, factor in assumed])
+    found = frf_unit(normal_unit(said.unit), "")
+    if found is None or DERIVATIVES[found[0]] != DERIVATIVES[assumed[0][0]]:
+        raise DataError(
+            f"unit {said.unit!r} is none of an FRF of {outputs[0].quantity} over force",
+            where=where,
+            remedy="write it in the map as m/s^2/N, m/s/N or m/N; or mend the rig's channels",
+        )
+    return found[0], np.full(len(outputs), found[1])
+
+
+def _guessed(values: NDArray[Any], sizes: Mapping[str, int], wanted: tuple[Axis, ...], where: str) -> tuple[Axis, ...]:
+    """The axes of an array, if their sizes leave no choice."""
+    places: list[Axis] = []
+    for n in values.shape:
+        fitting = _fitting(n, values.ndim, sizes, wanted, places)
+        if len(fitting) == 1:
+            places.append(fitting[0])
+    if len(places) != values.ndim:
+        raise DataError(
+            f"which axis of an array {values.shape} counts what is not certain",
+            where=where,
+            remedy=f"write axes into the map, such as [{', '.join(wanted)}]",
+        )
+    return tuple(places)
+
+
+def _fitting(n: int, axes: int, sizes: Mapping[str, int], wanted: tuple[Axis, ...], taken: list[Axis]) -> list[Axis]:
+    """What an axis of n elements may count; one of a single element may be missing."""
+    found: list[Axis] = []
+    for a in wanted:
+        if sizes.get(a) == n and a not in taken and (n != 1 or axes == len(wanted)):
+            found.append(a)  # noqa: PERF401
+    return found
+
+
+def _blocks(arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str) -> Iterator[Block]:
+    responses = _responses(arrays, said, rig, where)
+    records, _, n = responses.shape
+    force = None
+    if rig.force is not None:
+        if not said.force:
+            raise DataError("the map names no force, and the rig has one", where=where, remedy="name its array")
+        values = np.asarray(array_named(arrays, said.force, where), np.float64)
+        axes = _guessed(values, {"records": records, "samples": n}, ("records", "samples"), f"{where}, {said.force}")
+        force = in_order(values, axes, ("records", "samples"), {"records": records, "samples": n}, where)
+    place = {c.name: k for k, c in enumerate(rig.responses)}
+    for k in range(records):
+        rows = [force[k] if c.quantity == "force" and force is not None else responses[k, place[c.name]]
+                for c in rig.channels]  # fmt: skip
+        yield Block(
+            name=name if records == 1 else f"{name}_{k + 1}",
+            test=options.test,
+            order=k,
+            rate_hz=_rate(arrays, said, options, n, where),
+            samples=np.ascontiguousarray(np.stack(rows), np.float64),
+            scale=np.ones(len(rows)),
+            units=tuple(_unit(said, c, options) for c in rig.channels),
+            channels=tuple(c.name for c in rig.channels),
+            drive_point=(said.inputs or (options.drive_point,))[0],
+            frequency_hz=options.frequency_hz,
+        )
+
+
+def _responses(arrays: Arrays, said: ArrayMap, rig: Rig, where: str) -> NDArray[np.float64]:
+    """(records, responses in rig order, samples)."""
+    if isinstance(said.responses, dict):
+        names = [c.name for c in rig.responses]
+        missing = [name for name in names if name not in said.responses]
+        if missing:
+            raise DataError(f"the map names no array for {', '.join(missing)}", where=where, remedy="add it")
+        each = [np.ravel(array_named(arrays, said.responses[name], where)) for name in names]
+        if len({row.size for row in each}) > 1:
+            raise DataError("the responses differ in length", where=where, remedy="export them together")
+        return np.stack(each).astype(np.float64)[None]
+    values, outputs = array_named(arrays, said.responses, where), channels_of(said, rig, where)
+    sizes = {"outputs": len(outputs)} | ({} if "records" in said.axes else {"records": 1})
+    axes = said.axes or _by_outputs(values, len(outputs))
+    turned = in_order(values, axes, _RECORDS, sizes, f"{where}, {said.responses}").astype(np.float64)
+    order = [outputs.index(c) if c in outputs else -1 for c in rig.responses]
+    if -1 in order:
+        raise DataError("the map does not name all responses of the rig", where=where, remedy="add them to outputs")
+    return turned[:, order]
+
+
+def _by_outputs(values: NDArray[Any], outputs: int) -> tuple[Axis, ...]:
+    if values.ndim == 1:
+        return ("samples",)
+    return ("outputs", "samples") if values.shape[0] == outputs else ("samples", "outputs")
+
+
+def _rate(arrays: Arrays, said: ArrayMap, options: ImportOptions, n: int, where: str) -> float:
+    if said.time:
+        own = check_time(np.ravel(array_named(arrays, said.time, where)).astype(np.float64)[:n], f"{where}, times")
+    elif isinstance(said.rate_hz, str) and said.rate_hz:
+        own = check_rate(float(np.ravel(array_named(arrays, said.rate_hz, where))[0]), where)
+    elif isinstance(said.rate_hz, float):
+        own = check_rate(said.rate_hz, where)
+    elif options.rate_hz is not None:
+        return check_rate(options.rate_hz, where)
+    else:
+        raise DataError("says neither times nor a rate", where=where, remedy="write time or rate_hz into the map")
+    options.agree(own, where)
+    return own
+
+
+def _unit(said: ArrayMap, channel: Channel, options: ImportOptions) -> str:
+    own = said.force_unit if channel.quantity == "force" else said.response_unit
+    return normal_unit(own) or options.unit(channel)

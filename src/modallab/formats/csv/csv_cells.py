@@ -1,0 +1,71 @@
+"""The cells of a line: what delimits them, decimal marks, and complex numbers as people write them."""
+
+import csv
+import re
+from collections.abc import Sequence
+
+BLANKS = " "
+"""The delimiter of columns that any number of blanks separates."""
+_DELIMITERS = (";", "\t", ",")
+_DIGITS = r"(?:\d+(?:[.,]\d+)?|\d+\.|[.,]\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = rf"[+-]?{_DIGITS}"
+_PAIR = re.compile(rf"\(\s*({_NUMBER})\s*[,;]\s*({_NUMBER})\s*\)")
+_ENDS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*({_DIGITS})\s*\*?\s*[ijIJ](?!\w)")
+_BEGINS_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([+-])\s*[ijIJ]\s*\*?\s*({_DIGITS})")
+_ALONE = re.compile(rf"(?<![\w.,+-])({_NUMBER})\s*\*?\s*[ij](?!\w)")
+
+
+def plain_complex(line: str) -> str:
+    """A line with its complex numbers as 1.2+3.4j, whichever of (1.2, 3.4), 1.2 + 3.4i and 1.2+i3.4 they were."""
+    if "(" in line:
+        line = _PAIR.sub(lambda m: f"{m[1]}{m[2] if m[2][0] in '+-' else '+' + m[2]}j", line)
+    if "i" in line or "j" in line or "I" in line or "J" in line:
+        line = _ENDS_WITH_UNIT.sub(r"\1\2\3j", line)
+        line = _BEGINS_WITH_UNIT.sub(r"\1\2\3j", line)
+        line = _ALONE.sub(r"0+\1j", line).replace("0++", "0+").replace("0+-", "0-")
+    return re.sub(r"\(([^(),;\s]+j)\)", r"\1", line) if "(" in line else line
+
+
+def delimiter_of(lines: Sequence[str]) -> str:
+    """What delimits the columns of lines of numbers; of those that could be meant, the first.
+
+    With ; or tab between the columns a comma is a decimal mark.
+    """
+    found = next((mark for mark in _DELIMITERS if lines and all(mark in line for line in lines)), "")
+    return found or (BLANKS if lines and all(len(line.split()) > 1 for line in lines) else ",")
+
+
+def cells(line: str, delimiter: str) -> list[str]:
+    """The cells of a line, without quotes and blanks around them."""
+    if delimiter == BLANKS:
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=False), [])]
+
+
+def head_cells(line: str, delimiter: str, columns: int) -> list[str]:
+    """The cells of a line of names, in which a single blank may belong to a name."""
+    found = cells(line, delimiter)
+    if delimiter == BLANKS and len(found) != columns:
+        return [cell.strip() for cell in re.split(r"\s{2,}|\t", line.strip())]
+    return found
+
+
+def n_cells(line: str, delimiter: str) -> int:
+    """How many cells a line of numbers has."""
+    return len(line.split()) if delimiter == BLANKS else line.count(delimiter) + 1
+
+
+def number(cell: str) -> float | None:
+    """A real number with a decimal point or comma; None if the cell holds none."""
+    try:
+        return float(cell.replace(",", "."))
+    except ValueError:
+        return None
+
+
+def complex_number(cell: str) -> complex | None:
+    """A real or complex number; None if the cell holds none."""
+    try:
+        return complex(cell.replace(",", "."))
+    except ValueError:
+        return None

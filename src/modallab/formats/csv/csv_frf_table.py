@@ -1,0 +1,194 @@
+"""FRFs in tables that others wrote: complex numbers, or two columns for each FRF."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_frf
+from modallab.core.errors import DataError
+from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
+from modallab.core.rig import Channel, Rig
+from modallab.formats.csv.csv_heads import FREQUENCY_NAMES
+from modallab.formats.csv.csv_table import Table
+from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, response_of
+from modallab.formats.frf_factor import assumed_factor
+from modallab.formats.options import ImportOptions
+from modallab.formats.unit_text import frf_unit
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_TO_HZ = {"": 1.0, "Hz": 1.0, "hz": 1.0, "HZ": 1.0, "kHz": 1e3, "rad/s": 1 / (2 * np.pi)}
+_TO_RAD = {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}
+_PAIRS: tuple[tuple[Part, Part], ...] = (("re", "im"), ("magnitude", "phase"))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Column:
+    """One column of a table of FRFs."""
+
+    heading: FrfHeading
+    real: Real
+    imaginary: Real | None
+
+
+def holds_frfs(table: Table) -> bool:
+    """Whether a table is one of FRFs: its first column is a frequency, or it holds complex numbers."""
+    if table.imaginary is not None:
+        return True
+    if not table.names or table.names[0].lower() not in FREQUENCY_NAMES:
+        return False
+    return any(heading.part != "complex" for heading in (frf_heading(n, "") for n in table.names[1:]))
+
+
+def columns_of(table: Table, rig: Rig | None, where: str) -> list[Column]:
+    """The columns beside the frequency; without a header the FRFs of the rig's responses, in rig order.
+
+    Raises:
+        DataError: no header, and as many columns as no rig is given for.
+    """
+    names, units = table.names[1:], table.units[1:] or ("",) * (len(table.names) - 1)
+    if not names:
+        names = () if rig is None else tuple(c.name for c in rig.responses)
+        units = ("",) * len(names)
+        if len(names) != table.values.shape[1] - 1:
+            raise DataError(
+                f"has {table.values.shape[1]} columns and no header; an FRF is there for each of "
+                f"{', '.join(names) or 'unknown responses'}",
+                where=where,
+                remedy="add a header line: frequency [Hz], then a name for each column, such as Re a1 and Im a1",
+            )
+    found: list[Column] = []
+    for k, (name, unit) in enumerate(zip(names, units, strict=True), start=1):
+        imaginary = None if table.imaginary is None else table.imaginary[:, k]
+        is_complex = imaginary is not None and imaginary.any()
+        found.append(Column(frf_heading(name, unit), table.values[:, k], imaginary if is_complex else None))
+    return found
+
+
+def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> Frf:
+    """The FRFs of a table, in SI.
+
+    A number without a unit is in the unit of the rig's channel over that of its force; a magnitude in dB is one of SI.
+
+    Raises:
+        DataError: columns that are no FRF of the rig, that lack their phase or the unit of it, or units of no FRF.
+    """
+    frequency_hz = _frequency(table, where)
+    groups: dict[tuple[str, int | None], dict[Part, Column]] = {}
+    channels = {c.name: c for c in rig.responses}
+    for column in columns_of(table, rig, where):
+        channel, point = response_of(column.heading, rig, where)
+        parts = groups.setdefault((channel.name, options.drive_point if point is None else point), {})
+        part: Part = "complex" if column.imaginary is not None else column.heading.part
+        if part in parts:
+            raise DataError(
+                f"columns {parts[part].heading.text!r} and {column.heading.text!r} are of one FRF",
+                where=where,
+                remedy="name the point of the force too, as in Re a1/p10",
+            )
+        parts[part] = column
+    outputs = tuple(name for name in channels if any(output == name for output, _ in groups))
+    points = tuple(dict.fromkeys(point for _, point in groups))
+    _require_all(groups, outputs, points, where)
+    quantities: set[FrfQuantity] = set()
+    values = np.empty((len(outputs), len(points), len(frequency_hz)), np.complex128)
+    for (output, point), parts in groups.items():
+        quantity, values[outputs.index(output), points.index(point)] = _values(parts, channels[output], rig, where)
+        quantities.add(quantity)
+    if len(quantities) != 1:
+        raise DataError(
+            f"holds FRFs of {' and '.join(sorted(quantities))}",
+            where=where,
+            remedy="give those of one quantity, and leave the other channels out of the rig",
+        )
+    check_frf(frequency_hz, values, outputs, where, even=False, resolution_hz=table.resolution)
+    return Frf(
+        frequency_hz=frequency_hz,
+        values=values,
+        quantity=quantities.pop(),
+        outputs=outputs,
+        output_points=tuple(channels[output].point for output in outputs),
+        input_points=points,
+        coherence=_coherence(groups, outputs, points),
+    )
+
+
+def _frequency(table: Table, where: str) -> Real:
+    unit = table.units[0] if table.units else ""
+    if unit not in _TO_HZ:
+        raise DataError(f"unit {unit!r} is no unit of frequency", where=where, remedy="use Hz, kHz or rad/s")
+    return table.values[:, 0] * _TO_HZ[unit]
+
+
+def _require_all(
+    groups: Mapping[tuple[str, int | None], object],
+    outputs: tuple[str, ...],
+    points: tuple[int | None, ...],
+    where: str,
+) -> None:
+    missing = [f"{o} to point {p}" for o in outputs for p in points if (o, p) not in groups]
+    if missing:
+        raise DataError(
+            f"has no FRF of {', '.join(missing)}", where=where, remedy="give every response to every force, or none"
+        )
+
+
+def _values(parts: Mapping[Part, Column], channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity, Complex]:
+    column = parts.get("complex")
+    if column is not None and column.imaginary is not None:
+        quantity, factor = _factor(column.heading, channel, rig, where)
+        return quantity, factor * (column.real + 1j * column.imaginary)
+    for first, second in _PAIRS:
+        if first in parts and second in parts:
+            quantity, factor = _factor(parts[first].heading, channel, rig, where)
+            one, two = parts[first], parts[second]
+            if first == "re":
+                return quantity, factor * (one.real + 1j * two.real)
+            size = 10 ** (one.real / 20) if one.heading.unit.lower().startswith("db") else one.real
+            turn: Complex = np.exp(1j * two.real * _angle(two.heading, where))
+            return quantity, factor * size * turn
+    held = ", ".join(repr(column.heading.text) for column in parts.values())
+    raise DataError(
+        f"of {channel.name} only {held} is there, which is no complex number",
+        where=where,
+        remedy="give complex numbers, or two columns: Re and Im, or magnitude and phase",
+    )
+
+
+def _angle(heading: FrfHeading, where: str) -> float:
+    if heading.unit not in _TO_RAD:
+        raise DataError(
+            f"column {heading.text!r}: {heading.unit!r} is no unit of a phase",
+            where=where,
+            remedy="write [deg] or [rad] behind its name",
+        )
+    return _TO_RAD[heading.unit]
+
+
+def _factor(heading: FrfHeading, channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity, float]:
+    assumed, factor = assumed_factor(channel, rig, where)
+    if not heading.unit:
+        return assumed, factor
+    if heading.unit.lower().startswith("db"):
+        return assumed, 1.0
+    said = frf_unit(heading.unit, "")
+    if said is None or DERIVATIVES[said[0]] != DERIVATIVES[assumed]:
+        raise DataError(
+            f"column {heading.text!r}: unit {heading.unit!r} is none of an FRF of {channel.quantity} over force",
+            where=where,
+            remedy="write it as m/s^2/N, m/s/N or m/N; or mend the rig's channel",
+        )
+    return said
+
+
+def _coherence(
+    groups: Mapping[tuple[str, int | None], Mapping[Part, Column]],
+    outputs: tuple[str, ...],
+    points: tuple[int | None, ...],
+) -> Real | None:
+    if not all("coherence" in parts for parts in groups.values()):
+        return None
+    return np.array([[groups[o, p]["coherence"].real for p in points] for o in outputs])

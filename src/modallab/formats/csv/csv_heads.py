@@ -1,0 +1,57 @@
+"""The lines above the numbers of a table: names of the columns, their units, and what else a program writes there."""
+
+import re
+from collections.abc import Sequence
+
+from modallab.formats.csv.csv_cells import BLANKS, head_cells, number
+from modallab.formats.unit_text import frf_unit, normal_unit, quantity_of
+
+_SQUARE = re.compile(r"^(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]\s*$")
+_ROUND = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>.*)[\])]\s*$")
+_OF_AXES = {"s", "ms", "us", "Hz", "kHz", "rad/s", "deg", "rad", "dB", ""}
+TIME_NAMES = {"t", "time", "zeit", "temps", "tiempo", "time_s", "t_s", "seconds", "sec", "x_time"}
+FREQUENCY_NAMES = {"f", "freq", "frequency", "frequency_hz", "freq_hz", "f_hz", "hz", "frequenz", "frequence"}
+
+Heads = tuple[tuple[str, ...], tuple[str, ...]]
+
+
+def headings(above: Sequence[str], comments: Sequence[str], delimiter: str, columns: int) -> Heads:
+    """Name and unit of each column, "" for a unit that is not written; () and () if the table has no header.
+
+    Args:
+        above: the lines above the numbers. The last with as many cells as there are columns holds the names, and one
+            more below it units; lines before it belong to no column.
+        comments: comment lines above the numbers, without their mark; the last is a header if it begins as one does.
+        delimiter: of the columns.
+        columns: how many there are.
+    """
+    rows = [cells for line in above if len(cells := head_cells(line, delimiter, columns)) == columns]
+    if delimiter == BLANKS:
+        # Words and numbers side by side are no names.
+        rows = [row for row in rows if all(number(cell) is None for cell in row)]
+    elif above and not rows:
+        # Of a table that is cut off or damaged: what stands first was meant to be the header.
+        rows = [head_cells(above[0], delimiter, columns)]
+    if not rows and comments:
+        cells = head_cells(comments[-1], delimiter, columns)
+        names = _split(cells[0])[0].lower() if cells else ""
+        rows = [cells] if len(cells) == columns and names in TIME_NAMES | FREQUENCY_NAMES else []
+    if not rows:
+        return (), ()
+    below = rows[-1] if len(rows) > 1 and (len(rows) == 2 == len(above) or _are_units(rows[-1])) else None
+    parts = [_split(cell) for cell in rows[-1 if below is None else -2]]
+    names, units = tuple(name for name, _ in parts), tuple(unit for _, unit in parts)
+    if below is not None:
+        units = tuple(unit or normal_unit(cell.strip("[]")) for unit, cell in zip(units, below, strict=True))
+    return names, units
+
+
+def _are_units(row: Sequence[str]) -> bool:
+    found = [normal_unit(cell.strip("[]")) for cell in row]
+    known = [unit in _OF_AXES or quantity_of(unit) or frf_unit(unit, "") for unit in found]
+    return all(known) and any(found) and all(number(cell) is None for cell in row)
+
+
+def _split(heading: str) -> tuple[str, str]:
+    match = _SQUARE.match(heading) or _ROUND.match(heading)
+    return (heading.strip(), "") if match is None else (match["name"].strip(), normal_unit(match["unit"]))

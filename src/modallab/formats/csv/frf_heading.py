@@ -1,0 +1,131 @@
+"""What the heading of a column of FRFs says: which part of a complex number, of which response to which force."""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Rig
+from modallab.core.units import TO_SI
+from modallab.formats.unit_text import frf_unit, normal_unit
+
+Part = Literal["re", "im", "magnitude", "phase", "coherence", "complex"]
+
+_WORDS: dict[Part, str] = {
+    "re": r"re|real|realteil|reell",
+    "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil",
+    "magnitude": r"mag|magn|magnitude|amp|ampl|amplitude|abs|modulus|betrag",
+    "phase": r"ph|phase|arg|angle|ang|winkel",
+    "coherence": r"coh|coherence|koh(?:ä|ae)renz",
+}
+_ANY = "|".join(_WORDS.values())
+_FIRST = re.compile(
+    rf"^(?P<part>{_ANY})(?:[ _]?(?:part|angle))?(?:(?:[\s_(:.{{]|$)\s*(?:of )?(?P<rest>.*?)[)}}]?)?$", re.I
+)
+_LAST = re.compile(rf"^(?P<rest>.*?)[\s_:.(]+(?P<part>{_ANY})(?:[ _]?(?:part|angle))?\)?$", re.I)
+_BARS = re.compile(r"^\|(?P<rest>.*)\|$")
+_UNIT_WORD = re.compile(r"^(?P<rest>.*?)[\s_](?P<unit>deg|degrees|rad|dB)$", re.I)
+_NUMBERED = re.compile(
+    r"^(?:h|frf|p|point|node|dof)?[\s_(]*(?P<output>\d+)(?P<axis>[+-]?[xyz])?"
+    r"(?:[\s_,;:/-]+p?(?P<input>\d+)(?:[+-]?[xyz])?)?\)?$",
+    re.I,
+)
+_TO = re.compile(r"^(?P<output>.+?)\s*[/:]\s*(?:p(?P<input>\d+)|(?P<force>[^/:]+))$", re.I)
+
+
+@dataclass(frozen=True, slots=True)
+class FrfHeading:
+    """One column.
+
+    Attributes:
+        text: as it is written, without the unit.
+        part: of the complex numbers.
+        unit: "" where none is written.
+        of: what is left of the text once the part is taken off: whose FRF it is.
+    """
+
+    text: str
+    part: Part
+    unit: str
+    of: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Whose FRF a column holds; None where it is not said.
+
+    Attributes:
+        name: of the response.
+        point: its number.
+        axis: such as "+z".
+        input: number of the point of the force.
+    """
+
+    name: str
+    point: int | None = None
+    axis: str = ""
+    input: int | None = None
+
+
+def frf_heading(name: str, unit: str) -> FrfHeading:
+    """What a column's name and unit say."""
+    text = name
+    if not unit and (worded := _UNIT_WORD.match(name)):
+        name, unit = worded["rest"], {"degrees": "deg", "db": "dB"}.get(worded["unit"].lower(), worded["unit"].lower())
+    if bars := _BARS.match(name):
+        return FrfHeading(text, "magnitude", unit, bars["rest"].strip())
+    alone = _FIRST.match(name)
+    if alone and unit and not (alone["rest"] or "") and not _is_unit(unit):
+        # What stands in brackets is the argument, as in Re(H11), and not a unit.
+        return FrfHeading(text, _part(alone["part"]), "", unit)
+    found = alone or _LAST.match(name)
+    if found is None:
+        return FrfHeading(text, "complex", unit, name.strip())
+    return FrfHeading(text, _part(found["part"]), unit, (found["rest"] or "").strip(" _:.(){}"))
+
+
+def pair_of(of: str) -> Pair:
+    """Response and force from a text such as "a01", "a01/p10", "H3,10", "3z" or ""."""
+    if numbered := _NUMBERED.match(of):
+        axis = (numbered["axis"] or "").lower()
+        into = None if numbered["input"] is None else int(numbered["input"])
+        signed = axis if not axis or axis[0] in "+-" else f"+{axis}"
+        return Pair(of, int(numbered["output"]), signed, into)
+    if to := _TO.match(of):
+        return Pair(to["output"].strip(), input=None if to["input"] is None else int(to["input"]))
+    return Pair(of)
+
+
+def response_of(heading: FrfHeading, rig: Rig, where: str) -> tuple[Channel, int | None]:
+    """The rig's response that a column belongs to, and the number of the point of the force.
+
+    Raises:
+        DataError: no response or several are meant.
+    """
+    pair = pair_of(heading.of)
+    for name in (heading.of, pair.name):
+        named = [c for c in rig.responses if c.name.lower() == name.lower()]
+        if named:
+            return named[0], pair.input if name != heading.of else None
+    fitting = [
+        c for c in rig.responses if pair.point is not None and c.point == pair.point and pair.axis in ("", c.direction)
+    ]
+    if len(rig.responses) == 1 and not heading.of:
+        fitting = list(rig.responses)
+    if len(fitting) != 1:
+        raise DataError(
+            f"column {heading.text!r} is the FRF of {'several responses' if fitting else 'no response'} of the rig, "
+            f"which has {', '.join(c.name for c in rig.responses)}",
+            where=where,
+            remedy="name the columns as Re a1 and Im a1, or Re a1/p10 with the point of the force, a1 being a channel",
+        )
+    return fitting[0], pair.input
+
+
+def _part(word: str) -> Part:
+    return next(part for part, words in _WORDS.items() if re.fullmatch(words, word, re.I))
+
+
+def _is_unit(unit: str) -> bool:
+    known = unit in {"deg", "°", "rad", "dB", "-", "1"} or any(unit in units for units in TO_SI.values())
+    return known or unit.lower().startswith("db") or frf_unit(normal_unit(unit), "") is not None

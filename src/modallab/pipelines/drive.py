@@ -1,0 +1,89 @@
+"""Identifies the blocks of a shaker's broadband drive."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.frf.broadband import PERIODIC, broadband_frf, of_one_level
+from modallab.frf.joined import check_followed, joined_frf
+from modallab.frf.settled_periods import without_decays
+from modallab.identification.frf_model import identify_frf, in_band
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.poles import poles_of
+from modallab.identification.options import Options
+from modallab.identification.parts import PARTS, with_scatter_of_parts
+from modallab.signals.signals import Signals
+
+SETTLED_LOOKS = 2
+"""Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
+
+UNKNOWN = 0.5
+"""Share of a damping ratio beyond which its sigma says that it is that of noise, or of what an FRF's errors feign."""
+
+
+def frf_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+    """The FRF of the level that has most blocks.
+
+    Raises:
+        DataError: the responses do not follow the force, or a band without lines.
+    """
+    measured = _made(of_one_level(signals), rig, band_hz)
+    check_followed(measured)
+    return _alike(measured)
+
+
+def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit, Frf]:
+    """The modal model, its fit, and the FRF it was made from.
+
+    Args:
+        signals: all blocks of one kind of drive.
+        frf: of them.
+        rig: channels and points.
+        options: of the identification.
+
+    Raises:
+        IdentificationError: no mode.
+    """
+    band = (float(frf.frequency_hz[0]), float(frf.frequency_hz[-1]))
+    used = of_one_level(signals)
+    found, fit = identify_frf(frf, rig, options)
+    for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
+        poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
+        used = without_decays(of_one_level(signals), poles, band)
+        frf = _alike(_made(used, rig, band))
+        found, fit = identify_frf(frf, rig, options)
+    parts = _parts(used, rig, found.band_hz) if options.refined else []
+    model = with_scatter_of_parts(found, parts)
+    unknown = tuple(float(f) for f in model.frequency_hz[model.damping_sigma > UNKNOWN * model.damping_ratio])
+    if not unknown or len(unknown) == model.n_modes or options.pick_hz or options.drop_hz:
+        return model, fit, frf
+    found, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown))
+    listed = ", ".join(f"{f:.4g}" for f in unknown)
+    note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
+    kept = with_scatter_of_parts(found, parts)
+    return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
+
+
+def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+    # A block of random drive is cut out of what never ends: only the blocks together are long enough.
+    made = joined_frf if signals[0].block.test in ("random", "burst-random") else broadband_frf
+    return made(signals, rig, band_hz)
+
+
+def _alike(frf: Frf) -> Frf:
+    """With lines that count alike: what varies from line to line is the drive's own level, which another look lacks."""
+    return replace(frf, coherence=None, variance=None)
+
+
+def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> list[Frf]:
+    """FRFs of stretches of a test; none where it is too short to be divided."""
+    each = len(signals) // PARTS
+    if each < 2:
+        return []
+    ordered = sorted(signals, key=lambda s: s.block.order)
+    stretches = [ordered[k * each : (k + 1) * each] for k in range(PARTS)]
+    return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in stretches]
