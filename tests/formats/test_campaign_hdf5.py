@@ -272,8 +272,8 @@ def test_a_full_disk_is_reported_and_leaves_nothing(tmp_path: Path, monkeypatch:
 
 def test_a_folder_that_is_missing_or_a_file_of_the_same_name_is_reported(tmp_path: Path) -> None:
     (tmp_path / "folder.h5").mkdir()
-    for target in (tmp_path / "nowhere" / "c.h5", tmp_path / "folder.h5"):
-        with pytest.raises(StorageError, match="cannot be written"):
+    for target, said in ((tmp_path / "nowhere" / "c.h5", "cannot be written"), (tmp_path / "folder.h5", "is a folder")):
+        with pytest.raises(StorageError, match=said):
             write_campaign(campaign(RIG), target)
     assert [file.name for file in tmp_path.iterdir()] == ["folder.h5"]
 

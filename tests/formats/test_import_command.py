@@ -75,7 +75,7 @@ def test_a_bad_rig_gives_exit_code_2(tmp_path: Path, good: np.ndarray, capsys: p
     (tmp_path / "rig.yaml").write_text("name: x\nmodel: unknown\nchannels: []\n")
     rig = str(tmp_path / "rig.yaml")
     assert main(["import", save(tmp_path, good), "--rig", rig, "--out", str(tmp_path / "c.h5")]) == 2
-    assert "channels: found []; allowed: at least 1 entries" in capsys.readouterr().err
+    assert "channels: found []; allowed: at least one entry" in capsys.readouterr().err
     assert not (tmp_path / "c.h5").exists()
 
 
