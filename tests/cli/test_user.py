@@ -43,7 +43,7 @@ def test_a_user_is_added_listed_and_revoked(data: str, capsys: pytest.CaptureFix
 
 def test_what_cannot_be_is_rejected_with_a_sentence(data: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["user", "add", "a/b", "--data", data]) == 2
-    assert "name: String should match" in capsys.readouterr().err
+    assert "name is 'a/b'; allowed" in capsys.readouterr().err
     assert main(["user", "revoke", "Nobody", "--data", data]) == 2
     assert "there is no user 'Nobody'" in capsys.readouterr().err
     assert main(["user", "list", "--data", data + "-not"]) == 2

@@ -1,9 +1,11 @@
 """Who follows a run, what was acknowledged to him, and whether it is still there."""
 
 import zlib
+from contextlib import suppress
 from threading import Thread
 
 from modallab.client import Client
+from modallab.client.problem import ServiceProblemError
 from modallab.core.documents.pages import EventView
 
 
@@ -22,7 +24,8 @@ class Follower:
         return {(e.run, e.content["n"]): e.content["crc32"] for e in list(self.events) if e.kind == "block"}
 
     def _follow(self) -> None:
-        with Client(self.url, self.token) as client:
+        # Once its service has ended, another may answer at its address, and know nothing of its token.
+        with Client(self.url, self.token) as client, suppress(ServiceProblemError):
             for event in client.follow_all():
                 self.events.append(event)
 

@@ -31,11 +31,10 @@ from modallab.gap.search.fitting import (
 )
 from modallab.gap.search.screen import Begin, Screen
 from modallab.twin.candidate import Candidate
-from modallab.twin.effects import model_of, search_of
+from modallab.twin.effects import model_of
 
 Array = NDArray[np.float64]
 
-DAMPER = "damper_n_s_per_m"
 LIKELY = 14
 """Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
 BEGINS = 2
@@ -110,7 +109,7 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
         there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
     if bench.free.deviations and not _sound(bench, there):
-        there = min((there, *_from_frequencies(bench, there), *_from_dampers(bench, there)), key=_cost)
+        there = min((there, *_from_frequencies(bench, there), *_from_rest(bench, there)), key=_cost)
     strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
     if there.gap > bench.flat and strayed and len(bench.poles):
         begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
@@ -140,23 +139,21 @@ def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
     return [annealed(bench, short(bench, candidates, begin.u, COARSE), COARSE / 6)]
 
 
-def _from_dampers(bench: Bench, fit: Fit) -> list[Fit]:
-    """A fit once more, its damper where the assembly's together are, as large as they together; none if it has none.
+def _from_rest(bench: Bench, fit: Fit) -> list[Fit]:
+    """A fit once more, its last effect begun where it does most for an assembly at rest.
 
-    Many small dampers do the work of one, and so little is left to see that its size and place would not move.
+    Many small numbers of an assembly that was bent do the work of one effect, and leave so little of it to see that
+    neither its size nor its place would move.
     """
-    free, slots = bench.free, fit.problem.candidates[-1].slots
-    if search_of(fit.problem.candidates[-1].effect).absorbed_by != "damping ratios" or len(slots) != 2:
-        return []
-    listed = [(free.first_deviation + i, d) for i, d in enumerate(free.deviations) if d.tolerance == DAMPER]
-    held = np.array([max(d.value(float(fit.u[k])), 0.0) for k, d in listed])
-    if not np.any(held > 0) or bench.data.rig.beam is None:
-        return []
-    u = fit.u.copy()
-    u[[k for k, _ in listed]] = 0.0
-    centre = float(held @ [d.at for _, d in listed]) / float(np.sum(held)) / bench.data.rig.beam.length_m
-    u[-2:] = slots[0].coordinate(float(np.sum(held))), slots[1].coordinate(centre)
-    return [annealed(bench, short(bench, fit.problem.candidates, u, COARSE), COARSE / 6)]
+    *former, last = fit.problem.candidates
+    rest = at_rest(bench.free, fit.u)[: len(fit.u) - len(last.slots)]
+    screen = Screen(Problem(bench.thin, bench.free, tuple(former), COARSE), rest, bench.poles)
+    found: list[Fit] = []
+    for begin in screen.begins(last)[:BEGINS]:
+        found.append(annealed(bench, short(bench, fit.problem.candidates, begin.u, COARSE), COARSE / 6))
+        if _sound(bench, found[-1]):
+            break
+    return found
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:

@@ -120,18 +120,21 @@ def _moments(
     return np.real(np.asarray(values @ powers, np.complex128))
 
 
+def _solved(head: NDArray[np.float64], tail: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The solution, the smallest where noise-free data have fewer modes and rounding leaves a pivot of zero."""
+    try:
+        return np.linalg.solve(head, tail)
+    except np.linalg.LinAlgError:
+        return np.linalg.lstsq(head, tail, rcond=None)[0]
+
+
 def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float) -> OrderPoles:
     n_in = frf.values.shape[1]
     size = order * n_in
     # The highest coefficient is the identity: with z = exp(+s dt) this leaves most computational poles outside the
     # unit circle (negative damping), where they are known by their sign.
     head, tail = reduced[:size, :size], reduced[:size, size : size + n_in]
-    try:
-        alpha = -np.linalg.solve(head, tail)
-    except np.linalg.LinAlgError as error:
-        raise IdentificationError(
-            f"the normal equations of order {order} are singular", remedy="lower the order: the data hold fewer modes"
-        ) from error
+    alpha = -_solved(head, tail)
     companion = np.zeros((size, size))
     companion[: size - n_in, n_in:] = np.eye(size - n_in)
     companion[size - n_in :] = -alpha.reshape(order, n_in, n_in).transpose(1, 0, 2).reshape(n_in, size)
