@@ -152,7 +152,8 @@ def rested(bench: Bench, fit: Fit) -> Fit:
     A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see. Where little
     is bent, first order is all there is, and the priors show what an effect would relieve.
     """
-    if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
+    little = fit.gap <= NEAR * bench.flat and plausible(fit)
+    if not bench.free.deviations or ordinary(fit) or little:
         return fit
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
     return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
