@@ -10,7 +10,17 @@ import numpy as np
 from modallab.core.progress import part, report
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
-from modallab.gap.search.fitting import Bench, baseline, excess, from_poles, on_all, rested
+from modallab.gap.search.fitting import (
+    Bench,
+    baseline,
+    excess,
+    from_poles,
+    on_all,
+    ordinary,
+    plausible,
+    rested,
+    unbent,
+)
 from modallab.gap.search.round import Level, round_of
 from modallab.twin.effects import search_of
 
@@ -94,7 +104,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
         # Each round is seldom followed by another.
         with part(1 - AFTER ** len(levels), 1 - AFTER ** (len(levels) + 1), f"round {len(levels) + 1}"):
-            level = replace(round_of(bench, rested(bench, base)), base=base)
+            level = _level(bench, base)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
@@ -105,6 +115,16 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
             break
         base = level.fits[0]
     return levels or [Level(base, (), ())]
+
+
+def _level(bench: Bench, base: Fit) -> Level:
+    """One round from a fit; where a little bent too far hides all effects, once more from the assembly at rest."""
+    begin = rested(bench, base)
+    level = replace(round_of(bench, begin), base=base)
+    if begin is not base or not bench.free.deviations or plausible(base) or any(map(ordinary, level.fits)):
+        return level
+    again = replace(round_of(bench, unbent(bench, base)), base=base)
+    return min(level, again, key=lambda one: min((f.cost for f in one.fits), default=np.inf))
 
 
 def from_hits(bench: Bench) -> Fit | None:

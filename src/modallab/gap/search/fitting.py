@@ -152,9 +152,13 @@ def rested(bench: Bench, fit: Fit) -> Fit:
     A bent assembly has taken an effect's work over: to first order nothing of that effect is left to see. Where little
     is bent, first order is all there is, and the priors show what an effect would relieve.
     """
-    little = fit.gap <= NEAR * bench.flat and plausible(fit)
-    if not bench.free.deviations or ordinary(fit) or little:
+    if not bench.free.deviations or ordinary(fit) or fit.gap <= NEAR * bench.flat:
         return fit
+    return unbent(bench, fit)
+
+
+def unbent(bench: Bench, fit: Fit) -> Fit:
+    """The fit with the assembly at rest, and the beam as it is best then."""
     problem = Problem(bench.data, bench.free, fit.problem.candidates, FELT)
     return on_all(bench, minimise(problem, at_rest(bench.free, fit.u), 6, 1e-2))
 
