@@ -123,9 +123,9 @@ def _moments(
 def _solved(head: NDArray[np.float64], tail: NDArray[np.float64]) -> NDArray[np.float64]:
     """The solution, the smallest where noise-free data have fewer modes and rounding leaves a pivot of zero."""
     try:
-        return np.linalg.solve(head, tail)
+        return np.asarray(np.linalg.solve(head, tail), np.float64)
     except np.linalg.LinAlgError:
-        return np.linalg.lstsq(head, tail, rcond=None)[0]
+        return np.asarray(np.linalg.lstsq(head, tail, rcond=None)[0], np.float64)
 
 
 def _solve_order(reduced: NDArray[np.float64], order: int, frf: Frf, step: float) -> OrderPoles:
