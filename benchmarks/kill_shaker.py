@@ -118,7 +118,8 @@ class Trial:
         handle.close()
 
     def wait_for_volts(self) -> None:
-        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 60.0)
+        # Asked too often, the device has no time left to play.
+        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 120.0, 0.05)
         # Anywhere in a period.
         time.sleep(np.random.default_rng().uniform(0.0, 0.1))
 
@@ -151,12 +152,12 @@ def drain(process: RigProcess, plan: SinePlan) -> None:
             print(error, file=sys.stderr)
 
 
-def wait_until(happened, patience_s: float) -> None:
+def wait_until(happened, patience_s: float, pause_s: float = 0.002) -> None:
     deadline = time.monotonic() + patience_s
     while not happened():
         if time.monotonic() > deadline:
             raise TimeoutError(f"not within {patience_s} s")
-        time.sleep(0.002)
+        time.sleep(pause_s)
 
 
 def excitation_of(how: argparse.Namespace) -> Excitation | None:
