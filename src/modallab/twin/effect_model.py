@@ -14,6 +14,7 @@ from modallab.twin.candidate import Candidate, Slot
 
 Change = Callable[[Twin, Effect, Rig], Twin]
 Overtones = Literal["odd", "even"]
+Acts = Literal["force", "couple", "root"]
 Absorber = Literal["nothing", "damping ratios", "Young's modulus"]
 
 
@@ -42,6 +43,8 @@ class Search:
             quite what it is here.
         overtones: of an effect that depends on the size of the motion, those it makes: odd ones alone where it acts
             alike both ways, even ones too where it does not.
+        acts: of an effect that depends on the size of the motion, what it does at its place: a force on the beam, a
+            couple that bends it, or a couple at the root; None where it acts all along the beam.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         looked_for: whether a diagnosis looks for it; not where its search has not been shown to end, and end right.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
@@ -59,6 +62,7 @@ class Search:
     is_clock: bool = False
     inexact: float = 0.0
     overtones: Overtones = "odd"
+    acts: Acts | None = None
     rough: bool = False
     looked_for: bool = True
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf

@@ -300,6 +300,12 @@ def sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, f
     return clock_ratio(np.array([s.force for s in signals]), rate, set_hz, force_sigma)
 
 
+def sine_clock(data: Reduced) -> float:
+    """Frequency of the sines over what the generator was set to; 1 where the records do not show that it differs."""
+    d = data.sines
+    return d.ratio if d is not None and abs(d.ratio - 1) > 5 * d.ratio_sigma else 1.0
+
+
 def force_amplitude(signals: Signals, frequency_hz: float) -> complex:
     """Complex amplitude of the force in N at a known frequency: f(t) = Re(amplitude exp(j omega t))."""
     return complex(fit_at(signals.force[None], signals.rate_hz, frequency_hz).amplitude[0])

@@ -5,8 +5,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from modallab.core.block import Block, Campaign
+from modallab.gap.conditioning.overtones import overtones
 from modallab.gap.conditioning.prepare import Prepared, prepare
-from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, thinned
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, sine_clock, thinned
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.inspected import inspected, known_already
@@ -66,7 +67,8 @@ def bench_of(
     data = reduce(prepared.campaign, fitted, weights_of(prepared))
     flat = _flat(prepared)
     watched = WATCHED if flat == FLAT else flat
-    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched)
+    found = tuple(overtones(fitted, prepared.campaign.rig, sine_clock(data)))
+    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched, found)
 
 
 def as_came(prepared: Prepared, twin: Twin) -> Squares:

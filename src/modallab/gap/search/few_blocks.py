@@ -31,6 +31,19 @@ def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
     return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
 
 
+def even_blocks(data: Reduced, count: int) -> Reduced:
+    """One sine block at each of so many frequencies, evenly over those there are, the levels in turn."""
+    assert data.sines is not None
+    hz = np.round(data.sines.source.frequency_hz, 3)
+    each = np.unique(hz)
+    places = np.unique(np.linspace(0, len(each) - 1, min(count, len(each))).round().astype(int))
+    chosen: list[int] = []
+    for turn, at in enumerate(places):
+        own = np.flatnonzero(hz == each[at])
+        chosen.append(int(own[turn % len(own)]))
+    return replace(data, impacts=(), sines=_blocks(data.sines, sorted(chosen)))
+
+
 def _blocks(d: SineData, at: list[int]) -> SineData:
     s = d.source
     lines = s.lines.shape[1]

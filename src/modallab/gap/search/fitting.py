@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report
+from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem
@@ -54,6 +55,7 @@ class Bench:
         allowed: whether an effect of this name may be used.
         flat: rms residual below which nothing has to be explained.
         watched: rms residual below which nothing is looked for.
+        overtones: of the sines that may be fitted.
     """
 
     data: Reduced
@@ -63,6 +65,7 @@ class Bench:
     allowed: Callable[[str], bool]
     flat: float = FLAT
     watched: float = WATCHED
+    overtones: tuple[Overtone, ...] = ()
 
 
 def baseline(bench: Bench) -> Fit:

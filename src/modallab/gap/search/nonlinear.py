@@ -14,8 +14,10 @@ from modallab.core.progress import report
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.few_blocks import worst_blocks
+from modallab.gap.search.few_blocks import even_blocks, worst_blocks
 from modallab.gap.search.fitting import NEAR, Bench
+from modallab.gap.search.rough_fit import followed_on_all, follows, seen
+from modallab.gap.search.rough_starts import FREQUENCIES, score
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped_starts import LOOKED, beam_at, begun
 from modallab.twin.effect_model import Overtones
@@ -27,9 +29,9 @@ BLOCKS = 6
 """Sine blocks of a first look that a linear beam explains worst."""
 FEWEST = 4
 """The same where starts are compared."""
-RIVAL = 6.0
-"""What leaves so many times more than the best is no rival, and is not fitted on."""
-CLOSE = 2.0
+RIVAL = 150.0
+"""By how much more than the best a rival may score; what scores more is not fitted on."""
+CLOSE = 40.0
 """The same of what is fitted to all records."""
 WRONG = 0.5
 """Share of what a linear beam leaves on few records from which an effect explains nothing."""
@@ -43,21 +45,32 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     if not listed or bench.data.sines is None:
         return Level(base, (), ())
     few, fewest = (worst_blocks(bench.data, base, count) for count in (BLOCKS, FEWEST))
+    even = even_blocks(bench.data, FREQUENCIES)
+
+    def score_of(fit: Fit) -> float:
+        return score(replace(fit.problem, data=even, floor=0.0), fit.u)
+
     first: list[list[Fit]] = []
     for i, candidate in enumerate(listed):
         report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
         first.append(begun(bench, base, (few, fewest), candidate))
-    first.sort(key=lambda fits: fits[0].cost)
-    hopeful = [fits for fits in first if fits[0].cost < RIVAL * first[0][0].cost][:LONGER]
+    ranked = sorted((fits[0] for fits in first if fits), key=score_of)
+    hopeful = [f for f in ranked if score_of(f) < score_of(ranked[0]) + RIVAL][:LONGER]
     report(0.5, "the likeliest of them")
-    looks = _best_forms(sorted((_fitted(fits[0]) for fits in hopeful), key=_cost))
+    looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of))
     left = tuple((f.problem.candidates, f.cost) for f in looks)
-    linear = _seen(replace(looks[0].problem, candidates=base.problem.candidates, held=beam_at(base.u)), base)
-    if looks[0].cost > WRONG * linear.cost:
+    if not looks or not _explains(bench, looks[0], base):
         return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
-    fits = [on_all_records(bench, f) for f in looks[:2] if f.cost < CLOSE * looks[0].cost]
+    fits = [on_all_records(bench, f) for f in looks[:2] if score_of(f) < score_of(looks[0]) + CLOSE]
     return Level(base, tuple(sorted(fits, key=_cost)), left[len(fits) :])
+
+
+def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
+    if search_of(fit.problem.candidates[-1].effect).rough:
+        return follows(bench, fit, base, WRONG)
+    linear = _seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base)
+    return fit.cost <= WRONG * linear.cost
 
 
 def _best_forms(fits: list[Fit]) -> list[Fit]:
@@ -74,6 +87,8 @@ def _cost(fit: Fit) -> float:
 
 def _fitted(fit: Fit) -> Fit:
     """The same with ever less forgiven."""
+    if search_of(fit.problem.candidates[-1].effect).rough:
+        return seen(replace(fit.problem, floor=LOOKED / 20, held=beam_at(fit.u)), fit.u)
     for floor, steps in ((LOOKED / 3, 2), (LOOKED / 20, 3)):
         # The beam that the poles show stays, as firmly as more is forgiven.
         fit = minimise(replace(fit.problem, floor=floor, held=beam_at(fit.u)), fit.u, steps, 3e-2)
@@ -90,18 +105,14 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
 
     The law may not be exact.
     """
+    if search_of(fit.problem.candidates[-1].effect).rough:
+        return followed_on_all(bench, fit)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
     first = _seen(exact, fit)
     # A hit runs through every state of a law at once: what is a little wrong there must not lead the sines astray.
     sines = replace(exact, data=replace(bench.data, impacts=()))
-    rough = search_of(fit.problem.candidates[-1].effect).rough
-    for floor in (*((LOOKED, LOOKED / 3) if rough else ()), LOOKED / 5, LOOKED / 50):
+    for floor in (LOOKED / 5, LOOKED / 50):
         fit = minimise(replace(sines, floor=floor, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-    if rough:
-        # The damping of the high modes shows in the hits alone.
-        after = minimise(replace(exact, floor=LOOKED, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-        near = replace(sines, floor=LOOKED / 50)
-        return _seen(exact, after if _seen(near, after).cost < 2 * _seen(near, fit).cost else fit)
     best = min(first, _seen(exact, fit), key=_cost)
     fit = minimise(replace(exact, floor=LOOKED / 5, held=beam_at(fit.u)), fit.u, 2, 3e-2)
     best = min(best, _seen(exact, fit), key=_cost)

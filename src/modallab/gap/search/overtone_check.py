@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
+from modallab.gap.conditioning.overtones import of_record
 from modallab.gap.conditioning.prepare import Prepared
-from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.conditioning.reduce import Reduced, sine_clock
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.predicted_records import predict_record
@@ -19,11 +20,6 @@ from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
 
-ORDERS = (2, 3, 4, 5)
-CLEAR = 8.0
-"""Times its neighbours from which a line is an overtone that can be compared."""
-BAND = 0.4
-"""Share of the rate up to which the chain passes what the beam does."""
 BLOCKS = 16
 """Blocks that are predicted, at most."""
 
@@ -43,18 +39,16 @@ def overtones_closed(fit: Fit, prepared: Prepared, unseen: Reduced) -> float:
 
 
 def _left(twin: Twin, rig: Rig, block: Block, unseen: Reduced) -> list[float]:
-    assert unseen.sines is not None
-    ratio, sigma = unseen.sines.ratio, unseen.sines.ratio_sigma
-    said = predict_record(twin, rig, block, unseen.last_order, ratio if abs(ratio - 1) > 5 * sigma else 1.0)
-    seen, said = (np.fft.rfft(y, axis=1) for y in (to_signals(block, rig).responses, said))
-    line = round((block.frequency_hz or 0.0) * block.n_samples / block.rate_hz)
+    ratio = sine_clock(unseen)
+    hz = (block.frequency_hz or 0.0) * ratio
+    seen = of_record(block.name, to_signals(block, rig).responses, block.rate_hz, hz)
+    if not any(np.any(o.clear) for o in seen):
+        return []
+    said = of_record(block.name, predict_record(twin, rig, block, unseen.last_order, ratio), block.rate_hz, hz)
     found: list[float] = []
-    for at in (k * line for k in ORDERS):
-        if line < 3 or at + 3 > BAND * block.n_samples:
-            continue
-        around = np.max(np.abs(seen[:, [at - 2, at - 1, at + 1, at + 2]]), axis=1)
-        clear = np.abs(seen[:, at]) > CLEAR * around
+    for measured, predicted in zip(seen, said, strict=True):
+        clear = measured.clear
         if np.any(clear):
-            off = np.sum(np.abs(seen[clear, at] - said[clear, at]) ** 2)
-            found.append(float(min(off / np.sum(np.abs(seen[clear, at]) ** 2), 1.0)))
+            off = np.sum(np.abs(measured.y[clear] - predicted.y[clear]) ** 2)
+            found.append(float(min(off / np.sum(np.abs(measured.y[clear]) ** 2), 1.0)))
     return found

@@ -1,20 +1,23 @@
 """Where the fit of an effect that is stepped in time begins: the likeliest of its starts, on few records."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
+from modallab.gap.search.acting import acting_at
+from modallab.gap.search.few_blocks import even_blocks
 from modallab.gap.search.fitting import Bench
+from modallab.gap.search.rough_fit import followed, seen
+from modallab.gap.search.rough_starts import FREQUENCIES, likeliest
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import search_of
 
@@ -24,62 +27,48 @@ LOOKED = 0.1
 """Relative error that is forgiven in a first look."""
 PLACES = 3
 """Places along the beam at which an effect that has one is begun from."""
-TRIES = 20
-"""Glances a number while a start is polished."""
 OUTLIER = 100.0
 """Square at which a residual stops counting where starts are compared."""
 
 
 def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Candidate) -> list[Fit]:
-    """The effect after a few steps on few records from the best of its starts on even fewer, best first."""
-    problem = Problem(some[0], bench.free, (*base.problem.candidates, candidate), LOOKED)
-    glance, rough = replace(problem, data=some[1]), search_of(candidate.effect).rough
-    begins = [
-        (dict(zip((s.name for s in candidate.slots), own, strict=True)).get("x"), u)
-        for own in product(*(slot.starts for slot in candidate.slots))
-        for u in _begins(bench, base, candidate, own)
-    ]
+    """The effect after a few steps on few records from the best of its starts on even fewer, best first.
 
-    def cost(u: Array) -> float:
-        return float(np.sum(np.minimum(glance.residual(u) ** 2, OUTLIER)) + glance.priors(u)[0])
+    None where the overtones show that what makes them acts in no such way at any place.
+    """
+    located = acting_at(bench, base, candidate)
+    if located is None:
+        return []
+    problem = Problem(some[0], bench.free, (*base.problem.candidates, located), LOOKED)
+    begins = [
+        (dict(zip((s.name for s in located.slots), own, strict=True)).get("x"), u)
+        for own in product(*(slot.starts for slot in located.slots))
+        for u in _begins(bench, base, located, own)
+    ]
+    if search_of(candidate.effect).rough:
+        even = replace(problem, data=even_blocks(bench.data, FREQUENCIES), floor=0.0)
+        return [seen(problem, followed(even, likeliest(even, [u for _, u in begins]), 2))]
+    chosen = _one_a_place(replace(problem, data=some[1]), begins)
 
     def first(u: Array) -> Fit:
-        if rough:
-            u = _polished(glance, cost, u)
         return minimise(replace(problem, held=beam_at(u)), u, 2, 3e-2)
 
     with ThreadPoolExecutor(WORKERS) as workers:
+        return sorted(workers.map(first, chosen), key=lambda f: f.cost)
+
+
+def _one_a_place(problem: Problem, begins: list[tuple[float | None, Array]]) -> list[Array]:
+    """The likeliest start at each of the likeliest places: a place is seldom left again."""
+
+    def cost(u: Array) -> float:
+        return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
+
+    with ThreadPoolExecutor(WORKERS) as workers:
         costs = list(workers.map(cost, (u for _, u in begins)))
-        # A place is seldom left again: several are begun from.
-        likely: dict[float | None, list[int]] = {}
-        for i in np.argsort(costs):
-            likely.setdefault(begins[i][0] if begins[i][0] is not None or not rough else int(i), []).append(int(i))
-        chosen = [best[0] for best in likely.values()][:PLACES]
-        return sorted(workers.map(first, (begins[i][1] for i in chosen)), key=lambda f: f.cost)
-
-
-def _polished(problem: Problem, cost: Callable[[Array], float], u: Array) -> Array:
-    """The beam's stiffness and the effect's own numbers moved to where they leave less nearby (Nelder and Mead).
-
-    Where contacts open and close a residual is rough, and slopes lead nowhere from afar.
-    """
-    slots = problem.candidates[-1].slots
-    at = [0, *range(len(u) - len(slots), len(u))]
-    steps = np.array([0.3, *(0.04 if s.name == "x" else 0.3 for s in slots)])
-
-    def moved(v: Array) -> Array:
-        there = u.copy()
-        there[at] += v * steps
-        return there
-
-    simplex = np.vstack([np.zeros(len(at)), np.eye(len(at))])
-    found = minimize(
-        lambda v: cost(moved(v)),
-        simplex[0],
-        method="Nelder-Mead",
-        options={"maxfev": TRIES * len(at), "initial_simplex": simplex, "fatol": 1.0},
-    )
-    return moved(found.x)
+    best: dict[float | None, Array] = {}
+    for i in np.argsort(costs):
+        best.setdefault(begins[i][0], begins[i][1])
+    return list(best.values())[:PLACES]
 
 
 def beam_at(u: Array) -> tuple[float, float, float]:

@@ -1,0 +1,127 @@
+"""The likeliest starts of an effect in which contacts open and close: slopes lead nowhere from afar.
+
+How far each sine is off on each accelerometer counts as a share of its own size, and as a logarithm: a block beside a
+resonance, which is right or wrong but never nearly right, then says no more than any other, the numbers have one
+valley, and one wrong channel does not decide.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.forward import forward
+from modallab.gap.model.minimise import WORKERS
+from modallab.twin.candidate import Slot
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+FREQUENCIES = 12
+"""Sines that are looked at."""
+BEGUN = 2
+"""Starts that are polished."""
+TRIES = 16
+"""Looks a number while one is polished."""
+EXACT = 0.003
+"""Share of a sine's size that any law leaves: less is no better."""
+COUNTS = 1.0
+"""Independent numbers that a sine on one accelerometer counts for: its lines, and other channels, are wrong with it."""
+LEAST = 0.1
+"""Share of the accelerometers' mean below which the size of a sine on one of them does not count: it sits at a node."""
+APART = 1.5
+"""Spacings of the starts within which two are the same."""
+
+
+def likeliest(problem: Problem, begins: list[Array]) -> Array:
+    """The best of the best starts, polished without slopes (Nelder and Mead, Comput. J. 7, 1965, 308).
+
+    Args:
+        problem: of the effect, on a few sines, with nothing forgiven: its tolerances alone hold the beam.
+        begins: coordinates to begin from.
+    """
+
+    def own(u: Array) -> float:
+        return score(problem, u)
+
+    def polished(u: Array) -> Array:
+        return _polished(problem, u)
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        chosen: list[Array] = []
+        for i in np.argsort(list(workers.map(own, begins))):
+            if not any(_same(problem, begins[i], u) for u in chosen):
+                chosen.append(begins[i])
+        return min(workers.map(polished, chosen[:BEGUN]), key=own)
+
+
+def score(problem: Problem, u: Array) -> float:
+    """How far the sines are off, each as a share of its own size, and the numbers from their priors."""
+    off = relative(problem, u)
+    return COUNTS / 2 * float(np.sum(np.log1p((off / EXACT) ** 2))) + problem.priors(u)[0]
+
+
+def relative(problem: Problem, u: Array) -> Array:
+    """(channels, blocks) what is left of each sine on each accelerometer over its size; 0 where it is not used."""
+    assert problem.data.sines is not None
+    left = problem.data.sines.rows.y - forward(problem.twin(u), problem.data)[-1]
+    return _by_block(problem.data, left) / sizes(problem.data)
+
+
+def sizes(data: Reduced) -> Array:
+    """(channels, blocks) length of each sine's numbers on each accelerometer, no less than a share of what all have."""
+    assert data.sines is not None
+    own = _by_block(data, data.sines.rows.y)
+    return np.maximum(own, np.maximum(LEAST * np.sqrt(np.mean(own**2, axis=0)), 1e-300))
+
+
+def _by_block(data: Reduced, values: Complex) -> Array:
+    assert data.sines is not None
+    used = np.isfinite(data.sines.rows.sigma)
+    squares = np.where(used, np.abs(values) ** 2, 0.0).reshape(len(values), *data.sines.source.lines.shape)
+    return np.sqrt(np.sum(squares, axis=2))
+
+
+def _same(problem: Problem, u: Array, other: Array) -> bool:
+    slots = problem.candidates[-1].slots
+    steps = np.array([APART * 2 * _step(s) for s in slots])
+    first = len(u) - len(slots)
+    return bool(np.all(np.abs(u - other)[first:] <= steps)) and abs(u[0] - other[0]) < 1.0
+
+
+def _polished(problem: Problem, u: Array) -> Array:
+    """The beam's stiffness and the effect's own numbers moved to where they leave less nearby."""
+    slots = problem.candidates[-1].slots
+    moving = [i for i, s in enumerate(slots) if not _known(s)]
+    at = [0, *(len(u) - len(slots) + i for i in moving)]
+    steps = np.array([_step(slots[i]) for i in moving])
+    steps = np.array([np.min(steps), *steps])
+
+    def moved(v: Array) -> Array:
+        there = u.copy()
+        there[at] += v * steps
+        return there
+
+    simplex = np.vstack([np.zeros(len(at)), np.eye(len(at))])
+    found = minimize(
+        lambda v: score(problem, moved(v)),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"maxfev": TRIES * len(at), "initial_simplex": simplex, "fatol": 0.1},
+    )
+    return moved(found.x)
+
+
+def _step(slot: Slot) -> float:
+    """Half of what lies between two starts; of a first simplex."""
+    at = [slot.coordinate(v) for v in slot.starts]
+    return min([0.04 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])
+
+
+def _known(slot: Slot) -> bool:
+    """Whether it is a place that the overtones show."""
+    return slot.name == "x" and len(slot.starts) == 1
