@@ -8,6 +8,17 @@ ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md")))
 
 _FENCE = re.compile(r"^```(\w*)$")
+RUN = {"bash", "console", "py", "python", "sh"}
+"""Languages of the blocks that are commands or programs."""
+HOW_TO = "docs/how-to/"
+ELSEWHERE = {
+    HOW_TO + "add-a-driver.md": "tests/contract/conftest.py",
+    HOW_TO + "add-a-resource.md": "tests/service/api/test_add_a_resource.py",
+    "docs/tutorial/rest-service.md": "tests/service/process/test_tutorial.py",
+}
+"""Pages whose blocks are run by tests of their own. Blocks that ask a service are run by `test_service_blocks.py`."""
+
+_SERVICE = re.compile(r"\$LAB\b|\blab\.|\bClient\(")
 _MARKER = re.compile(r"^<!-- not run: (.+) -->$")
 
 
@@ -24,6 +35,16 @@ class Fenced:
     @property
     def place(self) -> str:
         return f"{name(self.page)}:{self.line}"
+
+
+def to_run(page: Path) -> list[Fenced]:
+    """The blocks of a page that a test must run, or that say why not."""
+    return [block for block in fenced(page) if block.language in RUN]
+
+
+def needs_service(block: Fenced) -> bool:
+    """Whether a block asks a running service."""
+    return _SERVICE.search("\n".join(block.lines)) is not None
 
 
 def name(page: Path) -> str:

@@ -97,9 +97,9 @@ def _rivals(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     }
     if not pairs:
         raise PlanError(
-            f"the diagnosis leaves no two explanations standing that differ: {diagnosis.next_experiment}",
+            "the diagnosis leaves no two explanations between which an experiment could decide",
             where=diagnosis.rig,
-            remedy="do what it advises",
+            remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
         )
     return sorted(pairs)
 
