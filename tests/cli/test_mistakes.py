@@ -8,13 +8,17 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
+from made_diagnosis import made_diagnosis
+from scipy.io import savemat
 
 from modallab.cli import main
 from modallab.cli.demo_rig import demo_rig
+from modallab.core.effects import Effect
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import write_rig
 
 DATA = Path(__file__).parents[1] / "data"
+MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +39,11 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "table.csv").write_text("time,force\n0,1\n")
     (folder / "half.h5").write_bytes((DATA / "campaign_v2.h5").read_bytes()[:3000])
     (folder / "grüße aus köln").mkdir()
+    (folder / "d.json").write_text(made_diagnosis(demo_rig(), MASS).model_dump_json())
+    (folder / "unknown.json").write_text(made_diagnosis(demo_rig(), verdict="unknown").model_dump_json())
+    (folder / "map_word.yaml").write_text("the force is F\n")
+    (folder / "map_field.yaml").write_text("{frf: H, freq: f}\n")
+    savemat(folder / "analyser.mat", {"H": [[1.0, 2.0]], "f": [1.0, 2.0]})
     (folder / "rig_mm.yaml").write_text((folder / "rig.yaml").read_text().replace("length_m: 0.777", "length_m: 777"))
     (folder / "rig_gpa.yaml").write_text(
         (folder / "rig.yaml").read_text().replace("youngs_modulus_pa: 205000000000.0", "youngs_modulus_pa: 205")
@@ -164,6 +173,27 @@ MISTAKES = {
     "rig reset rig.yaml --data nowhere": "nowhere: is no folder",
     "identify campaign.h5 campaign.h5": "holds the same records as campaign.h5",
     "import empty.csv --rig rig.yaml --out new.h5": "empty.csv",
+    # Options that would have no effect, and files that are not what the newest commands take.
+    "gap blind --out b --truth empty": "--truth has no effect without --folder",
+    "gap blind --out b --workers 0": "--workers is '0'; allowed: a whole number from 1",
+    "gap blind --out b --folder empty": "empty",
+    "gap blind --out b --trials -5": "trials",
+    "gap next campaign.h5 --diagnosis d.json --out both.h5": "--out has no effect without --run",
+    "gap next campaign.h5 --diagnosis d.json --json both.json": "--json has no effect without --run",
+    "gap next campaign.h5 --diagnosis d.json --run --out both.h5": "leaves no two explanations between which",
+    "gap export d.json --rig rig.yaml --form uff --out t.uff --rate 2000": "--rate has no effect without --form npz",
+    "gap export d.json --rig rig.yaml --form npz --out t.npz --records 4": "--records has no effect without --on",
+    "gap export d.json --rig rig.yaml --form npz --out t.npz --on campaign.h5 --records 0": "--records is '0'",
+    "gap export d.json --rig rig.yaml --form npz --out t.mat": "a file of the form npz ends in .npz",
+    "gap export d.json --rig rig.yaml --form mjcf --out t.mjcf": "a file of the form mjcf ends in .xml",
+    "gap export d.json --rig plan_far.yaml --form npz --out t.npz": "is the plan of a test",
+    "gap apply unknown.json --rig rig.yaml --out rig2.yaml": "none of the known effects",
+    "gap apply d.json --rig campaign_rig.yaml --out rig2.yaml": "of ",
+    "import analyser.mat --rig rig.yaml --map nowhere.yaml --out new.h5": "nowhere.yaml",
+    "import analyser.mat --rig rig.yaml --map map_word.yaml --out new.h5": "map_word.yaml",
+    "import analyser.mat --rig rig.yaml --map map_field.yaml --out new.h5": "freq",
+    "identify --response-only campaign.h5": "--response-only is 'campaign.h5'; allowed: ssi_cov, plscf_spectra",
+    "identify campaign.h5 --response-only --pick 20": "pick",
     # Units and forms in a plan or a rig file.
     "gap distinguishability rig.yaml plan_level.yaml": "levels_v.low is 'strong'; allowed: a number",
     "gap distinguishability rig.yaml plan_alone.yaml": "points is 10; allowed: a list, such as [10, 6]",

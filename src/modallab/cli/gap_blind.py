@@ -17,6 +17,7 @@ from modallab.blind.outcome import BlindOutcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
 from modallab.blind.run import blind, blind_folder
+from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
 from modallab.core.extras import optional_package
 from modallab.core.field_errors import sentences
@@ -27,6 +28,8 @@ from modallab.formats.atomic import replacing
 def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
+    if folder is None:
+        only_with("--folder", truth=arguments.truth)
     with (
         console.status("blind trials") as status,
         heard_by(lambda share, words: status.update(f"{share:.0%} {words}")),

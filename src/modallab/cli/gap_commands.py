@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from modallab.cli.options import JSON_HELP, add_saying, positive
+from modallab.cli.options import JSON_HELP, add_saying, count, positive
 
 
 class _Commands(Protocol):
@@ -103,7 +103,7 @@ def _add_blind(actions: _Commands) -> None:
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"
     )
-    command.add_argument("--workers", type=int, metavar="N", help="processes (default: one a processor)")
+    command.add_argument("--workers", type=count, metavar="N", help="processes (default: one a processor)")
     command.add_argument("--scheduler", metavar="ADDRESS", help="of Dask, whose workers see the folder (default: none)")
     command.set_defaults(module="gap_blind", out_is_folder=True)
 
@@ -117,7 +117,7 @@ def _add_export(actions: _Commands) -> None:
     command.add_argument("--test", choices=("impact", "sine"), help="only this one (default: all, for mjcf the impact)")
     command.add_argument("--rate", type=positive, metavar="HZ", help="npz and mat: in steps of this rate too")
     command.add_argument("--on", type=Path, metavar="CAMPAIGN", help="measure its gap to these records, in this form")
-    command.add_argument("--records", type=int, metavar="N", help="at most so many of them (default: all held out)")
+    command.add_argument("--records", type=count, metavar="N", help="at most so many of them (default: all held out)")
     command.add_argument("--json", type=Path, metavar="FILE", help="write what was measured as JSON")
     command.set_defaults(module="gap_export")
 

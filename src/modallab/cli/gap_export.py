@@ -5,6 +5,7 @@ import argparse
 from rich.console import Console
 
 from modallab.cli.gap import read_diagnosis
+from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
 from modallab.core.progress import heard_by
 from modallab.core.units import Test
@@ -13,9 +14,16 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.exported.forms import FORMS, InForm, in_form, tests_of, write_form
 
+STEPPED = ("npz", "mat")
+"""Forms that can hold the system in steps of time."""
+
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the twin of a diagnosis in a form; with a campaign, measure it in that form."""
+    if arguments.form not in STEPPED:
+        only_with("--form npz or mat", rate=arguments.rate)
+    if arguments.on is None:
+        only_with("--on", records=arguments.records, json=arguments.json)
     form, rig = FORMS[arguments.form], read_rig(arguments.rig)
     diagnosis = read_diagnosis(arguments.diagnosis)
     if arguments.out.suffix != form.suffix:

@@ -3,6 +3,8 @@
 import argparse
 from typing import Any
 
+from modallab.cli.usage import UsageError
+
 JSON_HELP = "write the {} as JSON; - is standard output, and all else then goes to standard error"
 
 
@@ -27,6 +29,32 @@ def not_negative(text: str) -> float:
     if not 0 <= value < float("inf"):
         raise argparse.ArgumentTypeError(f"is {text!r}; allowed: 0 or more")
     return value
+
+
+def count(text: str) -> int:
+    """A whole number from 1, as the type of an option."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"is {text!r}; allowed: a whole number from 1")
+    return value
+
+
+def only_with(needed: str, **given: object) -> None:
+    """Reject options that would have no effect.
+
+    Args:
+        needed: what is missing, as it is written.
+        given: name of an option -> its value; None where it was not given.
+
+    Raises:
+        UsageError: one of them was given.
+    """
+    for name, value in given.items():
+        if value is not None:
+            raise UsageError(f"--{name} has no effect without {needed}", remedy=f"add {needed}, or leave out --{name}")
 
 
 def _number(text: str) -> float:

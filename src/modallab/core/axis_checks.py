@@ -11,7 +11,7 @@ _any_number = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 _SAME = 1e-9
 _SIGMAS = 6.0
 _EVEN = 0.01
-"""Share of a step by which a sample may stand off an even grid: half a degree of phase at a tenth of the rate."""
+"""Share of a step by which a sample may deviate from an even grid: half a degree of phase at a tenth of the rate."""
 
 
 def check_rate(rate_hz: float, where: str = "") -> float:
@@ -114,7 +114,7 @@ def _check_even(values: NDArray[np.float64], what: str, unit: str, where: str, r
     if worst <= _EVEN * step:
         return
     _check_digits(float(step), what, unit, where, resolution)
-    # The ends are rounded as well, so the grid through them may stand off by as much again.
+    # The ends are rounded as well, so the grid through them may deviate by as much again.
     if not worst <= _EVEN * step + 2 * resolution:  # NaN, from absurd numbers, is uneven too
         raise DataError(
             f"the {what} axis is uneven: place {int(away.argmax())} stands {worst / step:.3g} steps of {step:g} {unit} "

@@ -17,6 +17,10 @@ class Http(NamedTuple):
     meaning: str
 
 
+_TO_DO = "\n  what to do: "
+"""Between what was wrong and the remedy, where an error is written as text."""
+
+
 class ModallabError(Exception):
     """Root of all expected errors.
 
@@ -40,11 +44,17 @@ class ModallabError(Exception):
 
     def __str__(self) -> str:
         head = f"{self.where}: {self.what}" if self.where else self.what
-        return f"{head}\n  what to do: {self.remedy}" if self.remedy else head
+        return f"{head}{_TO_DO}{self.remedy}" if self.remedy else head
 
     def __reduce__(self) -> tuple[object, ...]:
         # Errors cross from the acquisition process to its parent; keyword arguments must survive pickling.
         return (_rebuild, (type(self), self.what, self.remedy, self.where))
+
+
+def split_remedy(text: str) -> tuple[str, str]:
+    """What was wrong and the remedy, of the text of an error; the remedy is "" where it has none."""
+    what, _, remedy = text.partition(_TO_DO)
+    return what, remedy
 
 
 def _rebuild(kind: type[ModallabError], what: str, remedy: str, where: str) -> ModallabError:

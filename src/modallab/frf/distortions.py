@@ -101,7 +101,7 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
         frequency_hz=chosen * rate / n,
         frf=of_wave.mean(axis=0),
         noise=np.sqrt(noise),
-        # Not cut off at 0 line by line, which would feign distortions where there is noise alone.
+        # Not cut off at 0 line by line, which would show distortions where there is only noise.
         excess=np.asarray(total - left, np.float64),
         response=np.sqrt(np.mean(np.abs(response) ** 2, axis=0)),
         force=np.sqrt(np.mean(np.abs(force) ** 2, axis=0)),

@@ -48,7 +48,7 @@ def local_polynomial_frf(
     frf = np.empty((response.shape[1], inputs, lines), complex)
     variance = np.empty((response.shape[1], lines))
     for line in range(lines):
-        # Near the ends the window is held inside, and the line stands off its centre.
+        # Near the ends the window is held inside, and the line is not at its centre.
         start = min(max(line - half, 0), lines - width)
         window = slice(start, start + width)
         power = ((np.arange(start, start + width) - line) / half)[:, None] ** np.arange(order + 1)

@@ -22,7 +22,7 @@ SETTLED_LOOKS = 2
 """Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
 
 UNKNOWN = 0.5
-"""Share of a damping ratio beyond which its sigma says that it is that of noise, or of what an FRF's errors feign."""
+"""Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""
 
 
 def frf_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:

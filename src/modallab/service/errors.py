@@ -1,6 +1,8 @@
 """What the service rejects, besides what the stages below reject."""
 
-from modallab.core.errors import Http, ModallabError
+from typing import Self
+
+from modallab.core.errors import Http, ModallabError, split_remedy
 
 
 class ServiceError(ModallabError):
@@ -67,6 +69,16 @@ class RigUnavailableError(ServiceError):
         "The rig is not ready",
         "Its process has not opened the bench. Wait, or look at its cables and its address.",
     )
+
+    @classmethod
+    def of(cls, what: str, error: str, where: str) -> Self:
+        """Of a bench that could not be opened; `error` is the text of what prevented it. Its remedy is kept."""
+        reason, remedy = split_remedy(error)
+        return cls(
+            f"{what}: {reason}" if reason else what,
+            where=where,
+            remedy=remedy or "wait until it is idle; look at its cables and its address",
+        )
 
 
 class ChangedError(ServiceError):

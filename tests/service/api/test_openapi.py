@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from fastapi.responses import JSONResponse
 from lab import Lab
 
 from modallab.core.errors import DeviceBusyError, DeviceGoneError
@@ -15,6 +16,15 @@ COMMITTED = ROOT / "docs" / "reference" / "openapi.json"
 def test_the_document_is_the_committed_one(lab: Lab) -> None:
     """To take over a change: python docs/reference/make_openapi.py."""
     assert json.loads(json.dumps(lab.app.openapi())) == json.loads(COMMITTED.read_text(encoding="utf-8"))
+
+
+def test_the_document_is_serialised_once_and_every_answer_is_its_text(lab: Lab) -> None:
+    with lab.client(None) as client:
+        for address, document in (("/openapi.json", lab.app.openapi()), ("/asyncapi.json", lab.app.state.asyncapi())):
+            first, second = client.get(address), client.get(address)
+            assert first.content == second.content == JSONResponse(document).body
+            assert first.headers["content-type"] == "application/json"
+    assert lab.app.state.openapi_json() is lab.app.state.openapi_json()
 
 
 def test_every_kind_of_problem_is_on_its_page() -> None:

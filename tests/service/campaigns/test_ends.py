@@ -16,6 +16,7 @@ from modallab.bench.protocol import BenchInfo
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.documents.pages import EventView
 from modallab.core.documents.runs import RunNew, Stop
+from modallab.core.errors import DeviceGoneError
 from modallab.core.events import RunState, StateChanged
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
@@ -170,3 +171,12 @@ def test_what_could_not_begin_in_time_does_not_begin_later() -> None:
     with pytest.raises(RigUnavailableError):
         put_back.wait(0.01)
     assert not put_back.claim()
+
+
+def test_a_bench_that_cannot_be_opened_has_one_remedy_its_own() -> None:
+    kept_from = str(DeviceGoneError("no device Dev1", where="nidaqmx://Dev1", remedy="plug it in"))
+    error = RigUnavailableError.of("the rig is unavailable", kept_from, "link")
+    assert str(error) == ("link: the rig is unavailable: nidaqmx://Dev1: no device Dev1\n  what to do: plug it in")
+    starting = RigUnavailableError.of("the rig is starting", "", "link")
+    assert starting.what == "the rig is starting"
+    assert starting.remedy.startswith("wait until it is idle")

@@ -30,7 +30,7 @@ PART = EffectPart(
         "structure",
         (Parameter("offset", "m", 1e-5, 0.05),),
         "all",
-        "hammer, shaker and sensors stand off the beam's middle line by offset, and so twist it and feel it twist",
+        "hammer, shaker and sensors are offset from the beam's centre line, and so twist it and sense its twist",
     ),
     drawn=Drawn(slope=2.0),
 )

@@ -1,7 +1,7 @@
 """Which experiment separates the explanations that a campaign has left standing, before it is made.
 
 Each experiment is planned beside what has been recorded; what counts is the smallest distance, in noise units, of one
-effect of a plain size from all that the nuisances and the other effect can feign. It is the root of what Fisher's
+effect of a plain size from all that the nuisances and the other effect can imitate. It is the root of what Fisher's
 information gives for the one effect with everything else free (Pukelsheim, Optimal Design of Experiments, 2006, ch. 3).
 """
 
@@ -97,9 +97,9 @@ def _rivals(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     }
     if not pairs:
         raise PlanError(
-            f"the diagnosis leaves no two explanations standing that differ: {diagnosis.next_experiment}",
+            "the diagnosis leaves no two explanations between which an experiment could decide",
             where=diagnosis.rig,
-            remedy="do what it advises",
+            remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
         )
     return sorted(pairs)
 

@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 STEP_S = 1 / 32000
 SMALL = 1e-4
 """Radius of gyration of a node's mass over its link's length: a mass without inertia cannot be simulated."""
+LEAST_INERTIA_KG_M2 = 1e-14
+"""MuJoCo takes none below 1e-15. Where a sensor stands half a millimetre from where hits land, the link between is so
+short that the share above falls below it; this is still a radius of gyration of micrometres."""
 
 
 def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
@@ -98,7 +101,7 @@ def _bodies(found: Chain, rig: Rig, sensors: dict[str, float], points: dict[int,
 
 
 def _inertia(body: ET.Element, at: float, mass_kg: float, link_m: float) -> None:
-    small = _number(mass_kg * (SMALL * link_m) ** 2)
+    small = _number(max(mass_kg * (SMALL * link_m) ** 2, LEAST_INERTIA_KG_M2))
     ET.SubElement(body, "inertial", pos=f"{_number(at)} 0 0", mass=_number(mass_kg), diaginertia=" ".join([small] * 3))
 
 

@@ -181,7 +181,7 @@ def _that_matters(choice: Choice, held: Reduced) -> Choice:
 
 
 def _small_but_plain(levels: list[Level]) -> bool:
-    """Whether one effect takes nearly all of a small gap away, by far more than what no model has right can feign."""
+    """Whether one effect takes nearly all of a small gap away, by far more than the model's own error could."""
     if not levels[0].fits:
         return False
     base, best = levels[0].base, levels[0].fits[0]

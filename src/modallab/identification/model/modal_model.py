@@ -30,21 +30,21 @@ class Seen:
         constants: (modes, outputs, inputs) modal constants.
         sigma_of_parts: (modes, outputs, inputs) as `Fit.modal_constants` has it.
         terms: (powers, outputs, inputs) residual terms.
-        feigned: (modes,) share of a mode's constants that misfit or scatter can pass off as another mode's.
+        apparent: (modes,) share of a mode's constants that misfit or scatter can pass off as another mode's.
     """
 
     constants: NDArray[np.complex128]
     sigma_of_parts: NDArray[np.complex128]
     terms: NDArray[np.float64]
-    feigned: NDArray[np.float64]
+    apparent: NDArray[np.float64]
 
 
 def _of_fit(fit: Fit) -> Seen:
     constants, sigma = fit.modal_constants
-    return Seen(constants, sigma, residuals(fit), _feigned(fit, constants))
+    return Seen(constants, sigma, residuals(fit), _apparent(fit, constants))
 
 
-def _feigned(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _apparent(fit: Fit, constants: NDArray[np.complex128]) -> NDArray[np.float64]:
     """(modes,) the misfit of FRFs within each mode's width, over the height of its peak; 0 of blocks.
 
     Where one pole does not explain all FRFs of a mode, what is left takes the place of a second shape.
@@ -94,7 +94,7 @@ def model_of_fit(
         np.abs(of_parts[ascending]),
         output_points,
         fit.input_points,
-        used.feigned[ascending],
+        used.apparent[ascending],
     )
     order = ascending[split.pole]
     shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)

@@ -23,8 +23,8 @@ SIGMAS = 5.0
 SHARE = 0.02
 """And is this share of the first at least: less is the residual of the model of the pole."""
 MORE = 2.0
-"""And so many times what misfit and scatter feign, and, where sensors stand at two driven points or more, what is not
-reciprocal there."""
+"""And so many times what misfit and scatter can produce, and, where sensors stand at two driven points or more, what is
+not reciprocal there."""
 ALIKE = 1e3
 """Condition from which the driven points move alike in all modes of a pole, which leaves the plane's division open."""
 
@@ -49,7 +49,7 @@ def split_repeated(
     sigma: Real,
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
-    feigned: Real | None = None,
+    apparent: Real | None = None,
 ) -> Split:
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
@@ -64,7 +64,7 @@ def split_repeated(
         sigma: (poles, outputs, inputs) of the complex numbers.
         output_points: point of each output.
         input_points: point of each input.
-        feigned: (poles,) share of the first rank that misfit and scatter between set-ups can pass off as a second.
+        apparent: (poles,) share of the first rank that misfit and scatter between set-ups can pass off as a second.
 
     Raises:
         DataError: constants that are not finite, or do not fit sigma or points.
@@ -74,7 +74,7 @@ def split_repeated(
     parts: list[Complex] = []
     for r, (a, s) in enumerate(zip(constants, sigma, strict=True)):
         driven = _driven(output_points, input_points)
-        share = SHARE if feigned is None else max(SHARE, MORE * float(feigned[r]))
+        share = SHARE if apparent is None else max(SHARE, MORE * float(apparent[r]))
         rank = _reciprocal_rank(a, _rank(a, s, share), driven)
         found = [a] if rank == 1 else _parts(a, rank, driven)
         pole += [r] * len(found)

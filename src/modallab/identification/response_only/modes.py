@@ -33,8 +33,8 @@ SPARE = 2
 MAX_SIGMA = (0.01, 0.5)
 """Relative, of frequency and damping ratio: beyond, a pole fits noise."""
 SURE, BEST = 0.2, 4.0
-"""A damping ratio must be known to this share, or to so many times the best that its decays in the records allow: what
-noise feigns is known much worse than a mode that rings as long."""
+"""A damping ratio must be known to this share, or to so many times the best that its decays in the records allow: a
+pole of noise is known much worse than a mode that rings as long."""
 TWICE = 0.01
 """Relative distance of poles of two bands that are one."""
 AT_EDGE = 0.03

@@ -37,7 +37,7 @@ def mac(one: NDArray[Any], other: NDArray[Any]) -> Real:
 
 
 def auto_mac(shapes: NDArray[Any]) -> Real:
-    """MAC of a set with itself: what stands off the diagonal, too few points cannot distinguish."""
+    """MAC of a set with itself: modes with a high value off the diagonal cannot be distinguished with so few points."""
     return mac(shapes, shapes)
 
 

@@ -23,7 +23,7 @@ Complex = NDArray[np.complex128]
 SHARE = 0.9
 """Of the power within its width, which a lost mode explains and no other pole does."""
 SOME_SHARE = 0.5
-"""The same before the search, when the others may stand off their places."""
+"""The same before the search, when the others may still be away from their final frequencies."""
 WIDTHS = 2.0
 """Half-widths to either side within which that is asked; three lines at least."""
 APART = 0.5

@@ -99,12 +99,12 @@ def _agreed(frf: Frf, points: PointPoles, common: Common, notes: tuple[str, ...]
     axis = 1 + roved_axis(frf)
     constants, sigma = zip(*[f.modal_constants for f in points.fits], strict=True)
     # A pole that moves by a part of its half-width leaves as much of the mode to its neighbours.
-    feigned = common.between[:, 0] / (zeta * omega)
+    apparent = common.between[:, 0] / (zeta * omega)
     seen = Seen(
         np.concatenate(constants, axis=axis),
         np.concatenate(sigma, axis=axis),
         np.concatenate([residuals(f) for f in points.fits], axis=axis),
-        feigned,
+        apparent,
     )
     return Agreed(
         replace(at_common, refined=replace(at_common.refined, covariance=covariance, settled=True)), seen, notes

@@ -50,7 +50,7 @@ def _one(outcome: Outcome, found: Assessment) -> list[Markup]:
 
 
 def _auto_mac(outcome: Outcome, found: Assessment) -> Markup:
-    """What stands off the diagonal, these points cannot distinguish."""
+    """Modes with a high value off the diagonal cannot be distinguished with these points."""
     names = [f"mode {r + 1}" for r in range(len(found.auto_mac))]
     rows = [(name, *(_number(float(value)) for value in row)) for name, row in zip(names, found.auto_mac, strict=True)]
     whole = table("AutoMAC: MAC of the shapes with one another", ("", *names), rows, range(1, len(names) + 1))

@@ -20,7 +20,7 @@ def section(content: ReportContent) -> Section:
         if outcome.verification is None:
             if outcome.model is not None and outcome.model.operating_shapes is not None:
                 absent.append(
-                    f"The model of {_called(outcome)} was not held against its measurement: without a force there is "
+                    f"The model of {_called(outcome)} was not compared with its measurement: without a force there is "
                     "no response to play again."
                 )
             elif outcome.model is not None:

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
+from fastapi.responses import JSONResponse
 from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 
@@ -54,6 +55,7 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
     app = FastAPI(
         title="modallab",
         version=__version__,
+        openapi_url=None,
         docs_url=None,
         redoc_url=None,
         lifespan=_life,
@@ -94,6 +96,8 @@ def create_app(service: Service, settings: Settings, token: str) -> FastAPI:
         )
     app.openapi = lambda: document_of(app)
     app.state.asyncapi = cache(lambda: asyncapi_of(app, API_VERSION))
+    app.state.openapi_json = cache(lambda: JSONResponse(app.openapi()).body)
+    app.state.asyncapi_json = cache(lambda: JSONResponse(app.state.asyncapi()).body)
     return app
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import fastapi_offline
 from fastapi import APIRouter, FastAPI, Request
 from fastapi.openapi.docs import get_swagger_ui_html
-from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
 
 from modallab.service.api.problems import kinds
@@ -36,10 +36,16 @@ def show_api() -> HTMLResponse:
     )
 
 
+@router.get("/openapi.json")
+def show_document(request: Request) -> Response:
+    """The OpenAPI document; serialised once, since that takes a tenth of a second."""
+    return Response(request.app.state.openapi_json(), media_type="application/json")
+
+
 @router.get("/asyncapi.json")
-def show_messages(request: Request) -> JSONResponse:
+def show_messages(request: Request) -> Response:
     """What the service sends by itself, as an AsyncAPI document."""
-    return JSONResponse(request.app.state.asyncapi())
+    return Response(request.app.state.asyncapi_json(), media_type="application/json")
 
 
 @router.get("/problems/{code}")

@@ -236,9 +236,7 @@ class LocalCampaign:
     def _wait_until_open(self) -> None:
         state = self._controller.wait_until_settled(OPEN_S)
         if state.state != "idle":
-            raise RigUnavailableError(
-                f"the bench is {state.state}: {state.error}", where=state.bench, remedy="look at its cables and address"
-            )
+            raise RigUnavailableError.of(f"the bench is {state.state}", state.error, state.bench)
 
     def _require_done(self, run: str) -> str:
         record = self._store.catalogue.run(run)

@@ -1,7 +1,7 @@
 """Work on a campaign: ordered once, remembered with the campaign, and the files it leaves."""
 
 from modallab.core.documents.results import JobKind, JobNew
-from modallab.core.errors import JobError, StorageError
+from modallab.core.errors import JobError, StorageError, split_remedy
 from modallab.jobs import Job
 from modallab.pipelines.parameters import parse_parameters
 from modallab.service.context import Service
@@ -112,9 +112,10 @@ def none_yet(whose: str, kind: str, newest: Job | None) -> NotFoundError:
     noun = _NOUN.get(kind, kind)
     if newest is None:
         return NotFoundError(f"{whose} has no {noun}", where=whose, remedy="order one, and wait")
-    why = f": {newest.error}" if newest.error else ""
-    remedy = "order it again" if newest.ended else f"wait until job {newest.id} has ended"
-    return NotFoundError(f"the {noun} of {whose} is {newest.state}{why}", where=whose, remedy=remedy)
+    why, known = split_remedy(newest.error or "")
+    remedy = known or ("order it again" if newest.ended else f"wait until job {newest.id} has ended")
+    said = f"the {noun} of {whose} is {newest.state}{': ' if why else ''}{why}"
+    return NotFoundError(said, where=whose, remedy=remedy)
 
 
 def job_file(service: Service, job: Job, name: str) -> bytes:

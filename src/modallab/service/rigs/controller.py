@@ -140,11 +140,7 @@ class Controller:
                 f"run {self._active.run} is going on", where=self.bench.id, remedy="wait for its end, or stop it"
             )
         if self._state != "idle":
-            raise RigUnavailableError(
-                f"the rig is {self._state}{': ' if self._error else ''}{self._error}",
-                where=self.bench.id,
-                remedy="wait until it is idle; look at its cables and its address",
-            )
+            raise RigUnavailableError.of(f"the rig is {self._state}", self._error, self.bench.id)
         requested = self._last_requested = RequestedRun(order, operator)
         self._requested.put(requested)
         return requested.wait(self._begin_s)
