@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
-    from modallab.notebook.gap import GapFound, diagnose
+    from modallab.notebook.gap import GapFound, diagnose, diagnose_by_model
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
     from modallab.notebook.recording import Recording, load
@@ -26,6 +26,7 @@ __all__ = [
     "Recording",
     "__version__",
     "diagnose",
+    "diagnose_by_model",
     "frf",
     "identify",
     "load",
@@ -36,7 +37,7 @@ __all__ = [
 __getattr__ = lazily(
     __name__,
     {
-        "notebook.gap": ("GapFound", "diagnose"),
+        "notebook.gap": ("GapFound", "diagnose", "diagnose_by_model"),
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),
         "notebook.recording": ("Recording", "load"),

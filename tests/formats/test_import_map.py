@@ -14,7 +14,7 @@ from test_import_arrays import save_7_3
 import modallab as ml
 from modallab.cli import main
 from modallab.core.errors import DataError, FormatError
-from modallab.formats.arrays.array_map import map_of
+from modallab.formats.arrays.array_map import map_of, parse_map
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.importer import draft_rig, import_sources
 from modallab.formats.options import ImportOptions
@@ -147,3 +147,12 @@ def test_a_map_that_does_not_fit_says_where(tmp_path: Path, content: Any, words:
     path = save_5(tmp_path / "x.mat", H=frfs(), f=LINES)
     with pytest.raises(DataError, match=f"(?s){words}"):
         mapped(path, content)
+
+
+def test_the_text_of_a_map_is_as_good_as_its_file() -> None:
+    said = "{time: q, force: hammer, responses: readings, axes: [samples, outputs]}"
+    assert parse_map(said, "query").axes == ("samples", "outputs")
+    with pytest.raises(FormatError, match="is no YAML"):
+        parse_map("{time: q", "query")
+    with pytest.raises(FormatError, match="tyme is no field"):
+        parse_map("{tyme: q, responses: readings}", "query")

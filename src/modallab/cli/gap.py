@@ -13,7 +13,7 @@ from modallab.bench.protocol import BenchInfo
 from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.errors import FormatError, PlanError
+from modallab.core.errors import ConfigurationError, FormatError, PlanError
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import rig_of, split_setups
@@ -24,6 +24,7 @@ from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.distinguishability import advice, distinguishability
 from modallab.gap.design.prediction import predict, predicted_campaign
 from modallab.gap.diagnosis import diagnose
+from modallab.gap.modal.said import sentence_by_model
 from modallab.gap.report.summary import in_percent, sentence
 from modallab.gap.simulations.compare import compare
 from modallab.gap.simulations.said import sentence_of
@@ -51,6 +52,8 @@ def _diagnose(arguments: argparse.Namespace) -> int:
     console = console_of(arguments)
     if arguments.simulation is not None:
         return _compare(console, campaign, arguments)
+    if arguments.reference is not None:
+        return _by_model(console, campaign, arguments)
     with waiting("reading the records", progress=not arguments.hush):
         diagnosis = diagnose(campaign, arguments.hold_out)
     console.print(sentence(diagnosis, [c.name for c in campaign.rig.channels]), markup=False)
@@ -78,6 +81,21 @@ def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace
     if arguments.report is not None:
         write_simulation_report(arguments.report, found)
         console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
+    if arguments.report is not None:
+        raise ConfigurationError("--reference writes no report yet", remedy="leave --report out; --json holds it all")
+    # Imported here: the other ways of a diagnosis need no identification, which takes a second to load.
+    from modallab.pipelines.structure_gap import diagnose_structure, read_reference
+
+    with waiting("identifying", progress=not arguments.hush):
+        found = diagnose_structure(campaign, read_reference(arguments.reference, campaign.rig))
+    for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
+        console.print(line, markup=False)
+    if arguments.json is not None:
+        write_json(arguments.json, found.model_dump(mode="json"))
     return 0
 
 

@@ -49,6 +49,12 @@ def _add_diagnose(actions: _Commands) -> None:
         "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"
     )
     command.add_argument("--diagnosis", type=Path, metavar="D.json", help="of the bench, with --simulation, if known")
+    command.add_argument(
+        "--reference",
+        type=Path,
+        metavar="MODELS.json|CAMPAIGN",
+        help="of any structure: its modal model stands for the simulation, or a campaign from before",
+    )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")
     add_saying(command)

@@ -17,10 +17,12 @@ from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.assumptions import CANNOT_BE_SAID
 from modallab.identification.setups.compare import Compared
+from modallab.identification.setups.readings import SetUpReading
 from modallab.pipelines.identify import Result
 from modallab.pipelines.model_file import model_document
 from modallab.pipelines.report import report_content, truth_of
 from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
+from modallab.pipelines.response_setups import identify_response_setups
 from modallab.pipelines.setups import Joined, identify_setups
 from modallab.reporting.report import write_report
 from modallab.reporting.table import modal_table
@@ -43,6 +45,12 @@ def run(arguments: argparse.Namespace) -> int:
     console = console_of(arguments)
     if arguments.response_only:
         _require_plain(arguments)
+    if len(campaigns) > 1 and (arguments.response_only or all(c.rig.force is None for c in campaigns)):
+        _, how = response_choice(arguments.response_only)
+        with waiting("identifying", progress=not arguments.hush):
+            merged = identify_response_setups(campaigns, options, arguments.test, how)
+        _show(console, merged.campaign, merged.result, arguments, merged.readings)
+        return 0
     if len(campaigns) > 1:
         with waiting("identifying", progress=not arguments.hush):
             joined = identify_setups(campaigns, options)
@@ -51,9 +59,20 @@ def run(arguments: argparse.Namespace) -> int:
             write_json(arguments.json, model_document(joined.campaign, joined.result))
         return 0
     (campaign,) = campaigns
+    alone, how = response_choice(arguments.response_only)
     with waiting("identifying", progress=not arguments.hush):
-        alone, how = response_choice(arguments.response_only)
         result = identify_chosen(campaign, options, arguments.test, response_only=alone, method=how)
+    _show(console, campaign, result, arguments)
+    return 0
+
+
+def _show(
+    console: Console,
+    campaign: Campaign,
+    result: Result,
+    arguments: argparse.Namespace,
+    setups: Sequence[SetUpReading] = (),
+) -> None:
     console.print(result_table(campaign, result))
     print_remarks(console, result)
     if arguments.json is not None:
@@ -61,9 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.json != OUT:
             console.print(f"models: {arguments.json}", markup=False)
     if arguments.report is not None:
-        write_report(arguments.report, report_content(campaign, result, f"Modal test of {campaign.rig.name}"))
+        title = f"Modal test of {campaign.rig.name}"
+        write_report(arguments.report, report_content(campaign, result, title, setups=setups))
         console.print(f"report: {arguments.report}", markup=False)
-    return 0
 
 
 def response_choice(said: ResponseMethod | None) -> tuple[bool | None, ResponseMethod]:
@@ -74,7 +93,6 @@ def response_choice(said: ResponseMethod | None) -> tuple[bool | None, ResponseM
 def _require_plain(arguments: argparse.Namespace) -> None:
     """Reject what the identification of responses alone has no place for."""
     given = {
-        "several campaigns": len(arguments.campaign) > 1,
         "--method": arguments.method != USUAL,
         "--refine": arguments.refine is not None,
         "--order": arguments.order is not None,

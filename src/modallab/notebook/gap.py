@@ -8,14 +8,17 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
 from modallab.core.errors import FormatError
+from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.gap.diagnosis import diagnose as diagnose_campaign
 from modallab.gap.report.calibrated import diagnosed_twin
 from modallab.gap.report.summary import place_in_words, sentence
 from modallab.notebook.asked import path_for
-from modallab.notebook.model import campaign_in
+from modallab.notebook.measured import MeasuredFrf
+from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
+from modallab.pipelines.structure_gap import diagnose_structure, model_to_compare
 from modallab.reporting.waiting import waiting
 
 
@@ -106,6 +109,26 @@ def diagnose(
     if keep is not None:
         found.save(keep)
     return found
+
+
+def diagnose_by_model(
+    measured: Recording | MeasuredFrf, reference: Model | Recording | MeasuredFrf, *, progress: bool = True
+) -> ModalDiagnosis:
+    """Where a structure differs from its modal model, whatever structure it is, beyond the rig's tolerances.
+
+    Args:
+        measured: of the structure as it is.
+        reference: its modal model, or what was measured before; with the same channels and driven points.
+        progress: show how far it is, where somebody looks.
+
+    Raises:
+        DataError: the two share no band, output or driven point, or no shape has a scale.
+        IdentificationError: one of them holds no mode.
+    """
+    campaign = campaign_in(measured)
+    with waiting("identifying", progress=progress):
+        known = reference.modal if isinstance(reference, Model) else model_to_compare(campaign_in(reference))
+        return diagnose_structure(campaign, known)
 
 
 def _kept(path: Path, campaign: Campaign) -> Diagnosis:

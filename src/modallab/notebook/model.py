@@ -1,5 +1,6 @@
 """The modal model of a recording: found, shown, compared, kept."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -23,6 +24,8 @@ from modallab.notebook.shown import Shown
 from modallab.pipelines.identify import Identified, Result
 from modallab.pipelines.model_file import write_models
 from modallab.pipelines.response_only import USUAL_RESPONSE, ResponseMethod, identify_chosen
+from modallab.pipelines.response_setups import identify_response_setups
+from modallab.pipelines.setups import identify_setups
 from modallab.reporting.digits import concise
 from modallab.reporting.waiting import waiting
 from modallab.verification.comparison import common_shapes
@@ -205,7 +208,7 @@ class Model:
 
 
 def identify(
-    measured: Recording | MeasuredFrf,
+    measured: Recording | MeasuredFrf | list[Recording] | tuple[Recording, ...],
     test: Test | None = None,
     *,
     band: tuple[float, float] | None = None,
@@ -220,7 +223,8 @@ def identify(
     """The modal model of recordings or FRFs.
 
     Args:
-        measured: what `simulate`, `load`, `frf` or `responses` gave.
+        measured: what `simulate`, `load`, `frf` or `responses` gave; several recordings are set-ups of one test, and
+            are joined.
         test: only this test; None for all there are.
         band: in Hz; None for all that the data hold.
         method: name of the estimator.
@@ -236,7 +240,6 @@ def identify(
         DataError: there is nothing to identify.
         IdentificationError: no mode stands out, or a parameter that cannot be.
     """
-    campaign = campaign_in(measured)
     options = Options(
         method=method,
         band_hz=band_of(band),
@@ -244,6 +247,10 @@ def identify(
         drop_hz=frequencies_of(drop, "drop"),
         refine=refine,
     )
+    if isinstance(measured, list | tuple):
+        with waiting("identifying", progress=progress):
+            return _joined(measured, options, test, response_only, response_method)
+    campaign = campaign_in(measured)
     try:
         with waiting("identifying", progress=progress):
             result = identify_chosen(campaign, options, test, response_only=response_only, method=response_method)
@@ -255,6 +262,22 @@ def identify(
                 remedy="give H.conj()",
             ) from error
         raise
+
+
+def _joined(
+    measured: Sequence[Recording],
+    options: Options,
+    test: Test | None,
+    response_only: bool | None,
+    method: ResponseMethod,
+) -> Model:
+    campaigns = [campaign_in(one) for one in measured]
+    alone = all(c.rig.force is None for c in campaigns) if response_only is None else response_only
+    if alone:
+        merged = identify_response_setups(campaigns, options, test, method)
+        return Model(merged.campaign, merged.result)
+    joined = identify_setups(campaigns, options)
+    return Model(joined.campaign, joined.result)
 
 
 def campaign_in(measured: object) -> Campaign:

@@ -54,25 +54,25 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
     if len(campaigns) < 2:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
     names = setup_names(campaigns)
-    _require_distinct(campaigns)
+    require_distinct(campaigns)
     require_same_points([(n, _struck(c)) for n, c in zip(names, campaigns, strict=True)])
     found = tuple(_identified(campaign, name, options) for campaign, name in zip(campaigns, names, strict=True))
     modes = same_modes(found)
     compared = compare_setups(found, modes)
     model = join_setups(found, modes, compared)
     frf, first = _measured(campaigns, model), campaigns[0]
-    joined = Campaign(_joined_rig(campaigns), (), (frf,), _common(campaigns), first.source)
+    joined = Campaign(_joined_rig(campaigns), (), (frf,), common_provenance(campaigns), first.source)
     # The records stay with their set-ups: the joined campaign holds FRFs.
     return Joined(
         Result((Identified("frf", model, None),), ()), compared, found, joined, readings(found, modes, compared)
     )
 
 
-def _require_distinct(campaigns: Sequence[Campaign]) -> None:
+def require_distinct(campaigns: Sequence[Campaign]) -> None:
     """Reject records that count twice: the joined sigmas would be too small."""
     seen: dict[bytes, Campaign] = {}
     for campaign in campaigns:
-        for block in campaign.of("impact")[:1]:
+        for block in campaign.blocks[:1]:
             twin = seen.setdefault(block.samples.tobytes(), campaign)
             if twin is not campaign:
                 raise DataError(
@@ -97,7 +97,7 @@ def _identified(campaign: Campaign, name: str, options: Options) -> SetUpModel:
     return SetUpModel(name, item.model, tuple(c.mass_kg for c in campaign.rig.responses))
 
 
-def _common(campaigns: Sequence[Campaign]) -> dict[str, str]:
+def common_provenance(campaigns: Sequence[Campaign]) -> dict[str, str]:
     """What all sources say alike: a simulated bench has other modes with its sensors elsewhere."""
     known = campaigns[0].provenance
     return {key: value for key, value in known.items() if all(c.provenance.get(key) == value for c in campaigns)}

@@ -74,12 +74,26 @@ def read_map(path: Path) -> ArrayMap:
         FormatError: it cannot be read, or says what no map says.
     """
     try:
-        return map_of(yaml.safe_load(path.read_text(encoding="utf-8-sig")), str(path))
+        text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise FormatError(f"cannot be read: {error.strerror or error}", where=str(path), remedy=REMEDY) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise FormatError(f"is no YAML: {error}", where=str(path), remedy=REMEDY) from error
+    return parse_map(text, str(path))
+
+
+def parse_map(text: str, where: str) -> ArrayMap:
+    """The map in the text of such a file.
+
+    Raises:
+        FormatError: it is no YAML, or says what no map says.
+    """
+    try:
+        content: object = yaml.safe_load(text)
+    except yaml.YAMLError as error:
         first = str(error).partition("\n")[0]
-        raise FormatError(f"is no YAML: {first}", where=str(path), remedy=REMEDY) from error
+        raise FormatError(f"is no YAML: {first}", where=where, remedy=REMEDY) from error
+    return map_of(content, where)
 
 
 def map_of(content: object, where: str) -> ArrayMap:

@@ -146,7 +146,9 @@ def beam_of(rig: Rig) -> Beam:
     """
     if rig.beam is None:
         raise RigError(
-            "there is no beam to predict from", where=rig.name, remedy="give the beam's length, section and material"
+            "there is no beam to predict from",
+            where=rig.name,
+            remedy="give the beam's length, section and material, or name a modal model to compare with (--reference)",
         )
     return rig.beam
 

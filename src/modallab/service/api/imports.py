@@ -12,6 +12,8 @@ from fastapi.concurrency import run_in_threadpool
 from modallab.core.documents.campaigns import CampaignNew, CampaignView, Name, Note
 from modallab.core.errors import DataError
 from modallab.core.units import Test
+from modallab.formats.arrays.array_map import ArrayMap, parse_map
+from modallab.formats.format import Format
 from modallab.formats.options import ImportOptions
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import CallerOf, Operator, ServiceOf, mark
@@ -24,6 +26,8 @@ from modallab.storage.samples import RESERVE_BYTES
 
 router = make_router("campaigns", files=True)
 FILE = "application/octet-stream"
+MAP_CHARACTERS = 4000
+"""Of a map. It stands in the address, since the body is the file: many servers take no address above 8 kB."""
 BODY = {"required": True, "content": {FILE: {"schema": {"type": "string", "format": "binary"}}}}
 
 
@@ -50,6 +54,9 @@ async def import_file(
     ] = None,
     drive_point: Annotated[int | None, Query(ge=1, lt=2**31, description="Where the file does not say.")] = None,
     volts: Annotated[bool, Query(description="Whether numbers without a unit are volts.")] = False,
+    map_: Annotated[
+        str, Query(alias="map", max_length=MAP_CHARACTERS, description="Which array of the file is what: a map's YAML.")
+    ] = "",
 ) -> Response:
     """Keep the recordings of a file as runs of a new campaign; it has a rig of its own, or is of the one that is named.
 
@@ -57,13 +64,14 @@ async def import_file(
     """
     require_rig(caller, rig)
     controller = await run_in_threadpool(state_of, service, rig)
-    ending = find_reader(format_).endings[0]
+    reader = find_reader(format_)
+    array_map = _map(map_, reader)
     folder = Path(await run_in_threadpool(tempfile.mkdtemp, prefix="modallab-import-", dir=service.folder))
     try:
-        file = folder / f"import{ending}"
+        file = folder / f"import{reader.endings[0]}"
         digest = await _receive(request, file)
         new = CampaignNew(name=name, rig=rig, note=note)
-        options = ImportOptions(test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts)
+        options = ImportOptions(test=test, rate_hz=rate_hz, drive_point=drive_point, volts=volts, array_map=array_map)
 
         async def answer() -> Response:
             made = await run_in_threadpool(import_campaign, service, file, new, controller.rig, options, operator)
@@ -75,6 +83,14 @@ async def import_file(
         return await answer_once(request, request.url.query.encode() + b"\0" + digest, answer)
     finally:
         await run_in_threadpool(shutil.rmtree, folder, ignore_errors=True)
+
+
+def _map(text: str, reader: Format) -> ArrayMap | None:
+    if not text:
+        return None
+    if "array_map" not in reader.asks:
+        raise DataError(f"a file of the format {reader.name} needs no map", where="query, map", remedy="leave it out")
+    return parse_map(text, "query, map")
 
 
 async def _receive(request: Request, file: Path) -> bytes:

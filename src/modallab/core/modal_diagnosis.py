@@ -1,0 +1,61 @@
+"""What the comparison of a structure with its modal model says, as a document."""
+
+from typing import Any, Literal
+
+from modallab.core.diagnosis import CandidateSet, Verdict
+from modallab.core.effects import Stage
+from modallab.core.frozen import Frozen
+from modallab.core.versions import MODAL_DIAGNOSIS
+
+
+class FoundChange(Frozen):
+    """A change judged present.
+
+    Attributes:
+        effect: its name in the catalogue.
+        stage: its stage.
+        probability: of all explanations that were fitted.
+        parameters: SI; of a sensor's place dx, dy and dz in m.
+        interval: parameter -> (low, high) of 95 %.
+        place: point (the nearest) and at_m (x, y, z in m) on the structure, or the channel's name.
+    """
+
+    effect: str
+    stage: Stage
+    probability: float
+    parameters: dict[str, float]
+    interval: dict[str, tuple[float, float]]
+    place: dict[str, Any]
+
+
+class ModalDiagnosis(Frozen):
+    """Where a structure as it is differs from its modal model, beyond the tolerances of the rig.
+
+    Attributes:
+        rig: its name.
+        verdict: whether there is a gap, and whether it is explained.
+        nominal: share of the response by which the modal model as it came misses it: rms over the FRFs of both, on
+            lines off the frequency axis.
+        before: the same with the tolerances fitted.
+        after: the same with the change judged present, or with the best one where none explains it.
+        strain_before: root of misfit and priors together over the count of tolerances. About 1 is what tolerances do;
+            more says that they had to be bent.
+        strain_after: the same with the change.
+        effects: the change that causes it.
+        candidates: all explanations, the most probable first; `gap` is the share that each leaves.
+        modes: numbers of modes of the reference and of the bench.
+        notes: what was found on the way.
+    """
+
+    format_version: Literal[1] = MODAL_DIAGNOSIS
+    rig: str
+    verdict: Verdict
+    nominal: float
+    before: float
+    after: float
+    strain_before: float
+    strain_after: float
+    effects: list[FoundChange]
+    candidates: list[CandidateSet]
+    modes: tuple[int, int]
+    notes: list[str]

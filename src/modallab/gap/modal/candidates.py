@@ -1,0 +1,139 @@
+"""The changes that are looked for: a mass or a spring at a point, a sensor's gain, the force's, a sensor's place."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.modal.compared import Compared
+from modallab.gap.modal.free import Change
+from modallab.gap.modal.shapes import Freedom
+from modallab.gap.modal.state import Hung
+
+Real = NDArray[np.float64]
+
+MASSES = np.geomspace(0.004, 1.5, 8)
+"""Masses to begin with, over the modal mass seen from there."""
+SPRINGS = np.geomspace(0.004, 10.0, 9)
+"""Springs, over the modal stiffness seen from there."""
+GAINS = (-1.0, 0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
+SHIFTS = (0.1, 0.3, 0.8)
+"""Of a sensor, over the distance to the nearest point."""
+COMPLIANCE_SPREAD = 0.7
+"""Deviation of the logarithm of the local compliance."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Candidate:
+    """A kind of change at a place.
+
+    Attributes:
+        effect: its name in the catalogue.
+        freedoms: it acts on; none where it is a channel's.
+        channel: output number; None for the force and the structure.
+        make: numbers -> the change.
+        starts: numbers to begin with.
+        prior: (numbers,) deviation of each about its start's, infinite where nothing is believed.
+        centre: (numbers,) about which.
+    """
+
+    effect: str
+    freedoms: tuple[Freedom, ...]
+    channel: int | None
+    make: Callable[[Real], Change] = field(repr=False)
+    starts: tuple[Real, ...]
+    prior: Real
+    centre: Real
+
+
+def candidates(c: Compared) -> list[Candidate]:
+    """All of them."""
+    return [*_hung(c, "added_mass"), *_hung(c, "ground_spring"), *_gains(c), *_places(c)]
+
+
+def spacing(c: Compared) -> float:
+    """Median distance from a point to the nearest other, m."""
+    at = np.unique(c.shapes.at_m, axis=0)
+    away = np.linalg.norm(at[:, None] - at[None], axis=2)
+    np.fill_diagonal(away, np.inf)
+    return float(np.median(away.min(axis=1)))
+
+
+def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
+    points = list(dict.fromkeys(f[0] for f in c.shapes.freedoms))
+    there = [tuple(f for f in c.shapes.freedoms if f[0] == p) for p in points]
+    # A mass is moved along every axis, a spring pulls along one.
+    groups = there if effect == "added_mass" else [(f,) for group in there for f in group]
+    omega = 2 * np.pi * c.model.frequency_hz
+    local = c.local_compliance
+    for group in groups:
+        psi = c.shapes.psi[:, [c.shapes.index(f) for f in group]]
+        seen = float(np.max(np.sum(psi**2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
+        if seen <= 0:
+            continue
+        sizes = (MASSES if effect == "added_mass" else SPRINGS) / seen
+        tangents = c.shapes.tangents(group[0])
+        free = np.linalg.norm(tangents, axis=1) > 0
+        step = spacing(c)
+        yield Candidate(
+            effect,
+            group,
+            None,
+            _hanging(c, effect, group, tangents, step, local),
+            tuple(np.array([np.log(size), 0.0, 0.0, 0.0]) for size in sizes),
+            np.array([np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9]),
+            np.zeros(4),
+        )
+
+
+def _hanging(
+    c: Compared, effect: str, group: tuple[Freedom, ...], tangents: Real, step: float, local: float
+) -> Callable[[Real], Change]:
+    outputs, inputs = _numbers(c, group)
+
+    def make(v: Real) -> Change:
+        offset = v[1:3] @ tangents
+        psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in group])
+        size = float(np.exp(np.clip(v[0], -60, 60)))
+        mass, stiffness = (size, 0.0) if effect == "added_mass" else (0.0, size)
+        near = float(np.exp(-((np.linalg.norm(offset) / (0.5 * step)) ** 2)))
+        return Change(Hung(psi, mass, stiffness, local * float(np.exp(v[3])), outputs, inputs, near))
+
+    return make
+
+
+def _numbers(c: Compared, group: Sequence[Freedom]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    drive = c.rig.drive_direction[1]
+    axes = {channel.name: channel.direction[1] for channel in c.rig.channels}
+    listed = zip(c.model.outputs, c.model.output_points, strict=True)
+    outputs = tuple(n for n, (name, p) in enumerate(listed) if (p, axes[name]) in group)
+    return outputs, tuple(n for n, p in enumerate(c.model.input_points) if (p, drive) in group)
+
+
+def _gains(c: Compared) -> Iterator[Candidate]:
+    starts = tuple(np.array([g]) for g in GAINS)
+    open_, one = np.array([np.inf]), np.ones(1)
+    for o in range(len(c.out_psi)):
+        yield Candidate("gain_error", (), o, lambda v, o=o: Change(gains=((o, float(v[0])),)), starts, open_, one)
+    yield Candidate("force_gain", (), None, lambda v: Change(force_gain=float(v[0])), starts, open_, one)
+
+
+def _places(c: Compared) -> Iterator[Candidate]:
+    step = spacing(c)
+    angles = np.arange(8) * np.pi / 4
+    for o, slopes in enumerate(c.out_slopes):
+        free = np.any(slopes != 0, axis=1)
+        if not np.any(free):
+            continue
+        directions = np.unique(np.round(np.stack([np.cos(angles), np.sin(angles)], 1) * free, 6), axis=0)
+        starts = tuple(step * share * d for share in SHIFTS for d in directions if np.any(d))
+        yield Candidate(
+            "position_error",
+            (),
+            o,
+            lambda v, o=o: Change(shifts=((o, float(v[0]), float(v[1])),)),
+            starts,
+            np.where(free, np.inf, 1e-9),
+            np.zeros(2),
+        )

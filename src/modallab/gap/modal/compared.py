@@ -1,0 +1,152 @@
+"""What is compared: FRFs that two modal models stand for, on lines off the frequency axis.
+
+At s = sigma + j omega an FRF is as smooth as if every mode had that much more damping. Two models of one structure can
+be held against one another there while their frequencies still differ, and no noise is between the lines.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SMOOTH = 0.01
+"""Sigma over omega: the damping ratio that every mode seems to have more."""
+COARSE = 0.05
+"""The same where a search begins: modes that have moved by that much still overlap with where they were."""
+ERROR = 0.01
+"""By how much of its size an FRF of a modal model is off, as one standard deviation."""
+SMALL = 0.3
+"""FRFs smaller than this share of the rms over all FRFs on a line are weighed as if they had it: nodes and dips."""
+ABOUT = (-1.5, 0.0, 1.5)
+"""Lines about each mode, in units of that."""
+BETWEEN = 16
+"""Lines evenly over the band."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Compared:
+    """The reference as a model with freedoms, and the bench's FRFs.
+
+    Attributes:
+        rig: of the bench.
+        model: the reference.
+        shapes: of the reference.
+        out_psi: (outputs, modes) of the reference, signs in them.
+        into_psi: (inputs, modes).
+        out_slopes: (outputs, 2, modes) along the surface, 1/m.
+        into_slopes: (inputs, 2, modes).
+        s: (lines,) complex frequencies.
+        outside: (lines, outputs, inputs) of the reference, what lies outside the band; m/N.
+        measured: (lines, outputs, inputs) the bench's receptances.
+        sigma: (lines, outputs, inputs) by how much they may be off.
+    """
+
+    rig: Rig
+    model: ModalModel
+    shapes: Shapes
+    out_psi: Real
+    into_psi: Real
+    out_slopes: Real
+    into_slopes: Real
+    s: Complex
+    outside: Complex
+    measured: Complex
+    sigma: Real
+
+    @property
+    def local_compliance(self) -> float:
+        """Typical compliance at a driving point of the modes outside the band, m/N; 0 where nothing is known."""
+        outputs, inputs, _ = freedoms_of(self.model, self.rig)
+        if 0 not in self.model.residual_powers:
+            return 0.0
+        static = self.model.residuals[self.model.residual_powers.index(0)]
+        known = [static[o, i] for o, f in enumerate(outputs) for i, g in enumerate(inputs) if f == g]
+        return max(float(np.median(known)), 0.0) if known else 0.0
+
+
+def compared(reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float = SMOOTH) -> Compared:
+    """Both models on common lines, for the outputs and inputs that both have.
+
+    Raises:
+        DataError: they share no band, no output or no input, or the reference's shapes have no scale.
+    """
+    low = max(reference.band_hz[0], bench.band_hz[0])
+    high = min(reference.band_hz[1], bench.band_hz[1])
+    if not low < high:
+        raise DataError(
+            f"the reference covers {reference.band_hz} Hz, the bench {bench.band_hz} Hz: nothing in common",
+            where=rig.name,
+            remedy="identify both in one band",
+        )
+    reference, bench = _common(reference, bench, rig)
+    shapes = shapes_of(reference, rig)
+    outputs, inputs, signs = freedoms_of(reference, rig)
+    s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
+    measured = synthesised(bench, s)
+    overall = np.sqrt(np.mean(np.abs(measured) ** 2, axis=(1, 2), keepdims=True))
+    return Compared(
+        rig=rig,
+        model=reference,
+        shapes=shapes,
+        out_psi=np.array([shapes.psi[:, shapes.index(f)] for f in outputs]) * signs[:, None],
+        into_psi=np.array([shapes.psi[:, shapes.index(f)] for f in inputs]),
+        out_slopes=np.array([shapes.slopes(f) for f in outputs]) * signs[:, None, None],
+        into_slopes=np.array([shapes.slopes(f) for f in inputs]),
+        s=s,
+        outside=_outside(reference, s),
+        measured=measured,
+        sigma=ERROR * np.hypot(np.abs(measured), SMALL * overall),
+    )
+
+
+def synthesised(model: ModalModel, s: Complex) -> Complex:
+    """(lines, outputs, inputs) receptances of a model at complex frequencies (lines,), eq. 13."""
+    omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio
+    kernel = 1 / (s[:, None] ** 2 + 2 * zeta * omega * s[:, None] + omega**2)
+    return np.einsum("lr,roi->loi", kernel, model.modal_constants) + _outside(model, s)
+
+
+def _outside(model: ModalModel, s: Complex) -> Complex:
+    powers = s[:, None] ** np.array(model.residual_powers, dtype=float)
+    return np.einsum("lp,poi->loi", powers, model.residuals.astype(np.complex128))
+
+
+def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex:
+    modes = bench.frequency_hz
+    hz = np.concatenate([np.linspace(low, high, BETWEEN), *(modes * (1 + a * smooth) for a in ABOUT)])
+    hz = np.unique(np.round(hz[(hz >= low) & (hz <= high)], 6))
+    return np.asarray(2 * np.pi * hz * (smooth + 1j))
+
+
+def _common(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[ModalModel, ModalModel]:
+    outputs = [name for name in reference.outputs if name in bench.outputs]
+    inputs = [p for p in dict.fromkeys(reference.input_points) if p in bench.input_points]
+    if not outputs or not inputs:
+        raise DataError(
+            "reference and bench share no output or no driven point",
+            where=rig.name,
+            remedy="measure both with the same channels and points",
+        )
+    return _chosen(reference, outputs, inputs), _chosen(bench, outputs, inputs)
+
+
+def _chosen(model: ModalModel, outputs: list[str], inputs: list[int | None]) -> ModalModel:
+    rows = [model.outputs.index(name) for name in outputs]
+    columns = [model.input_points.index(p) for p in inputs]
+    return model.model_copy(
+        update={
+            "outputs": tuple(outputs),
+            "output_points": tuple(model.output_points[r] for r in rows),
+            "input_points": tuple(inputs),
+            "modal_constants": model.modal_constants[:, rows][:, :, columns],
+            "residuals": model.residuals[:, rows][:, :, columns],
+        }
+    )

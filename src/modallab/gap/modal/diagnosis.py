@@ -1,0 +1,115 @@
+"""The diagnosis of a structure that no beam describes: its modal model stands for the simulation."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.diagnosis import CandidateSet
+from modallab.core.effects import kind_of
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.gap.modal.compared import COARSE, Compared, compared
+from modallab.gap.modal.free import Free
+from modallab.gap.modal.judged import Judged, judged, share, strain
+from modallab.gap.modal.search import Fitted, explanations
+from modallab.gap.modal.shapes import Freedom
+from modallab.gap.model.tolerances import with_tolerances
+
+Real = NDArray[np.float64]
+
+TWO_SIDED = 1.96
+LOOSE = 5.0
+"""How much looser a search begins than it ends."""
+
+
+def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig) -> ModalDiagnosis:
+    """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
+
+    Args:
+        reference: the simulation: identified before, or computed; with modal constants.
+        bench: identified from the records of today, on the same outputs and driven points.
+        rig: points, channels and tolerances; the usual ones where it states none.
+
+    Raises:
+        DataError: the two share no band, output or driven point, or the reference's shapes have no scale.
+    """
+    known = with_tolerances(rig)
+    free = Free(compared(reference, bench, known))
+    base, tried = explanations(Free(compared(reference, bench, known, COARSE), LOOSE), free)
+    return _said(free, judged(free, base, tried), (reference.n_modes, bench.n_modes))
+
+
+def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
+    best, probable = found.best, {id(f): p for f, p in found.ranked}
+    known = found.verdict == "known"
+    return ModalDiagnosis(
+        rig=free.of.rig.name,
+        verdict=found.verdict,
+        nominal=share(free, np.zeros(free.size)),
+        before=share(free, found.base.u),
+        after=share(free, best.u, best.change),
+        strain_before=strain(free, found.base),
+        strain_after=strain(free, best),
+        effects=[_change(free.of, best, probable[id(best)])] if known else [],
+        candidates=[
+            CandidateSet(effects=[f.candidate.effect], probability=p, gap=share(free, f.u, f.change))
+            for f, p in found.ranked
+            if f.candidate is not None
+        ],
+        modes=modes,
+        notes=found.notes,
+    )
+
+
+def _change(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
+    candidate = fitted.candidate
+    assert candidate is not None
+    # What the best explanation leaves is the scale of an error, as in the probabilities.
+    widened = max(1.0, np.sqrt(fitted.cost / fitted.u.size))
+    sigma = np.sqrt(np.diag(fitted.covariance))[fitted.u.size :] * widened
+    values, spread = _numbers(c, fitted, sigma)
+    within = {
+        name: (value * float(np.exp(-TWO_SIDED * s)), value * float(np.exp(TWO_SIDED * s)))
+        if candidate.freedoms
+        else (value - TWO_SIDED * s, value + TWO_SIDED * s)
+        for (name, value), s in zip(values.items(), spread, strict=True)
+    }
+    return FoundChange(
+        effect=candidate.effect,
+        stage=kind_of(candidate.effect).stage,
+        probability=probability,
+        parameters=values,
+        interval=within,
+        place=_place(c, fitted),
+    )
+
+
+def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float], list[float]]:
+    """Numbers by name and their sigmas; of a mass or a spring that of the logarithm."""
+    candidate, v = fitted.candidate, fitted.v
+    assert candidate is not None
+    if candidate.freedoms:
+        return {"mass" if candidate.effect == "added_mass" else "k": float(np.exp(v[0]))}, [float(sigma[0])]
+    if candidate.effect == "position_error":
+        tangents = c.shapes.tangents(_freedom(c, candidate.channel or 0))
+        names = ("dx", "dy", "dz")
+        return dict(zip(names, (v @ tangents).tolist(), strict=True)), np.sqrt(sigma**2 @ tangents**2).tolist()
+    return {"gain": float(v[0])}, [float(sigma[0])]
+
+
+def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
+    candidate, v = fitted.candidate, fitted.v
+    assert candidate is not None
+    if not candidate.freedoms:
+        force = c.rig.force_channel.name
+        return {"channel": force if candidate.channel is None else c.model.outputs[candidate.channel]}
+    freedom = candidate.freedoms[0]
+    at = c.shapes.at_m[c.shapes.index(freedom)] + v[1:3] @ c.shapes.tangents(freedom)
+    nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
+    place: dict[str, object] = {"point": c.shapes.freedoms[nearest][0], "at_m": at.tolist()}
+    return place | ({"axis": freedom[1]} if candidate.effect == "ground_spring" else {})
+
+
+def _freedom(c: Compared, output: int) -> Freedom:
+    axes = {channel.name: channel.direction[1] for channel in c.rig.channels}
+    return (c.model.output_points[output] or 0, axes[c.model.outputs[output]])

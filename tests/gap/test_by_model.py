@@ -1,0 +1,107 @@
+"""A structure without a beam against its modal model: a simply supported plate, whose modes have a closed form."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Channel, Point, Rig, Tolerance
+from modallab.gap.modal.compared import compared
+from modallab.gap.modal.diagnosis import diagnose_by_model
+from modallab.gap.modal.free import Free
+from modallab.gap.modal.shapes import shapes_of
+
+A, B, MASS_KG = 0.5, 0.4, 2.0
+X, Y = (v.ravel() for v in np.meshgrid(np.linspace(0.1, 0.9, 5) * A, np.linspace(0.15, 0.85, 4) * B, indexing="ij"))
+ORDERS = ((1, 1), (2, 1), (1, 2), (2, 2))
+OMEGA = 2 * np.pi * 20.0 * np.array([(m / A) ** 2 + (n / B) ** 2 for m, n in ORDERS]) / (1 / A**2 + 1 / B**2)
+SENSORS = (1, 7, 14)
+
+
+def shapes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(modes, places) at unit modal mass."""
+    each = [np.sin(m * np.pi * x / A) * np.sin(n * np.pi * y / B) for m, n in ORDERS]
+    return 2 / np.sqrt(MASS_KG) * np.array(each)
+
+
+def rig() -> Rig:
+    points = tuple(Point(id=n + 1, x_m=x, y_m=y) for n, (x, y) in enumerate(zip(X.tolist(), Y.tolist(), strict=True)))
+    force = Channel(index=0, name="force", quantity="force", unit="N")
+    sensors = tuple(
+        Channel(index=n + 1, name=f"a{n + 1}", quantity="acceleration", unit="m/s^2", point=p)
+        for n, p in enumerate(SENSORS)
+    )
+    return Rig(name="plate", model="unknown", tolerance=Tolerance.usual(), points=points, channels=(force, *sensors))
+
+
+def model(omega: np.ndarray, psi: np.ndarray, gains: tuple[float, ...] = (1.0, 1.0, 1.0)) -> ModalModel:
+    """Of shapes (modes, points), struck at every point."""
+    out = psi[:, [p - 1 for p in SENSORS]] * np.array(gains)
+    constants = out[:, :, None] * psi[:, None, :]
+    nothing, hz = np.full(omega.size, np.nan), omega / (2 * np.pi)
+    return ModalModel(
+        method="plscf", band_hz=(5.0, 1.2 * float(hz[-1])), frequency_hz=hz, damping_ratio=np.full(omega.size, 0.005),
+        frequency_sigma_hz=nothing, damping_sigma=nothing, outputs=("a1", "a2", "a3"), output_points=SENSORS,
+        input_points=tuple(range(1, X.size + 1)), modal_constants=constants.astype(complex),
+        modal_constant_sigma=np.full(constants.shape, np.nan), residuals=np.zeros((0, 3, X.size)),
+        half_power=nothing, half_power_floor=nothing,
+    )  # fmt: skip
+
+
+def with_mass(kg: float, x: float, y: float) -> ModalModel:
+    """By the eigenproblem of the modes with the mass among them, which the diagnosis does not solve."""
+    there = shapes(np.array([x]), np.array([y]))
+    squared, turned = eigh(np.diag(OMEGA**2), np.eye(OMEGA.size) + kg * there @ there.T)
+    return model(np.sqrt(squared), turned.T @ shapes(X, Y))
+
+
+REFERENCE = model(OMEGA, shapes(X, Y))
+
+
+def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:
+    found = shapes_of(REFERENCE, rig())
+    psi = np.array([found.psi[:, found.index((p, "z"))] for p in range(1, X.size + 1)]).T
+    signs = np.sign(np.sum(psi * shapes(X, Y), axis=1))[:, None]
+    np.testing.assert_allclose(signs * psi, shapes(X, Y), atol=1e-6)
+    moved = signs[:2, 0] * found.moved((7, "z"), np.array([[0.02, 0.01, 0.0]]))[0, :2]
+    np.testing.assert_allclose(moved, shapes(X[6:7] + 0.02, Y[6:7] + 0.01)[:2, 0], atol=0.03)
+
+
+def test_the_derivatives_by_every_tolerance_are_those_of_differences() -> None:
+    free = Free(compared(REFERENCE, with_mass(0.02, 0.3, 0.2), rig()))
+    u = 0.3 * np.random.default_rng(1).standard_normal(free.size)
+    slopes = free.slopes(u)
+    for k in (0, 1, 3, 5, 12, 15, 17, 18, 20, 40, 45, 60, 85, free.size - 1):
+        step = 1e-5 * np.eye(free.size)[k]
+        difference = (free.residual(u + step) - free.residual(u - step)) / 2e-5
+        np.testing.assert_allclose(slopes[:, k], difference, atol=1e-5 * max(np.abs(difference).max(), 1e-3))
+
+
+def test_a_mass_is_found_where_it_is() -> None:
+    found = diagnose_by_model(REFERENCE, with_mass(0.06, 0.31, 0.17), rig())
+    assert found.verdict == "known"
+    (effect,) = found.effects
+    assert effect.effect == "added_mass"
+    assert effect.parameters["mass"] == pytest.approx(0.06, rel=0.1)
+    assert np.linalg.norm(np.array(effect.place["at_m"]) - [0.31, 0.17, 0.0]) < 0.02
+    assert effect.interval["mass"][0] < effect.parameters["mass"] < effect.interval["mass"][1]
+
+
+def test_a_gain_is_that_of_its_channel() -> None:
+    found = diagnose_by_model(REFERENCE, model(OMEGA, shapes(X, Y), (1.0, 0.8, 1.0)), rig())
+    (effect,) = found.effects
+    assert (effect.effect, effect.place) == ("gain_error", {"channel": "a2"})
+    assert effect.parameters["gain"] == pytest.approx(0.8, rel=0.02)
+
+
+def test_what_the_tolerances_explain_is_no_gap() -> None:
+    bench = model(1.005 * OMEGA, shapes(X, Y), (1.01, 0.99, 1.0))
+    found = diagnose_by_model(REFERENCE, bench, rig())
+    assert (found.verdict, found.effects) == ("no_gap", [])
+
+
+def test_shapes_without_a_scale_are_rejected() -> None:
+    elsewhere = REFERENCE.model_copy(update={"output_points": (21, 22, 23)})
+    with pytest.raises(DataError, match="no scale"):
+        shapes_of(elsewhere, rig())
