@@ -24,7 +24,7 @@ CLEAR = 8.0
 BAND = 0.4
 """Share of the rate up to which the chain passes what the beam does."""
 LOWEST = 3
-"""Periods of the sine in a record below which its multiples lie too close together to be told apart."""
+"""Periods of the sine in a record below which its multiples lie too close together to be resolved."""
 FITTED = 7
 """Multiples that are fitted together."""
 

@@ -5,6 +5,7 @@ be held against one another there while their frequencies still differ, and no n
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from modallab.core.rig import Rig
 from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
 
 Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 SMOOTH = 0.01
 """Sigma over omega: the damping ratio that every mode seems to have more."""

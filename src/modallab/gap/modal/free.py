@@ -6,6 +6,7 @@ sensitivities, the force of each driven point, where sensors and hits really are
 
 from dataclasses import dataclass
 from math import log
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.state import Hung, State
 
 Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -146,7 +147,7 @@ class Free:
 
 def _real(values: Complex) -> Real:
     flat = values.ravel()
-    return np.concatenate([flat.real, flat.imag])
+    return np.concatenate([flat.real, flat.imag]).astype(np.float64)
 
 
 def _derivatives(free: Free, state: State, s: Complex, outside: Complex) -> list[Complex]:

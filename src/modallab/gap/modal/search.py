@@ -51,6 +51,7 @@ def fit(
     u = np.zeros(free.size) if u is None else u
     v = np.zeros(0) if v is None else v
     damping, cost = 1e-3, _cost(free, candidate, u, v)
+    before = cost
     for _ in range(steps):
         normal, gradient = _system(free, candidate, u, v)
         before = cost

@@ -8,13 +8,14 @@ local compliance r in series: z / (1 + z r), and what moves or is driven at that
 (structural modification by the receptance method: Ewins, Modal Testing, 2nd ed. 2000, section 6.3).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -74,7 +75,7 @@ class State:
     field: Real
     sensor_masses: Real
     sensor_shapes: Real
-    hung: Hung | None = field(default=None)
+    hung: Hung | None = None
 
     def flexibility(self, s: Complex) -> Complex:
         """(lines, modes, modes) D^-1."""
