@@ -11,6 +11,7 @@ from lab import RIG, TOKEN, Lab
 from pages import HOW_TO, PAGES, ROOT, Fenced, fenced, name, needs_service, to_run
 from twin_campaign import built
 
+from modallab.client import Client
 from modallab.core.documents.runs import RunNew, Stop
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
@@ -86,6 +87,10 @@ def reader(lab: Lab, tmp_path: Path, link_rig: Rig, monkeypatch: pytest.MonkeyPa
     reader.variables["CAMPAIGN"] = reader.names["campaign"] = lab.campaign()
     yield reader
     reader.give_back()
+    # A page need not say how a program ends.
+    for left in reader.names.values():
+        if isinstance(left, Client):
+            left.close()
 
 
 @pytest.mark.parametrize("page", ASKING, ids=name)

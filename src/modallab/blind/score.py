@@ -19,11 +19,7 @@ SURE = 0.9
 
 
 def _modelled() -> frozenset[str]:
-    return frozenset(
-        name
-        for name, model in models().items()
-        if model.change is not NoChange.NO_MODEL_YET and (model.search is None or model.search.looked_for)
-    )
+    return frozenset(name for name, model in models().items() if model.change is not NoChange.NO_MODEL_YET)
 
 
 @dataclass(frozen=True, slots=True)

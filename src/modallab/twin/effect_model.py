@@ -46,7 +46,6 @@ class Search:
         acts: of an effect that depends on the size of the motion, what it does at its place: a force on the beam, a
             couple that bends it, or a couple at the root; None where it acts all along the beam.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
-        looked_for: whether a diagnosis looks for it; not where its search has not been shown to end, and end right.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
     """
@@ -64,7 +63,6 @@ class Search:
     overtones: Overtones = "odd"
     acts: Acts | None = None
     rough: bool = False
-    looked_for: bool = True
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
 
 

@@ -1,0 +1,82 @@
+"""Overtones show where the force of a law acts, whatever the law is."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.overtones import of_record
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.fit import Problem
+from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.acting import acting_at, place
+from modallab.gap.search.fitting import Bench
+from modallab.gap.search.rough_fit import seen
+from modallab.twin.effect_model import Acts
+from modallab.twin.effects import model_of
+
+CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": 0.6}, place={"x": 0.31})
+SPRING = Effect(effect="cubic_spring", parameters={"k3": 1e10}, place={"x": 0.8})
+FRICTION = Effect(
+    effect="clamp_friction",
+    parameters={"k_slip": 2000.0, "k_stick": 9000.0, "moment_limit": 0.05, "sharpness": 1.5},
+    place={"x": 0.0},
+)
+
+
+def bench(make: Callable[..., Campaign], *effects: Effect) -> Bench:
+    prepared = prepare(make(*effects, tests=("sine",)))
+    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+
+
+@pytest.fixture(scope="module")
+def cracked(make: Callable[..., Campaign]) -> Bench:
+    return bench(make, CRACK)
+
+
+def placed(on: Bench, acts: Acts) -> tuple[float, float]:
+    """The place, and the share of the overtones that is left there, by the beam as believed."""
+    twin = Problem(on.data, on.free).twin(np.zeros(on.free.size))
+    found = place(on.overtones, [twin], on.data, acts)
+    assert found is not None
+    return found.x, found.left
+
+
+def test_a_crack_bends_the_beam_at_its_place(cracked: Bench) -> None:
+    x, left = placed(cracked, "couple")
+    assert x == pytest.approx(0.31, abs=0.01)
+    assert left < 0.05
+    # No force on the beam, and nothing at the root, makes such overtones.
+    assert placed(cracked, "force")[1] > 2 * left
+    assert placed(cracked, "root")[1] > 2 * left
+
+
+def test_a_spring_acts_at_its_place_and_friction_at_the_root(make: Callable[..., Campaign]) -> None:
+    x, left = placed(bench(make, SPRING), "force")
+    assert x == pytest.approx(0.8, abs=0.02)
+    assert left < 0.02
+    assert placed(bench(make, FRICTION), "root")[1] < 0.02
+
+
+def test_a_law_is_not_looked_for_where_the_overtones_show_another_place(cracked: Bench) -> None:
+    base = seen(Problem(cracked.data, cracked.free), np.zeros(cracked.free.size))
+    crack, friction = (model_of(e.effect).candidates(cracked.data.rig)[0] for e in (CRACK, FRICTION))
+    begun = acting_at(cracked, base, crack)
+    assert begun is not None
+    (x,) = (s for s in begun.slots if s.name == "x")
+    assert len(x.starts) == 1
+    assert x.low <= 0.31 <= x.high
+    assert acting_at(cracked, base, friction) is None
+
+
+@pytest.mark.parametrize("hz", [40.0, 40.37])
+def test_overtones_are_read_on_a_line_and_between_two(hz: float) -> None:
+    t = np.arange(1024) / 1000.0
+    wave = 3.0 * np.cos(2 * np.pi * hz * t + 0.3) + 0.2 * np.cos(4 * np.pi * hz * t - 1.0)
+    second, third, *_ = of_record("a", wave[None], 1000.0, hz)
+    assert second.hz == pytest.approx(2 * hz)
+    assert second.y[0] == pytest.approx(0.2 * np.exp(-1j), abs=1e-9)
+    assert second.clear[0]
+    assert abs(third.y[0]) < 1e-9
