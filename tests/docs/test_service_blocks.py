@@ -18,8 +18,6 @@ from modallab.core.rig import Rig
 from modallab.formats import write_export
 from modallab.service.campaigns.begin import begin
 
-pytest_plugins = ["lab_fixtures"]
-
 TUTORIAL = "docs/tutorial/rest-service.md"
 ADDRESS = "http://127.0.0.1:8000"
 
