@@ -6,13 +6,14 @@ from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
 def sentence_by_model(found: ModalDiagnosis) -> str:
     """The verdict, with its numbers."""
-    left = f"{found.before:.1%} of the response off, strain {found.strain_before:.2g}"
+    left = f"{found.before:.1%} of the response differs, by {found.strain_before:.2g} deviations of the tolerances"
     if found.verdict == "no_gap":
-        return f"No gap beyond the tolerances: {left}."
+        return f"No gap beyond the tolerances: {left} (rms; 1 is ordinary)."
     if found.verdict == "unknown":
-        return f"A gap that nothing tried explains: {left}."
+        return f"A gap that no effect tried explains: {left} (rms; 1 is ordinary)."
     said = " and ".join(_words(effect) for effect in found.effects)
-    return f"{said[0].upper()}{said[1:]}. {left} before, {found.after:.1%} and {found.strain_after:.2g} with it."
+    with_it = f"{found.after:.1%}, by {found.strain_after:.2g}"
+    return f"{said[0].upper()}{said[1:]}. Without it {left} (rms; 1 is ordinary); with it {with_it}."
 
 
 def _words(effect: FoundChange) -> str:

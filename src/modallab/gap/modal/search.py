@@ -69,7 +69,11 @@ def fit(
     cost = min(cost, before)
     normal, _ = _system(free, candidate, u, v)
     scale = np.sqrt(np.diag(normal))
+    # A number that moves nothing is not known at all.
+    silent = np.flatnonzero(scale == 0)
+    scale[silent] = normal[silent, silent] = 1.0
     covariance = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    covariance[silent, silent] = np.inf
     return Fitted(candidate, u, v, cost, covariance)
 
 
