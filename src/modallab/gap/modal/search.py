@@ -70,10 +70,10 @@ def fit(
     normal, _ = _system(free, candidate, u, v)
     scale = np.sqrt(np.diag(normal))
     # A number that moves nothing is not known at all.
-    silent = np.flatnonzero(scale == 0)
-    scale[silent] = normal[silent, silent] = 1.0
+    unseen = np.flatnonzero(scale == 0)
+    scale[unseen] = normal[unseen, unseen] = 1.0
     covariance = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    covariance[silent, silent] = np.inf
+    covariance[unseen, unseen] = np.inf
     return Fitted(candidate, u, v, cost, covariance)
 
 
