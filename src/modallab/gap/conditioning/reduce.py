@@ -256,7 +256,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
     signals = [to_signals(block, rig) for block in blocks]
     force_sigma = weights.force(rig, "sine")
     ratio, ratio_sigma = sine_ratio(signals, force_sigma)
-    scale = ratio if abs(ratio - 1) > 5 * ratio_sigma else 1.0
+    scale = _where_shown(ratio, ratio_sigma)
     lines, drive, forces, y, sigma, noise, pieces = [], [], [], [], [], [], []
     for block, signal in zip(blocks, signals, strict=True):
         f0 = on_line(block.frequency_hz or 0.0, n, dt) * scale
@@ -302,8 +302,11 @@ def sine_ratio(signals: Sequence[Signals], force_sigma: float) -> tuple[float, f
 
 def sine_clock(data: Reduced) -> float:
     """Frequency of the sines over what the generator was set to; 1 where the records do not show that it differs."""
-    d = data.sines
-    return d.ratio if d is not None and abs(d.ratio - 1) > 5 * d.ratio_sigma else 1.0
+    return 1.0 if data.sines is None else _where_shown(data.sines.ratio, data.sines.ratio_sigma)
+
+
+def _where_shown(ratio: float, sigma: float) -> float:
+    return ratio if abs(ratio - 1) > 5 * sigma else 1.0
 
 
 def force_amplitude(signals: Signals, frequency_hz: float) -> complex:

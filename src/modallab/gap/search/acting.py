@@ -100,7 +100,8 @@ def place(found: Sequence[Overtone], twins: Sequence[Twin], data: Reduced, acts:
         step = 1 / PLACES
         at = np.array([ROOT]) if acts == "root" else np.linspace(step, 1.0, PLACES)
         for _ in range(1 if acts == "root" else 2):
-            left = np.mean([_left(o, twin, modes, data, _rows(at, twin, acts)) for o in clear], axis=0)
+            rows = _rows(at, twin, acts)
+            left = np.mean([_left(o, twin, modes, data, rows) for o in clear], axis=0)
             best = int(np.argmin(left))
             tried.append(Place(float(at[best]), float(left[best])))
             at = np.clip(at[best] + np.linspace(-step, step, 21), 0.0, 1.0)

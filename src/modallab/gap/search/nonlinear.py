@@ -5,6 +5,7 @@ both levels of each frequency, with every start on its grid; the best are fitted
 data.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -54,16 +55,21 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     for i, candidate in enumerate(listed):
         report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
         first.append(begun(bench, base, (few, fewest), candidate))
-    ranked = sorted((fits[0] for fits in first if fits), key=score_of)
-    hopeful = [f for f in ranked if score_of(f) < score_of(ranked[0]) + RIVAL][:LONGER]
+    hopeful = _near_the_best([fits[0] for fits in first if fits], score_of, RIVAL)[:LONGER]
     report(0.5, "the likeliest of them")
     looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of))
     left = tuple((f.problem.candidates, f.cost) for f in looks)
     if not looks or not _explains(bench, looks[0], base):
         return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
-    fits = [on_all_records(bench, f) for f in looks[:2] if score_of(f) < score_of(looks[0]) + CLOSE]
+    fits = [on_all_records(bench, f) for f in _near_the_best(looks[:2], score_of, CLOSE)]
     return Level(base, tuple(sorted(fits, key=_cost)), left[len(fits) :])
+
+
+def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: float) -> list[Fit]:
+    """Those that score no more than so much above the best, best first."""
+    scored = sorted(((score_of(fit), fit) for fit in fits), key=lambda pair: pair[0])
+    return [fit for own, fit in scored if own < scored[0][0] + within]
 
 
 def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
