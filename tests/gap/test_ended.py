@@ -11,8 +11,8 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of, free_of
+from modallab.gap.search.ending import ended
 from modallab.gap.search.fitting import COARSE, annealed, completed, ordinary
-from modallab.gap.search.round import ended
 
 
 def strayed(rig, make, beam):

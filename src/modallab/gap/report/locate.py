@@ -18,7 +18,7 @@ from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.fitting import COARSE, Bench, excess, misfit
-from modallab.gap.search.round import channel_share
+from modallab.gap.search.pool import channel_share
 from modallab.twin.effect_model import Overtones
 from modallab.twin.structure import solve
 

@@ -10,6 +10,7 @@ import numpy as np
 from modallab.core.progress import part, report
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
+from modallab.gap.search.by_frequencies import round_by_frequencies
 from modallab.gap.search.fitting import (
     Bench,
     baseline,
@@ -101,7 +102,7 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     """At most so many rounds from a fit."""
     levels: list[Level] = []
     first = base.gap
-    while base.gap > (bench.flat + LAST_DIGIT * first if levels else bench.watched) and len(levels) < most:
+    while len(levels) < most and (base.gap > _ends(bench, first, levels) or (not levels and _impossible(bench, base))):
         # Each round is seldom followed by another.
         with part(1 - AFTER ** len(levels), 1 - AFTER ** (len(levels) + 1), f"round {len(levels) + 1}"):
             level = _level(bench, base)
@@ -117,14 +118,28 @@ def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
     return levels or [Level(base, (), ())]
 
 
+def _ends(bench: Bench, first: float, levels: list[Level]) -> float:
+    """Rms residual at which no further round is worth it: of a search that began with that of `first`."""
+    return bench.flat + LAST_DIGIT * first if levels else bench.watched
+
+
 def _level(bench: Bench, base: Fit) -> Level:
     """One round from a fit; where a little bent too far hides all effects, once more from the assembly at rest."""
     begin = rested(bench, base)
-    level = replace(round_of(bench, begin), base=base)
-    if begin is not base or not bench.free.deviations or plausible(base) or any(map(ordinary, level.fits)):
-        return level
-    again = replace(round_of(bench, unbent(bench, base)), base=base)
-    return min(level, again, key=lambda one: min((f.cost for f in one.fits), default=np.inf))
+    hidden = begin is base and _impossible(bench, base)
+    found = [round_by_frequencies(bench, base)] if hidden else []
+    # Where nothing is left to see, the assembly has done all of the work, and only frequencies say more.
+    if found and (base.gap <= bench.watched or any(map(ordinary, found[0].fits))):
+        return found[0]
+    found.append(replace(round_of(bench, begin), base=base))
+    if hidden and not any(map(ordinary, found[-1].fits)):
+        found.append(replace(round_of(bench, unbent(bench, base)), base=base))
+    return min(found, key=lambda level: min((f.cost for f in level.fits), default=np.inf))
+
+
+def _impossible(bench: Bench, base: Fit) -> bool:
+    """Whether a fit has bent a number of the assembly beyond what its tolerance may be."""
+    return bool(bench.free.deviations) and not plausible(base)
 
 
 def from_hits(bench: Bench) -> Fit | None:

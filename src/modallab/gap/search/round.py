@@ -4,47 +4,34 @@ Many candidates get a short look, fewer a longer one, the best all of it: succes
 AISTATS 2016, 240).
 """
 
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from modallab.core.progress import counted, part, report
-from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
-from modallab.gap.model.fit import Fit, Problem, all_rows, softened
-from modallab.gap.model.forward import forward
-from modallab.gap.model.prefit import start, starts
-from modallab.gap.search.fitting import (
-    COARSE,
-    STRAIGHT,
-    Bench,
-    annealed,
-    at_poles,
-    at_rest,
-    completed,
-    finish,
-    misfit,
-    on_all,
-    ordinary,
-    short,
-)
-from modallab.gap.search.screen import Begin, Screen
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.search.ending import ended
+from modallab.gap.search.fitting import Bench, annealed, misfit, on_all, short
+from modallab.gap.search.pool import pool
+from modallab.gap.search.screen import SIZES, Begin, Screen
 from modallab.twin.candidate import Candidate
-from modallab.twin.effects import model_of
-
-Array = NDArray[np.float64]
 
 LIKELY = 14
 """Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
 BEGINS = 2
 """Places to begin from which a candidate is fitted."""
+MAY_PASS = 1.5
+"""Times the least of a candidate that another size of it may leave at a glance and still be looked at."""
 HOPELESS = 5.0
 """What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
-PROMISING = 0.3
-"""Share of the gap below which what an explanation leaves is worth another attempt."""
 LONGER = 6
 """Candidates of a round that get a second look."""
+EXCUSED = 1.2
+"""Rms residual below which a fit is one that the forgiven model error excuses."""
+WITHOUT = 8
+"""Candidates of a round that get a second look with nothing forgiven, where all are excused."""
 WORKERS = 2
 
 
@@ -63,113 +50,23 @@ class Level:
     screened: tuple[tuple[tuple[Candidate, ...], float], ...]
 
 
-def pool(bench: Bench, fit: Fit) -> list[Candidate]:
-    """The candidates worth a look after a fit: all of the bench, and those of the channels that stand out."""
-    rig = bench.data.rig
-    shares = [channel_share(fit)]
-    if len(bench.poles):
-        # A channel far off drags the fit with it; the beam that the poles show reveals it all the same.
-        u = start(fit.problem.candidates, fit.u[bench.free.size :], bench.free, bench.poles).u
-        shares.append(channel_share(replace(fit, u=u)))
-    order = list(dict.fromkeys(int(i) for s in shares for i in np.argsort(s)[::-1][:2]))
-    suspects = [bench.data.channels[i] for i in order]
-    pairs = of_pairs(rig, tuple(sorted({bench.data.channels[i] for s in shares for i in np.argsort(s)[::-1][:3]})))
-    found = of_bench(rig) + [c for s in suspects for c in of_channel(rig, s)] + pairs
-    present = {(c.effect, c.place) for c in fit.problem.candidates}
-    return [
-        c
-        for c in found
-        if bench.allowed(c.effect)
-        and (c.effect, c.place) not in present
-        and not (model_of(c.effect).once and any(p.effect == c.effect for p in fit.problem.candidates))
-        and testable(c, bench.data)
-    ]
-
-
-def channel_share(fit: Fit) -> Array:
-    """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
-    twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
-    total = np.zeros(len(fit.problem.data.channels))
-    for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
-        r = softened(rows, floor / 3).whiten(rows.y - y)
-        total += np.sum(np.minimum(np.abs(r) ** 2, 400.0), axis=1)
-    return total / max(float(np.sum(total)), 1e-300)
-
-
-def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
-    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
-
-    What leaves most of the gap `before` is not worth its last digits.
-
-    Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
-    """
-    there = annealed(bench, fit, floor)
-    u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
-    if not _sound(bench, there) and not np.array_equal(u, fit.u):
-        # The fit before had bent beam, gains and deviations to a gap that was not theirs.
-        there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
-    if bench.free.deviations and not _sound(bench, there):
-        there = min((there, *_from_frequencies(bench, there), *_from_rest(bench, there)), key=_cost)
-    strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
-    if there.gap > bench.flat and strayed and len(bench.poles):
-        begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
-        there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
-    there = completed(bench, there)
-    if bench.flat < there.gap < PROMISING * before:
-        there = min(there, finish(bench, fit, floor), key=_cost)
-    return there
-
-
-def _sound(bench: Bench, fit: Fit) -> bool:
-    """Whether a fit leaves nothing to explain, by an assembly that may be."""
-    return fit.gap <= bench.flat and (ordinary(fit) or not bench.free.deviations)
-
-
-def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
-    """A fit once more, its last effect as large as the frequencies of the ring-down want it; none if they do not.
-
-    What sits at the root or at every sensor an assembly does as well by many deviations, of the sensors' masses or of
-    the fields: from there nothing says that one number would do.
-    """
-    candidates = fit.problem.candidates
-    if not len(bench.poles) or len(candidates[-1].slots) != 1 or not model_of(candidates[-1].effect).moves_poles:
-        return []
-    former = fit.u[bench.free.size : -1]
-    (begin,) = starts(candidates, bench.free, bench.poles, 1, former)
-    return [annealed(bench, short(bench, candidates, begin.u, COARSE), COARSE / 6)]
-
-
-def _from_rest(bench: Bench, fit: Fit) -> list[Fit]:
-    """A fit once more, its last effect begun where it does most for an assembly at rest.
-
-    Many small numbers of an assembly that was bent do the work of one effect, and leave so little of it to see that
-    neither its size nor its place would move.
-    """
-    *former, last = fit.problem.candidates
-    rest = at_rest(bench.free, fit.u)[: len(fit.u) - len(last.slots)]
-    screen = Screen(Problem(bench.thin, bench.free, tuple(former), COARSE), rest, bench.poles)
-    found: list[Fit] = []
-    for begin in screen.begins(last)[:BEGINS]:
-        found.append(annealed(bench, short(bench, fit.problem.candidates, begin.u, COARSE), COARSE / 6))
-        if _sound(bench, found[-1]):
-            break
-    return found
-
-
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
     floor = misfit(base.problem, base.u)
     screen = Screen(Problem(bench.thin, bench.free, base.problem.candidates, floor), base.u, bench.poles)
 
-    def glance(begins: tuple[Begin, ...]) -> Fit:
-        fits = (short(bench, b.problem.candidates, b.u, screen.floor, 1) for b in begins[: BEGINS + 1])
-        return min(fits, key=_cost)
+    def glance(begins: tuple[Begin, ...]) -> list[Fit]:
+        fits = (short(bench, b.problem.candidates, b.u, screen.floor, 1) for b in begins[: BEGINS + SIZES])
+        return _by_size(sorted(fits, key=_cost))
 
     def look(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor)
 
     def longer(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
+
+    def nearer(f: Fit) -> Fit:
+        return annealed(bench, f, screen.floor / 12)
 
     def to_the_end(f: Fit) -> Fit:
         return ended(bench, f, screen.floor / 12, base.gap)
@@ -183,16 +80,49 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         hopeful = begins if screen.large else begins[:LIKELY]
         with part(0.2, 0.5):
             glanced = counted(workers.map(glance, hopeful), len(hopeful), f"explanations{beside}, at a glance")
-            glances = sorted(glanced, key=_cost)
+            glances = sorted(glanced, key=lambda fits: fits[0].cost)
         with part(0.5, 0.8):
-            looked = counted(workers.map(look, glances[:LIKELY]), len(glances[:LIKELY]), f"the likeliest{beside}")
-            looks = sorted(looked, key=_cost)
+            likely = [f for fits in glances[:LIKELY] for f in fits]
+            looked = counted(workers.map(look, likely), len(likely), f"the likeliest{beside}")
+            looks = _best_of_each(looked)
         better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
+        if _excused(better[: finished + 1]):
+            better = sorted(workers.map(nearer, looks[:WITHOUT]), key=_cost)
         report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
-    rest = (*better, *looks[LONGER:], *glances[LIKELY:])
+    rest = (*better, *looks[LONGER:], *(fits[0] for fits in glances[LIKELY:]))
     return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _excused(fits: list[Fit]) -> bool:
+    """Whether what is forgiven excuses all of these, so that what they leave says nothing of which is right."""
+    return len(fits) > 1 and fits[-1].gap < EXCUSED
+
+
+def _by_size(fits: list[Fit]) -> list[Fit]:
+    """The best of a candidate's fits, and the best of another size where it may become better in a few steps more."""
+    best = fits[0]
+    others = [f for f in fits[1:] if f.cost < MAY_PASS * best.cost and _another_size(f, best)]
+    return [best, *others[: SIZES - 1]]
+
+
+def _another_size(fit: Fit, other: Fit) -> bool:
+    """Whether the only number of a fit's last effect is far from the other fit's."""
+    slots = fit.problem.candidates[-1].slots
+    if len(slots) != 1:
+        return False
+    one, two = (slots[0].value(f.u[-1]) for f in (fit, other))
+    return not 0.5 * abs(two) < one * np.sign(two) < 2 * abs(two)
+
+
+def _best_of_each(fits: Iterable[Fit]) -> list[Fit]:
+    """The best of each candidate's fits, in the order of what they leave."""
+    found: dict[tuple[str, object], Fit] = {}
+    for fit in sorted(fits, key=_cost):
+        last = fit.problem.candidates[-1]
+        found.setdefault((last.effect, last.place), fit)
+    return list(found.values())
 
 
 def _own_right(fits: list[Fit]) -> list[Fit]:

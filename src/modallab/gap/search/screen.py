@@ -30,6 +30,8 @@ SMALL = 0.01
 """Relative misfit up to which nothing is forgiven: the effect itself may be no larger."""
 VALLEYS = 3
 """Places along the beam from which a fit begins."""
+SIZES = 2
+"""Sizes of a large effect from which a fit begins."""
 FEWER = 4
 """Of so many first values of an effect one is tried at the second beam as well."""
 CUT = 5.0
@@ -159,9 +161,12 @@ class Screen:
                 best = 3 if len(candidate.slots) > 1 else 1
                 begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
         listed = [Begin(problem, u, _plain(problem, u)) for u in begins]
-        grid = _grid(candidate.slots)
+        grid = grid_of_all = _grid(candidate.slots)
         for near in reversed(nears):
             tried = [(self._at(problem, candidate, np.concatenate([near, more])), more) for more in grid]
+            if len(candidate.slots) == 1 and len(tried) == len(grid_of_all):
+                # Where no other number has adapted, a small effect may leave less than the right one.
+                listed += sorted(_valleys([b for b, _ in tried]), key=lambda b: b.cost)[1:SIZES]
             tried.sort(key=lambda t: t[0].cost)
             listed.append(tried[0][0])
             # What is far off at the beam of the poles is no better at the one that was bent.

@@ -20,7 +20,7 @@ from modallab.gap.report.measure import squares
 from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess
-from modallab.gap.search.round import channel_share
+from modallab.gap.search.pool import channel_share
 from modallab.gap.unknown.description import Description, of_fit, stage_of
 from modallab.gap.unknown.fitted import fitted, priced
 from modallab.gap.unknown.on_beam import on_all_rows, trials

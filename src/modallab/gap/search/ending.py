@@ -1,0 +1,91 @@
+"""A short fit brought to its end, and begun again where it ended in a bent assembly."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.prefit import starts
+from modallab.gap.search.fitting import (
+    COARSE,
+    STRAIGHT,
+    Bench,
+    annealed,
+    at_poles,
+    at_rest,
+    completed,
+    finish,
+    ordinary,
+    short,
+)
+from modallab.gap.search.screen import Screen
+from modallab.twin.effects import model_of
+
+BEGINS = 2
+"""Places to begin from which a candidate is fitted once more."""
+PROMISING = 0.3
+"""Share of the gap below which what an explanation leaves is worth another attempt."""
+
+
+def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
+    """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
+
+    What leaves most of the gap `before` is not worth its last digits.
+
+    Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
+    """
+    there = annealed(bench, fit, floor)
+    u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
+    if not is_sound(bench, there) and not np.array_equal(u, fit.u):
+        # The fit before had bent beam, gains and deviations to a gap that was not theirs.
+        there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+    if bench.free.deviations and not is_sound(bench, there):
+        there = min((there, *_from_frequencies(bench, there), *_from_rest(bench, there)), key=_cost)
+    strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
+    if there.gap > bench.flat and strayed and len(bench.poles):
+        begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
+        there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
+    there = completed(bench, there)
+    if bench.flat < there.gap < PROMISING * before:
+        there = min(there, finish(bench, fit, floor), key=_cost)
+    return there
+
+
+def is_sound(bench: Bench, fit: Fit) -> bool:
+    """Whether a fit leaves nothing to explain, by an assembly that may be."""
+    return fit.gap <= bench.flat and (ordinary(fit) or not bench.free.deviations)
+
+
+def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
+    """A fit once more, its last effect as large as the frequencies of the ring-down want it; none if they do not.
+
+    What sits at the root or at every sensor an assembly does as well by many deviations, of the sensors' masses or of
+    the fields: from there nothing says that one number would do.
+    """
+    candidates = fit.problem.candidates
+    if not len(bench.poles) or len(candidates[-1].slots) != 1 or not model_of(candidates[-1].effect).moves_poles:
+        return []
+    former = fit.u[bench.free.size : -1]
+    (begin,) = starts(candidates, bench.free, bench.poles, 1, former)
+    return [annealed(bench, short(bench, candidates, begin.u, COARSE), COARSE / 6)]
+
+
+def _from_rest(bench: Bench, fit: Fit) -> list[Fit]:
+    """A fit once more, its last effect begun where it does most for an assembly at rest.
+
+    Many small numbers of an assembly that was bent do the work of one effect, and leave so little of it to see that
+    neither its size nor its place would move.
+    """
+    *former, last = fit.problem.candidates
+    rest = at_rest(bench.free, fit.u)[: len(fit.u) - len(last.slots)]
+    screen = Screen(Problem(bench.thin, bench.free, tuple(former), COARSE), rest, bench.poles)
+    found: list[Fit] = []
+    for begin in screen.begins(last)[:BEGINS]:
+        found.append(annealed(bench, short(bench, fit.problem.candidates, begin.u, COARSE), COARSE / 6))
+        if is_sound(bench, found[-1]):
+            break
+    return found
+
+
+def _cost(fit: Fit) -> float:
+    return fit.cost
