@@ -5,6 +5,7 @@ effect. The frequencies do: each effect that moves them begins as large, and whe
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import repeat
 
 from modallab.core.progress import counted
 from modallab.gap.model.fit import Fit
@@ -35,7 +36,7 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     with ThreadPoolExecutor(WORKERS) as workers:
         looked = counted(workers.map(look, listed), len(listed), "explanations by the frequencies")
         looks = sorted(looked, key=_cost)
-        best = sorted(workers.map(lambda f: completed(bench, f), looks[:FINISHED]), key=_cost)
+        best = sorted(workers.map(completed, repeat(bench), looks[:FINISHED]), key=_cost)
     return Level(base, tuple(best), tuple((f.problem.candidates, f.cost) for f in looks))
 
 

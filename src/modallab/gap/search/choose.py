@@ -14,6 +14,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
+from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.explain import HOLDS
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
@@ -98,7 +99,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
         or (unseen is not None and stepped(fit) and _closes_unseen(base, fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
-    return choice if held is None else _that_matters(choice, held)
+    return choice if held is None else _that_matters(choice, held, clock_shows(bench))
 
 
 def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
@@ -162,17 +163,18 @@ def stepped(fit: Fit) -> bool:
     return any(not kind_of(c.effect).linear for c in fit.problem.candidates)
 
 
-def _that_matters(choice: Choice, held: Reduced) -> Choice:
-    """The same without what is within tolerance or of no consequence."""
+def _that_matters(choice: Choice, held: Reduced, shown: bool) -> Choice:
+    """The same without what is within tolerance or of no consequence; `shown` says whether lines show a wrong clock."""
     left = unexplained(held, forward(twin_of(choice.base, held), held))
     unnamed = not choice.explained and plausible(choice.base)
-    if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed):
+    clocked = shown and choice.explained and any(search_of(c.effect).is_clock for c in choice.fit.problem.candidates)
+    if left < held.rig.tolerance.response and (ordinary(choice.base) or unnamed) and not clocked:
         # Nothing has a name, no number alone is beyond its tolerance, and nothing that matters is left to name.
         calm = None if choice.explained else left
         return Choice(choice.base, choice.base, choice.rivals, True, True, calm=calm)
     if not choice.explained:
         return choice
-    fit, dismissed = worthwhile(choice.fit, held)
+    fit, dismissed = worthwhile(choice.fit, held, shown)
     if not fit.problem.candidates:
         # An effect of next to nothing may have shown the way to a twin without effects that fits better.
         base = min(choice.base, fit, key=lambda f: f.cost)

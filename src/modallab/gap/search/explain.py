@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.progress import part, report
-from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.by_frequencies import round_by_frequencies
+from modallab.gap.search.clock import with_clock
 from modallab.gap.search.fitting import (
     Bench,
     baseline,
     excess,
-    from_poles,
     on_all,
     ordinary,
     plausible,
@@ -23,7 +22,6 @@ from modallab.gap.search.fitting import (
     unbent,
 )
 from modallab.gap.search.round import Level, round_of
-from modallab.twin.effects import search_of
 
 WORTH = 0.9
 """A further effect must leave less than this share of what was left, or the search ends."""
@@ -45,8 +43,6 @@ AFTER = 0.4
 """Share of the work that is left after a round, as far as anybody knows before it."""
 MOST = 3
 """Effects in one diagnosis."""
-EVIDENT = 4e-4
-"""Relative distance of the generator's lines from where they were set that no quartz explains."""
 
 
 def explain(bench: Bench, base: Fit | None = None) -> list[Level]:
@@ -81,21 +77,6 @@ def first_rounds(bench: Bench, base: Fit) -> list[Level]:
     if clocked is None:
         return rounds(bench, base, MOST)
     return [Level(base, (clocked,), ()), *rounds(bench, clocked, MOST - 1)]
-
-
-def with_clock(bench: Bench) -> Fit | None:
-    """The twin with the clock that the generator's lines show; None if they stand where they should."""
-    sines = bench.data.sines
-    # A wrong clock that the rig's revisions know is in the twin already.
-    known = bench.free.build(np.zeros(bench.free.size)).clock
-    if sines is None or abs(sines.ratio * (1 + known) - 1) < EVIDENT:
-        return None
-    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).is_clock and bench.allowed(c.effect))
-    candidate = next(clocks, None)
-    if candidate is None:
-        return None
-    own = np.array([candidate.slots[0].coordinate(1 / sines.ratio - 1)])
-    return from_poles(bench, (candidate,), own)
 
 
 def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:

@@ -16,7 +16,9 @@ from modallab.gap.search.ending import ended
 from modallab.gap.search.fitting import Bench, annealed, misfit, on_all, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import SIZES, Begin, Screen
+from modallab.gap.search.worth import ABOVE
 from modallab.twin.candidate import Candidate
+from modallab.twin.effects import search_of
 
 LIKELY = 14
 """Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
@@ -32,6 +34,8 @@ EXCUSED = 1.2
 """Rms residual below which a fit is one that the forgiven model error excuses."""
 WITHOUT = 8
 """Candidates of a round that get a second look with nothing forgiven, where all are excused."""
+ALIKE = 1.1
+"""Times what a fit leaves that another may leave whose effect it is but for tolerances: both stop a little short."""
 WORKERS = 2
 
 
@@ -136,6 +140,8 @@ def _contains(fit: Fit, other: Fit) -> bool:
     more = len(one.slots) - len(two.slots)
     if more <= 0 or not one.place or one.place != two.place:
         return False
+    if search_of(one.effect).beyond(fit.effects[-1], two.effect, fit.problem.data.rig) <= ABOVE:
+        return other.cost < ALIKE * fit.cost
     # The price of a number: Schwarz, Ann. Stat. 6, 1978, 461.
     return other.cost < fit.cost + more * float(np.log(max(np.count_nonzero(fit.residual), 1)))
 

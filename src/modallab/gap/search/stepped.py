@@ -17,7 +17,8 @@ from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies
 from modallab.gap.search.beside_stepped import beside
 from modallab.gap.search.choose import Choice, choose, names, stepped
-from modallab.gap.search.explain import explain, with_clock
+from modallab.gap.search.clock import with_clock
+from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, excess
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.gap.search.overtone_check import overtones_closed

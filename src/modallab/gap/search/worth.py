@@ -12,6 +12,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import apart
+from modallab.gap.search.clock import unclocked
 from modallab.gap.search.fitting import ordinary, without
 from modallab.twin.effects import model_of, search_of
 
@@ -42,14 +43,21 @@ class Dismissed:
         return f"Of no consequence: {spoken} moves the response on records held out by {self.moves:.2%}."
 
 
-def worthwhile(fit: Fit, held: Reduced) -> tuple[Fit, list[Dismissed]]:
-    """The fit with those of its effects that are worth a name, and the others."""
+def worthwhile(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[Dismissed]]:
+    """The fit with those of its effects that are worth a name, and the others.
+
+    Args:
+        fit: the explanation.
+        held: records that no fit has seen.
+        shown: whether the generator's lines show a wrong clock: a beam that does its work would be wrong instead.
+    """
     least = held.rig.tolerance.response
     dismissed: list[Dismissed] = []
     at = 0
     while at < len(fit.problem.candidates):
         bare = without(fit, at)
-        judged = _judged(fit, bare, at, held)
+        clock = shown and search_of(fit.problem.candidates[at].effect).is_clock
+        judged = _judged(fit, unclocked(fit, at) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0

@@ -1,6 +1,7 @@
 """An accelerometer with another sensitivity than stated."""
 
 from dataclasses import replace
+from math import inf
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
@@ -17,6 +18,11 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _own_deviations(effect: Effect, rig: Rig) -> float:
     return over(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
+
+
+def _beyond(effect: Effect, other: str, rig: Rig) -> float:
+    """A turned channel reads as its sensitivity's tolerance lets it, but turned."""
+    return over(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
 
 
 MODEL = EffectModel(
@@ -46,6 +52,7 @@ MODEL = EffectModel(
             ),
         ),
         deviations=_own_deviations,
+        beyond=_beyond,
         replaces_gain=True,
     ),
     experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",

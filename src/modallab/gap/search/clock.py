@@ -1,0 +1,38 @@
+"""A wrong clock of the recorder, which the generator's own lines show whatever the beam does."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.fit import Fit
+from modallab.gap.search.fitting import Bench, from_poles
+from modallab.twin.effects import search_of
+
+EVIDENT = 4e-4
+"""Relative distance of the generator's lines from where they were set that no quartz explains."""
+
+
+def clock_shows(bench: Bench) -> bool:
+    """Whether the generator's lines stand where no quartz puts them, beside a clock that the rig's revisions know."""
+    sines = bench.data.sines
+    known = bench.free.build(np.zeros(bench.free.size)).clock
+    return sines is not None and abs(sines.ratio * (1 + known) - 1) >= EVIDENT
+
+
+def with_clock(bench: Bench) -> Fit | None:
+    """The twin with the clock that the generator's lines show; None if they stand where they should."""
+    clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).is_clock and bench.allowed(c.effect))
+    candidate = next(clocks, None)
+    if candidate is None or bench.data.sines is None or not clock_shows(bench):
+        return None
+    own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
+    return from_poles(bench, (candidate,), own)
+
+
+def unclocked(fit: Fit, which: int) -> Fit:
+    """The fit without one of its effects, all other numbers as they are."""
+    candidates = fit.problem.candidates
+    at = fit.problem.free.size + sum(len(c.slots) for c in candidates[:which])
+    u = np.delete(fit.u, np.s_[at : at + len(candidates[which].slots)])
+    return replace(fit, problem=replace(fit.problem, candidates=candidates[:which] + candidates[which + 1 :]), u=u)
