@@ -1,0 +1,80 @@
+"""Effects that the assembly does as well, large effects, and wrong clocks that a beam could stand in for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.effects import Effect
+from modallab.core.rig import Tolerance
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.candidates import of_bench
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.by_frequencies import round_by_frequencies
+from modallab.gap.search.clock import clock_shows, with_clock
+from modallab.gap.search.fitting import COARSE, ordinary, short
+from modallab.gap.search.screen import Screen
+from modallab.gap.search.worth import worthwhile
+from modallab.twin.effects import search_of
+
+
+def assembled(rig, make, effect, allowed=lambda _: True):
+    """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
+    prepared = prepare(replace(make(effect), rig=rig.model_copy(update={"tolerance": Tolerance.usual()})))
+    whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), allowed)
+    return replace(whole, data=whole.thin)
+
+
+def at(problem, u):
+    r = problem.residual(u)
+    return Fit(problem, u, float(r @ r), r, np.eye(len(u)))
+
+
+def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
+    heavy = Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"})
+    bench = assembled(rig, make, heavy, lambda name: name == "sensor_mass")
+    bent = [8.0 if t.tolerance == "sensor_mass_kg" else 0.0 for t in bench.free.deviations]
+    u = np.zeros(bench.free.size)
+    u[bench.free.first_deviation : bench.free.first_deviation + len(bent)] = bent
+    best = round_by_frequencies(bench, at(Problem(bench.thin, bench.free, ()), u)).fits[0]
+    assert [e.effect for e in best.effects] == ["sensor_mass"]
+    assert ordinary(best)
+    np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
+
+
+def test_a_stiff_stinger_is_begun_near_its_size_though_a_soft_one_leaves_less_at_first(rig, make):
+    stiff = Effect(effect="stinger_moment", parameters={"k_rot": 40.0}, place={"x": 0.4})
+    bench = assembled(rig, make, stiff)
+    (candidate,) = (c for c in of_bench(bench.data.rig) if c.effect == "stinger_moment")
+    begin = short(bench, (), np.zeros(bench.free.size), COARSE)
+    screen = Screen(Problem(bench.thin, bench.free, (), 0.1), begin.u, bench.poles)
+    sizes = [candidate.slots[0].value(b.u[-1]) for b in screen.begins(candidate)]
+    assert any(20 < size < 80 for size in sizes)
+
+
+@pytest.mark.parametrize(("relative", "named"), [(-6e-4, True), (-1e-4, False)])
+def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, make, relative, named):
+    slow = Effect(effect="clock_error", parameters={"relative": relative}, place={"channel": "all"})
+    bench = assembled(rig, make, slow)
+    assert bench.data.sines is not None
+    # The twin's generator goes by the recorder's clock; a real one has a quartz of its own.
+    lines = replace(bench.data.sines, ratio=1 / (1 + relative))
+    bench = replace(bench, data=replace(bench.data, sines=lines))
+    found = with_clock(bench)
+    assert clock_shows(bench) is named
+    assert (found is not None) is named
+    if found is not None:
+        kept, dismissed = worthwhile(found, bench.data, shown=True)
+        assert [e.effect for e in kept.effects] == ["clock_error"]
+        assert dismissed == []
+        np.testing.assert_allclose(kept.effects[0].parameters["relative"], relative, rtol=0.2)
+
+
+def test_a_turned_channel_with_an_ordinary_sensitivity_is_a_polarity(rig):
+    usual = rig.model_copy(update={"tolerance": Tolerance.usual()})
+    turned = Effect(effect="gain_error", parameters={"gain": -1.017}, place={"channel": 3})
+    beyond = search_of("gain_error").beyond
+    assert beyond(turned, "polarity", usual) == pytest.approx(1.7)
+    assert beyond(turned.model_copy(update={"parameters": {"gain": -0.3}}), "polarity", usual) > 50
+    assert beyond(turned, "position_error", usual) == np.inf
