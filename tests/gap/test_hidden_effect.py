@@ -43,14 +43,15 @@ def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
 
 
-def test_a_stiff_stinger_is_begun_near_its_size_though_a_soft_one_leaves_less_at_first(rig, make):
+def test_a_large_effect_begins_at_two_sizes_and_one_is_near_its_own(rig, make):
     stiff = Effect(effect="stinger_moment", parameters={"k_rot": 40.0}, place={"x": 0.4})
     bench = assembled(rig, make, stiff)
     (candidate,) = (c for c in of_bench(bench.data.rig) if c.effect == "stinger_moment")
     begin = short(bench, (), np.zeros(bench.free.size), COARSE)
-    screen = Screen(Problem(bench.thin, bench.free, (), 0.1), begin.u, bench.poles)
+    screen = Screen(Problem(bench.thin, bench.free, (), COARSE), begin.u, bench.poles)
     sizes = [candidate.slots[0].value(b.u[-1]) for b in screen.begins(candidate)]
     assert any(20 < size < 80 for size in sizes)
+    assert max(sizes) > 4 * min(sizes)
 
 
 @pytest.mark.parametrize(("relative", "named"), [(-6e-4, True), (-1e-4, False)])
