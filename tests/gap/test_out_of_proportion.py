@@ -4,12 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import twin_campaign
 from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.report.locate import out_of_proportion
+from modallab.gap.report.harmonics import out_of_proportion
 
 DRAG = Effect(effect="air_drag", parameters={"c2_total": 60.0}, place={"x": "all"})
 CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": 0.8}, place={"x": 0.2})
@@ -29,6 +30,14 @@ def distorted(volts: NDArray[np.float64], block: Block) -> NDArray[np.float64]:
 def test_overtones_say_whether_a_beam_answers_alike_both_ways(
     make: Callable[..., Campaign], effects: tuple[Effect, ...], overtones: str | None
 ) -> None:
+    assert out_of_proportion(prepare(make(*effects, tests=("sine",)))) == overtones
+
+
+@pytest.mark.parametrize(("effects", "overtones"), [((DRAG,), "odd"), ((CRACK,), "even"), ((), None)])
+def test_they_do_so_for_sines_between_the_lines_as_well(
+    make: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch, effects: tuple[Effect, ...], overtones: str | None
+) -> None:
+    monkeypatch.setattr(twin_campaign, "LINES", [line + 0.37 for line in twin_campaign.LINES])
     assert out_of_proportion(prepare(make(*effects, tests=("sine",)))) == overtones
 
 

@@ -23,9 +23,10 @@ from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
+from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.locate import locate, out_of_proportion
+from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink

@@ -67,6 +67,7 @@ class Prepared:
         noisy: rows whose noise stands out.
         repeated: rows whose samples repeat, as after drop-outs.
         poles: of the ring-down.
+        sine_ratio: frequency of the sines in the records over what the generator was set to.
         notes: plain sentences on what was left out or could not be examined.
     """
 
@@ -85,6 +86,7 @@ class Prepared:
     noisy: tuple[int, ...]
     repeated: tuple[int, ...]
     poles: Complex
+    sine_ratio: float
     notes: tuple[str, ...]
 
 
@@ -108,7 +110,8 @@ def prepare(campaign: Campaign) -> Prepared:
     hum = find_hum(blocks, noise, force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
-    floor = find_floor(cleaned, campaign.rig, noise, poles, _ratio(campaign, cleaned, noise))
+    ratio = _ratio(campaign, cleaned, noise)
+    floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
     if ringing is not None:
         cleaned = tuple(without_ringing(b, campaign.rig, ringing) for b in cleaned)
@@ -128,6 +131,7 @@ def prepare(campaign: Campaign) -> Prepared:
         () if floor is not None else tuple(row for row in noisy if row not in repeated),
         repeated,
         poles,
+        ratio,
         _notes(campaign, blocks, at_full_scale),
     )
 

@@ -17,9 +17,9 @@ from modallab.gap.conditioning.reduce import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
+from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.search.fitting import COARSE, Bench, excess, misfit
 from modallab.gap.search.pool import channel_share
-from modallab.twin.effect_model import Overtones
 from modallab.twin.structure import solve
 
 Array = NDArray[np.float64]
@@ -27,10 +27,6 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 CURES = 0.08
 """Leaving a channel out must bring the excess below this share for the gap to be that channel's."""
-OFTEN = 0.06
-"""Share of sine responses with overtones that is no chance."""
-SEVERAL = 0.04
-"""Share of a channel's sine responses with a harmonic that is more than one or two."""
 ALIKE = 0.15
 """Share of the gap that may stay for channels to count as off alike."""
 SKEWS_S = (0.0, *np.geomspace(1e-6, 2e-4, 24).tolist())
@@ -66,7 +62,7 @@ def locate(bench: Bench, prepared: Prepared, base: Fit) -> Location:
         if held:
             return Location("acquisition", alone, tests, (f"{names} repeats samples that no motion repeats.",))
         return Location("sensor", alone, tests, (f"Without {names} {1 - cured:.1%} of the gap is gone.",))
-    harmonic, driven = overtones(prepared)
+    harmonic, driven = harmonic_shares(prepared)
     if driven > OFTEN:
         return Location("excitation", (), ("sine",), ("The force itself holds overtones of the drive.",))
     if harmonic > OFTEN:
@@ -175,58 +171,6 @@ def pole_spread(bench: Bench, base: Fit) -> float:
     gaps = np.array([np.log(s) - np.log(model[np.argmin(np.abs(np.log(model / s)))]) for s in seen])
     gaps = gaps[np.abs(gaps) < 0.3]
     return float(np.sqrt(np.mean((gaps - np.median(gaps)) ** 2))) if len(gaps) > 1 else 0.0
-
-
-def out_of_proportion(prepared: Prepared) -> Overtones | None:
-    """Which overtones show that the beam answers out of proportion, if any do: harmonics that the force does not hold.
-
-    They must be on most channels: a channel that saturates has them alone. What answers alike both ways makes third
-    ones without second ones; what does not, as a crack that opens, makes second ones.
-    """
-    rows = [c.index for c in prepared.campaign.rig.responses]
-    third, second = (_by_row(*_harmonics(prepared, (k,))) for k in (3, 2))
-    force = prepared.campaign.rig.force_channel.index
-    if max(third[force], second[force]) > OFTEN:
-        return None
-    if float(np.median(second[rows])) > OFTEN:
-        return "even"
-    return "odd" if float(np.median(third[rows])) > SEVERAL else None
-
-
-def overtones(prepared: Prepared) -> tuple[float, float]:
-    """Share of sine responses, and of their forces, with clear second or third harmonics."""
-    rig = prepared.campaign.rig
-    clear, usable = _harmonics(prepared, (2, 3))
-    rows, force = [c.index for c in rig.responses], rig.force_channel.index
-    responses = clear[:, rows][usable[:, rows]]
-    return float(np.mean(responses)) if responses.size else 0.0, float(np.mean(clear[:, force])) if len(clear) else 0.0
-
-
-def _by_row(clear: NDArray[np.bool_], usable: NDArray[np.bool_]) -> Array:
-    return np.sum(clear & usable, axis=0) / np.maximum(np.sum(usable, axis=0), 1)
-
-
-def _harmonics(prepared: Prepared, orders: tuple[int, ...]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """(sine blocks, rows) whether one of these harmonics is clear, and whether the row is to be used."""
-    found: list[NDArray[np.bool_]] = []
-    usable: list[list[bool]] = []
-    for b in prepared.blocks:
-        if b.test != "sine" or not b.frequency_hz:
-            continue
-        n = b.n_samples
-        line = round(b.frequency_hz * n / b.rate_hz)
-        spectrum = (
-            np.abs(np.fft.rfft(b.samples * b.scale[:, None], axis=1)) / (prepared.noise_v * np.sqrt(n / 2))[:, None]
-        )
-        clear = np.zeros(len(spectrum), dtype=bool)
-        for at in (k * line for k in orders):
-            if at + 3 < 0.4 * n:
-                around = np.max(spectrum[:, [at - 2, at - 1, at + 1, at + 2]], axis=1)
-                clear |= (spectrum[:, at] > 8) & (spectrum[:, at] > 3 * around)
-        found.append(clear)
-        usable.append([(b.name, row) not in prepared.masked for row in range(len(spectrum))])
-    shape = len(found), len(prepared.campaign.rig.channels)
-    return np.array(found, dtype=bool).reshape(shape), np.array(usable, dtype=bool).reshape(shape)
 
 
 def _tests(data: Reduced) -> tuple[str, ...]:
