@@ -9,11 +9,10 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.overtones import of_record
 from modallab.gap.conditioning.prepare import prepare
-from modallab.gap.model.fit import Problem
+from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.acting import acting_at, place
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.rough_fit import seen
 from modallab.twin.effect_model import Acts
 from modallab.twin.effects import model_of
 

@@ -9,7 +9,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_bench
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.by_frequencies import round_by_frequencies
 from modallab.gap.search.clock import clock_shows, with_clock
@@ -26,18 +26,13 @@ def assembled(rig, make, effect, allowed=lambda _: True):
     return replace(whole, data=whole.thin)
 
 
-def at(problem, u):
-    r = problem.residual(u)
-    return Fit(problem, u, float(r @ r), r, np.eye(len(u)))
-
-
 def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     heavy = Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"})
     bench = assembled(rig, make, heavy, lambda name: name == "sensor_mass")
     bent = [8.0 if t.tolerance == "sensor_mass_kg" else 0.0 for t in bench.free.deviations]
     u = np.zeros(bench.free.size)
     u[bench.free.first_deviation : bench.free.first_deviation + len(bent)] = bent
-    best = round_by_frequencies(bench, at(Problem(bench.thin, bench.free, ()), u)).fits[0]
+    best = round_by_frequencies(bench, seen(Problem(bench.thin, bench.free, ()), u)).fits[0]
     assert [e.effect for e in best.effects] == ["sensor_mass"]
     assert ordinary(best)
     np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)

@@ -140,6 +140,12 @@ class Fit:
         return self.problem.effects(self.u)
 
 
+def seen(problem: Problem, u: Array, normal: Array | None = None) -> Fit:
+    """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
+    r = problem.residual(u)
+    return Fit(problem, u, float(r @ r + problem.priors(u)[0]), r, np.eye(len(u)) if normal is None else normal)
+
+
 def all_rows(data: Reduced) -> list[Rows]:
     """The rows of the data, in the order `forward` answers."""
     return [*(d.rows for d in data.impacts), *([data.sines.rows] if data.sines is not None else [])]

@@ -15,7 +15,7 @@ from modallab.core.progress import report
 from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.drift_curve import with_drift_curve
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
@@ -186,7 +186,7 @@ def at_poles(bench: Bench, candidates: tuple[Candidate, ...], own: Array) -> Fit
 
 def on_all(bench: Bench, fit: Fit) -> Fit:
     """A short fit as it is, on all data."""
-    return _seen(Problem(bench.data, bench.free, fit.problem.candidates), fit)
+    return seen(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, fit.normal)
 
 
 def misfit(problem: Problem, u: Array) -> float:
@@ -208,17 +208,12 @@ def short(bench: Bench, candidates: tuple[Candidate, ...], u: Array, floor: floa
     near = min(floor, misfit(problem, u))
     fit = minimise(replace(problem, floor=near, held=_beam(u)), u, steps, 5e-2)
     # To be compared, all must be forgiven as much and held nowhere in particular.
-    return _seen(replace(problem, floor=floor, held=_beam(fit.u)), fit)
+    return seen(replace(problem, floor=floor, held=_beam(fit.u)), fit.u, fit.normal)
 
 
 def _beam(u: Array) -> tuple[float, float, float]:
     """Where a beam is held: where it is, unless a wrong model has bent it there."""
     return (float(u[0]), float(u[1]), float(u[2])) if np.all(np.abs(u[:3]) < STRAIGHT) else (0.0, 0.0, 0.0)
-
-
-def _seen(problem: Problem, fit: Fit) -> Fit:
-    r = problem.residual(fit.u)
-    return Fit(problem, fit.u, float(r @ r + problem.priors(fit.u)[0]), r, fit.normal)
 
 
 def without(fit: Fit, which: int) -> Fit:

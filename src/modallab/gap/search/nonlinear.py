@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from modallab.core.progress import report
 from modallab.gap.model.candidates import of_motion
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.few_blocks import even_blocks, worst_blocks
 from modallab.gap.search.fitting import NEAR, Bench
-from modallab.gap.search.rough_fit import followed_on_all, follows, seen
+from modallab.gap.search.rough_fit import followed_on_all, follows
 from modallab.gap.search.rough_starts import FREQUENCIES, score
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped_starts import LOOKED, beam_at, begun
@@ -75,7 +75,7 @@ def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: fl
 def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
     if search_of(fit.problem.candidates[-1].effect).rough:
         return follows(bench, fit, base, WRONG)
-    linear = _seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base)
+    linear = seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base.u)
     return fit.cost <= WRONG * linear.cost
 
 
@@ -101,11 +101,6 @@ def _fitted(fit: Fit) -> Fit:
     return fit
 
 
-def _seen(problem: Problem, fit: Fit) -> Fit:
-    r = problem.residual(fit.u)
-    return Fit(problem, fit.u, float(r @ r + problem.priors(fit.u)[0]), r, fit.normal)
-
-
 def on_all_records(bench: Bench, fit: Fit) -> Fit:
     """A fit to few records brought to its end on all data; of its stages the one that leaves least.
 
@@ -114,14 +109,14 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
     if search_of(fit.problem.candidates[-1].effect).rough:
         return followed_on_all(bench, fit)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
-    first = _seen(exact, fit)
+    first = seen(exact, fit.u)
     # A hit runs through every state of a law at once: what is a little wrong there must not lead the sines astray.
     sines = replace(exact, data=replace(bench.data, impacts=()))
     for floor in (LOOKED / 5, LOOKED / 50):
         fit = minimise(replace(sines, floor=floor, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-    best = min(first, _seen(exact, fit), key=_cost)
+    best = min(first, seen(exact, fit.u), key=_cost)
     fit = minimise(replace(exact, floor=LOOKED / 5, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-    best = min(best, _seen(exact, fit), key=_cost)
+    best = min(best, seen(exact, fit.u), key=_cost)
     best = min(best, minimise(exact, best.u, 2, 1e-2), key=_cost)
     # Where the law is exact, what is left to go lies along a valley: a place and a stiffness do nearly the same.
     return minimise(exact, best.u, 6, 1e-3) if best.gap < NEAR * bench.flat else best

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.few_blocks import even_blocks
 from modallab.gap.search.fitting import Bench
@@ -55,12 +55,6 @@ def follows(bench: Bench, fit: Fit, base: Fit, share: float) -> bool:
     few = even_blocks(bench.data, FREQUENCIES)
     left = [relative(replace(f.problem, data=few), f.u) for f in (fit, base)]
     return float(np.median(left[0])) <= share * float(np.median(left[1]))
-
-
-def seen(problem: Problem, u: Array) -> Fit:
-    """These numbers as a fit of this problem."""
-    r = problem.residual(u)
-    return Fit(problem, u, float(r @ r + problem.priors(u)[0]), r, np.eye(len(u)))
 
 
 def _weighed(data: Reduced, off: Array) -> Reduced:

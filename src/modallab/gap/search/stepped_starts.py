@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.candidates import of_bench
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
 from modallab.gap.search.acting import acting_at
 from modallab.gap.search.few_blocks import even_blocks
 from modallab.gap.search.fitting import Bench
-from modallab.gap.search.rough_fit import followed, seen
+from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import FREQUENCIES, likeliest
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import search_of
