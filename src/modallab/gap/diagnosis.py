@@ -26,7 +26,7 @@ from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.locate import locate
+from modallab.gap.report.locate import levels_differ, locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
@@ -114,6 +114,9 @@ def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen:
     """What the search says: effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
     overtones = out_of_proportion(prepared)
+    if overtones is None and base.gap > bench.flat and levels_differ(base):
+        # Overtones drown in a slow mode that still rings; what answers to the level makes odd ones.
+        overtones = "odd"
     if base.gap <= bench.flat or overtones is None:
         return choose(bench, explain(bench, base), matters)
     return search_stepped(bench, prepared, base, overtones, matters, unseen)

@@ -79,7 +79,7 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
     why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
     if by_test:
         why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
-    levels = _levels_differ(base)
+    levels = levels_differ(base)
     if by_test and shift < POLE_SHIFT:
         bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)
         if not bad:
@@ -215,7 +215,7 @@ def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
     return minimise(Problem(data, bench.free, ()), u, 4, 1e-2)
 
 
-def _levels_differ(base: Fit) -> bool:
+def levels_differ(base: Fit) -> bool:
     """Whether what one level answers per newton is not what the other answers."""
     sines = base.problem.data.sines
     if sines is None:
