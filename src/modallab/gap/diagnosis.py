@@ -26,13 +26,14 @@ from modallab.gap.report.contradictions import contradictions
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.locate import levels_differ, locate
+from modallab.gap.report.levels import levels_differ, some_levels_differ
+from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, probabilities
-from modallab.gap.search.explain import explain
+from modallab.gap.search.explain import explain, rounds
 from modallab.gap.search.fitting import Bench, baseline, ordinary
 from modallab.gap.search.intervals import intervals
 from modallab.gap.search.stepped import search_stepped
@@ -114,12 +115,26 @@ def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen:
     """What the search says: effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
     overtones = out_of_proportion(prepared)
-    if overtones is None and base.gap > bench.flat and levels_differ(base):
-        # Overtones drown in a slow mode that still rings; what answers to the level makes odd ones.
-        overtones = "odd"
-    if base.gap <= bench.flat or overtones is None:
+    if base.gap <= bench.flat:
         return choose(bench, explain(bench, base), matters)
+    if overtones is None:
+        return _by_levels(bench, prepared, base, matters, unseen)
     return search_stepped(bench, prepared, base, overtones, matters, unseen)
+
+
+def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """Linear effects, and where none explains and the levels disagree, those that depend on the size of the motion.
+
+    Overtones drown where a slow mode still rings. Where many levels disagree, one round says whether a linear effect,
+    whose transients the twin has wrong, does so.
+    """
+    many = levels_differ(base)
+    linear = rounds(bench, base, 1) if many else explain(bench, base)
+    choice = choose(bench, linear, matters)
+    if choice.explained or not (many or some_levels_differ(base)):
+        return choice
+    # What answers to the level, not only to the side, makes odd overtones.
+    return search_stepped(bench, prepared, base, "odd", matters, unseen, None if many else linear)
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

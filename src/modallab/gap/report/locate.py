@@ -18,7 +18,8 @@ from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
-from modallab.gap.search.fitting import COARSE, Bench, excess, misfit
+from modallab.gap.report.levels import levels_differ
+from modallab.gap.search.fitting import COARSE, Bench, excess
 from modallab.gap.search.pool import channel_share
 from modallab.twin.structure import solve
 
@@ -213,31 +214,3 @@ def _afresh(bench: Bench, data: Reduced, base: Fit) -> Fit:
     for floor in (COARSE, COARSE / 6, COARSE / 36):
         u = minimise(Problem(data, bench.free, (), floor), u, 2, 1e-2).u
     return minimise(Problem(data, bench.free, ()), u, 4, 1e-2)
-
-
-def levels_differ(base: Fit) -> bool:
-    """Whether what one level answers per newton is not what the other answers."""
-    sines = base.problem.data.sines
-    if sines is None:
-        return False
-    rows, y = all_rows(base.problem.data)[-1], forward(base.problem.twin(base.u), base.problem.data)[-1]
-    shape = (y.shape[0], *sines.source.lines.shape)
-    middle = shape[-1] // 2
-    ratio = (rows.y / y).reshape(shape)[:, :, middle]
-    spread = (rows.sigma / np.abs(y)).reshape(shape)[:, :, middle]
-    common = np.sqrt(rows.common).reshape(shape[1:])[:, middle] / np.maximum(
-        np.linalg.norm((rows.y / rows.sigma).reshape(shape)[:, :, middle], axis=0), 1e-300
-    )
-    differences: list[float] = []
-    by_line: dict[float, list[int]] = {}
-    for j, hz in enumerate(sines.source.frequency_hz):
-        by_line.setdefault(round(float(hz), 4), []).append(j)
-    for pair in by_line.values():
-        if len(pair) == 2:
-            a, b = pair
-            step = ratio[:, a] / np.where(ratio[:, b] == 0, 1, ratio[:, b]) - 1
-            noise = np.hypot(spread[:, a], spread[:, b]) + np.hypot(common[a], common[b])
-            ok = np.isfinite(noise)
-            if np.any(ok):
-                differences.append(float(np.median(np.abs(step[ok]) / (noise[ok] + 2e-4))))
-    return len(differences) >= 3 and float(np.quantile(differences, 0.8)) > 8 + 20 * misfit(base.problem, base.u)

@@ -43,6 +43,7 @@ class _Asked:
     overtones: Overtones
     matters: Reduced | None
     unseen: Reduced
+    linear: list[Level] | None
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
@@ -50,7 +51,13 @@ class _Asked:
 
 
 def search_stepped(
-    bench: Bench, prepared: Prepared, base: Fit, overtones: Overtones, matters: Reduced | None, unseen: Reduced
+    bench: Bench,
+    prepared: Prepared,
+    base: Fit,
+    overtones: Overtones,
+    matters: Reduced | None,
+    unseen: Reduced,
+    linear: list[Level] | None = None,
 ) -> Choice:
     """What explains a bench that answers out of proportion.
 
@@ -61,8 +68,9 @@ def search_stepped(
         overtones: which the records show.
         matters: see `choose`.
         unseen: see `choose`.
+        linear: the rounds of linear effects alone, if they are known.
     """
-    asked = _Asked(bench, prepared, base, overtones, matters, unseen)
+    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear)
     with part(0.0, 0.4):
         levels = _alone(asked)
     first = asked.judged(levels)
@@ -92,7 +100,7 @@ def _with_linear(asked: _Asked, levels: list[Level], first: Choice) -> Choice | 
 def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
     """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
     with part(0.6, 0.8):
-        rounds = explain(asked.bench, asked.base)
+        rounds = asked.linear or explain(asked.bench, asked.base)
     linear = choose(asked.bench, rounds, asked.matters)
     if linear.explained:
         return linear

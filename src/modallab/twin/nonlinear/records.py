@@ -147,7 +147,10 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
             out,
             pushed,
         )
-    return Added(out[0] + 1j * out[1], pushed)
+    # Motion that grew without bound stays infinite: no product with 1j may make it undefined.
+    added = out[0].astype(complex)
+    added.imag = out[1]
+    return Added(added, pushed)
 
 
 def _split(values: Complex) -> Array:

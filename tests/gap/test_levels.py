@@ -1,0 +1,35 @@
+"""Levels of the sines that disagree show what depends on the size of the motion, with or without overtones."""
+
+import numpy as np
+import pytest
+
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.fit import Problem, seen
+from modallab.gap.model.nuisances import nuisances
+from modallab.gap.report.initial_gap import TOP_HZ, bench_of
+from modallab.gap.report.levels import frequencies_apart, levels_differ, some_levels_differ
+
+CUBIC = Effect(effect="cubic_spring", parameters={"k3": 3e9}, place={"x": 0.6})
+MASS = Effect(effect="added_mass", parameters={"mass": 0.02}, place={"x": 0.7})
+
+
+def as_the_rig_says(rig, make, *effects):
+    prepared = prepare(make(*effects, tests=("sine",)))
+    free = nuisances(rig, TOP_HZ)
+    bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
+    return seen(Problem(bench.data, free, ()), np.zeros(free.size))
+
+
+@pytest.mark.parametrize(("effects", "differ"), [((CUBIC,), True), ((MASS,), False), ((), False)])
+def test_levels_disagree_where_a_spring_hardens_and_not_where_a_mass_is_added(rig, make, effects, differ):
+    base = as_the_rig_says(rig, make, *effects)
+    assert levels_differ(base) is differ
+    assert some_levels_differ(base) is differ
+
+
+def test_without_sines_no_level_can_disagree(rig, make):
+    prepared = prepare(make(CUBIC, tests=("impact",)))
+    free = nuisances(rig, TOP_HZ)
+    bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
+    assert frequencies_apart(seen(Problem(bench.data, free, ()), np.zeros(free.size))) == (0, 0)
