@@ -45,6 +45,8 @@ class Search:
             alike both ways, even ones too where it does not.
         acts: of an effect that depends on the size of the motion, what it does at its place: a force on the beam, a
             couple that bends it, or a couple at the root; None where it acts all along the beam.
+        by_sine: of an effect that is stepped, whether each sine counts by its own relative error: beside a resonance
+            such a law is right or wrong, and squares in noise units would follow the one that is furthest off.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
@@ -64,6 +66,7 @@ class Search:
     inexact: float = 0.0
     overtones: Overtones = "odd"
     acts: Acts | None = None
+    by_sine: bool = False
     rough: bool = False
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
     beyond: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf

@@ -134,7 +134,7 @@ def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
     """
     if _share_closed(base, fit, unseen) >= CLOSED_STEPPED:
         return True
-    if any(search_of(c.effect).rough for c in fit.problem.candidates) and unseen.sines is not None:
+    if any(search_of(c.effect).by_sine for c in fit.problem.candidates) and unseen.sines is not None:
         unseen = replace(unseen, impacts=())
     before, after = (_mean_square(f, unseen) for f in (base, fit))
     return after <= (1 - CLOSED_STEPPED) * before

@@ -73,7 +73,7 @@ def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: fl
 
 
 def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
-    if search_of(fit.problem.candidates[-1].effect).rough:
+    if search_of(fit.problem.candidates[-1].effect).by_sine:
         return follows(bench, fit, base, WRONG)
     linear = seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base.u)
     return fit.cost <= WRONG * linear.cost
@@ -93,7 +93,7 @@ def _cost(fit: Fit) -> float:
 
 def _fitted(fit: Fit) -> Fit:
     """The same with ever less forgiven."""
-    if search_of(fit.problem.candidates[-1].effect).rough:
+    if search_of(fit.problem.candidates[-1].effect).by_sine:
         return seen(replace(fit.problem, floor=LOOKED / 20, held=beam_at(fit.u)), fit.u)
     for floor, steps in ((LOOKED / 3, 2), (LOOKED / 20, 3)):
         # The beam that the poles show stays, as firmly as more is forgiven.
@@ -106,7 +106,7 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
 
     The law may not be exact.
     """
-    if search_of(fit.problem.candidates[-1].effect).rough:
+    if search_of(fit.problem.candidates[-1].effect).by_sine:
         return followed_on_all(bench, fit)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
     first = seen(exact, fit.u)

@@ -6,6 +6,7 @@ valley, and one wrong channel does not decide.
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -45,18 +46,23 @@ def likeliest(problem: Problem, begins: list[Array]) -> Array:
         begins: coordinates to begin from.
     """
 
-    def own(u: Array) -> float:
-        return score(problem, u)
-
     def polished(u: Array) -> Array:
         return _polished(problem, u)
 
+    chosen = apart(problem, begins)
     with ThreadPoolExecutor(WORKERS) as workers:
-        chosen: list[Array] = []
-        for i in np.argsort(list(workers.map(own, begins))):
-            if not any(_same(problem, begins[i], u) for u in chosen):
-                chosen.append(begins[i])
-        return min(workers.map(polished, chosen[:BEGUN]), key=own)
+        return min(workers.map(polished, chosen), key=partial(score, problem))
+
+
+def apart(problem: Problem, begins: list[Array]) -> list[Array]:
+    """The best of the starts that are not the same, best first."""
+    with ThreadPoolExecutor(WORKERS) as workers:
+        scores = list(workers.map(partial(score, problem), begins))
+    chosen: list[Array] = []
+    for i in np.argsort(scores):
+        if not any(_same(problem, begins[i], u) for u in chosen):
+            chosen.append(begins[i])
+    return chosen[:BEGUN]
 
 
 def score(problem: Problem, u: Array) -> float:

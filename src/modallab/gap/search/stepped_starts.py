@@ -17,7 +17,7 @@ from modallab.gap.search.acting import acting_at
 from modallab.gap.search.few_blocks import even_blocks
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.rough_fit import followed
-from modallab.gap.search.rough_starts import FREQUENCIES, likeliest
+from modallab.gap.search.rough_starts import FREQUENCIES, apart, likeliest, score
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import search_of
 
@@ -45,9 +45,10 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
         for own in product(*(slot.starts for slot in located.slots))
         for u in _begins(bench, base, located, own)
     ]
-    if search_of(candidate.effect).rough:
+    if search_of(candidate.effect).by_sine:
         even = replace(problem, data=even_blocks(bench.data, FREQUENCIES), floor=0.0)
-        return [seen(problem, followed(even, likeliest(even, [u for _, u in begins]), 2))]
+        u = _by_sine(even, [u for _, u in begins], search_of(candidate.effect).rough)
+        return [seen(problem, u)]
     chosen = _one_a_place(replace(problem, data=some[1]), begins)
 
     def first(u: Array) -> Fit:
@@ -55,6 +56,13 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
 
     with ThreadPoolExecutor(WORKERS) as workers:
         return sorted(workers.map(first, chosen), key=lambda f: f.cost)
+
+
+def _by_sine(even: Problem, begins: list[Array], rough: bool) -> Array:
+    """Where the sines are followed best; slopes lead there from the likeliest starts, or after these were polished."""
+    if rough:
+        return followed(even, likeliest(even, begins), 2)
+    return min((followed(even, u, 2) for u in apart(even, begins)), key=lambda u: score(even, u))
 
 
 def _one_a_place(problem: Problem, begins: list[tuple[float | None, Array]]) -> list[Array]:

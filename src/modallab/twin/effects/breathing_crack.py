@@ -41,6 +41,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=False,
     # How far a crack weakens the beam beside it is a convention.
-    search=Search(rank=90, slots=_slots, inexact=0.05, rough=True, overtones="even", acts="couple"),
+    search=Search(rank=90, slots=_slots, inexact=0.05, by_sine=True, rough=True, overtones="even", acts="couple"),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

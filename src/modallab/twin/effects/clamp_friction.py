@@ -22,8 +22,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_slip", "log", spread(7 * unit, 22 * unit, 2)),
-        Slot("k_stick", "log", spread(40 * unit, 140 * unit, 2), power=-1.0),
+        Slot("k_slip", "log", spread(7 * unit, 70 * unit, 3)),
+        Slot("k_stick", "log", spread(40 * unit, 500 * unit, 3), power=-1.0),
         Slot("moment_limit", "log", spread(1.5e-5 * unit, 2e-3 * unit, 5), power=-1.0),
         Slot("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
@@ -48,6 +48,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root"),
+    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )
