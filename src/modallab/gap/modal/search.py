@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.modal.candidates import Candidate, candidates
+from modallab.gap.modal.candidates import Candidate, candidates, nearby
 from modallab.gap.modal.free import NOTHING, Change, Free
 
 Real = NDArray[np.float64]
@@ -13,10 +13,18 @@ Real = NDArray[np.float64]
 STEPS = 8
 FIRST_STEPS = 4
 """Of a fit that only says which of one kind is worth another."""
-THIN = slice(None, None, 3)
-"""Lines that are screened."""
-REFINED = 2
-"""Candidates of each kind that are fitted to the end."""
+THIN = slice(None, None, 2)
+"""Lines on which the search begins."""
+REFINED = 3
+"""Candidates of each kind that are fitted where the search begins."""
+KEPT = 2
+"""Of those, how many are fitted on."""
+LIKELY = 3
+"""Kinds that are fitted to the end."""
+NEARBY = 4
+"""Points about the place that was found, from which it is looked for again."""
+CLOSER = 4.0
+"""How much looser they are fitted at first."""
 ENOUGH = 1e-3
 
 
@@ -78,8 +86,9 @@ def fit(
 
 
 def _step(normal: Real, gradient: Real, damping: float) -> Real:
-    # Numbers of very different size: each is counted in its own deviation.
+    # Numbers of very different size: each is counted in its own deviation. One that moves nothing stays where it is.
     scale = np.sqrt(np.diag(normal))
+    scale = np.where(scale > 0, scale, 1.0)
     even = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
     return -np.linalg.solve(even, gradient / scale) / scale
 
@@ -110,36 +119,51 @@ def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + prior * off
 
 
-def screened(free: Free, base: Fitted) -> list[tuple[float, Candidate, Real]]:
-    """Cost of each candidate at its best start, after one step of the tolerances; the least first."""
-    jacobian = free.slopes(base.u, NOTHING, THIN)
-    normal = jacobian.T @ jacobian + np.eye(free.size)
+def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
+    """Cost of each candidate at its best start, after one step of the tolerances from what is believed; least first."""
+    u = np.zeros(free.size)
+    jacobian = free.slopes(u)
+    normal = np.linalg.inv(jacobian.T @ jacobian + np.eye(free.size))
     found: list[tuple[float, Candidate, Real]] = []
     for candidate in candidates(free.of):
-        costs: list[float] = []
-        for start in candidate.starts:
-            left = free.residual(base.u, candidate.make(start), THIN)
-            gradient = jacobian.T @ left + base.u
-            gain = gradient @ np.linalg.solve(normal, gradient)
-            costs.append(float(left @ left + base.u @ base.u - gain))
+        left = np.stack([free.residual(u, candidate.make(start)) for start in candidate.starts], axis=1)
+        gradient = jacobian.T @ left
+        costs = np.sum(left**2, axis=0) - np.sum(gradient * (normal @ gradient), axis=0)
         best = int(np.argmin(costs))
-        found.append((costs[best], candidate, candidate.starts[best]))
+        found.append((float(costs[best]), candidate, candidate.starts[best]))
     return sorted(found, key=lambda f: f[0])
 
 
 def explanations(coarse: Free, fine: Free) -> tuple[Fitted, list[Fitted]]:
-    """The fit without any change, and the best of each kind; the one that leaves least first.
+    """The fit without any change, and the best of the likely kinds; the one that leaves least first.
 
     Args:
         coarse: smoothed so far that modes overlap with where they were, and loose: where the search begins.
         fine: what counts.
     """
-    base = fit(coarse)
+    thin, closer = Free(coarse.of.thinned(THIN), coarse.loose), Free(fine.of, CLOSER)
+    base = fit(closer, None, fit(thin).u, None, FIRST_STEPS)
     tried: dict[str, list[Fitted]] = {}
-    for _, candidate, start in screened(coarse, base):
+    for _, candidate, start in screened(thin):
         of_kind = tried.setdefault(candidate.effect, [])
-        if len(of_kind) < REFINED:
-            of_kind.append(fit(coarse, candidate, base.u, start, FIRST_STEPS))
-    best = [min(group, key=lambda f: f.cost) for group in tried.values()]
-    final = [fit(fine, f.candidate, f.u, f.v) for f in best]
-    return fit(fine, None, base.u), sorted(final, key=lambda f: f.cost)
+        if len(of_kind) < (REFINED if candidate.freedoms else 1):
+            of_kind.append(fit(thin, candidate, None, start, FIRST_STEPS))
+    likely = sorted((sorted(group, key=lambda f: f.cost) for group in tried.values()), key=lambda g: g[0].cost)
+    final: list[Fitted] = []
+    for group in likely[:LIKELY]:
+        nearly = [fit(closer, f.candidate, f.u, f.v, FIRST_STEPS) for f in group[:KEPT]]
+        best = min(nearly, key=lambda f: f.cost)
+        final.append(fit(fine, best.candidate, best.u, best.v))
+    final.sort(key=lambda f: f.cost)
+    final[0] = _from_nearby(closer, fine, final[0])
+    return fit(fine, None, base.u), final
+
+
+def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
+    """The best of it and of fits begun at points nearby: along a wave one place may stand for another."""
+    if best.candidate is None or not best.candidate.freedoms:
+        return best
+    starts = nearby(fine.of, best.candidate, best.v, NEARBY)
+    nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
+    fits = [best, *(fit(fine, f.candidate, f.u, f.v) for f in sorted(nearly, key=lambda f: f.cost)[:KEPT])]
+    return min(fits, key=lambda f: f.cost)
