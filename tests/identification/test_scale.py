@@ -92,7 +92,7 @@ def test_the_later_calibration_counts():
 
 
 def test_a_sensor_across_the_drive_is_none_at_the_driving_point():
-    """Two sensors stand at the struck point; the one listed first looks across the blow."""
+    """Two sensors stand at the struck point; the one listed first looks across the drive."""
     turned = rig({}).model_dump(mode="json")
     turned["channels"][1] |= {"point": DRIVEN, "direction": "+y"}
     along = Rig.model_validate(turned)

@@ -23,8 +23,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 SMOOTH = 0.01
 """Sigma over omega: the damping ratio that every mode seems to have more."""
-COARSE = 0.05
-"""The same where a search begins: modes that have moved by that much still overlap with where they were."""
+SMOOTHER = (0.2, 0.05)
+"""The same where a search begins, and then: modes that have moved by that much still overlap with where they were."""
 ABOUT = (-1.5, 0.0, 1.5)
 """Lines about each mode, in units of that."""
 BETWEEN = 5

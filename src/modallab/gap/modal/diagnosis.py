@@ -8,7 +8,7 @@ from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.compared import COARSE, Compared, compared
+from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.judged import Judged, judged, strain
 from modallab.gap.modal.search import Fitted, explanations
@@ -37,8 +37,14 @@ def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig) -> Mod
     """
     known = with_tolerances(rig)
     free = Free(compared(reference, bench, known))
-    base, tried = explanations(Free(compared(reference, bench, known, COARSE), LOOSE), free)
+    base, tried = explanations(levels(reference, bench, known, free))
     return _said(free, judged(free, base, tried), (reference.n_modes, bench.n_modes))
+
+
+def levels(reference: ModalModel, bench: ModalModel, rig: Rig, last: Free) -> list[Free]:
+    """The comparison from the smoothest and loosest to the last."""
+    smoother = [Free(compared(reference, bench, rig, smooth), LOOSE) for smooth in SMOOTHER]
+    return [*smoother, Free(last.of, LOOSE), last]
 
 
 def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:

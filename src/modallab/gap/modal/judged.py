@@ -17,8 +17,9 @@ FLAT = 1.5
 SURE = 20.0
 """Decrease of misfit and priors, in squares of what the explanation leaves, from which chance is no reason: some
 hundred changes are tried, each with up to four numbers."""
-CLOSED = 0.7
-"""Share of the strain's square beyond 1 that an explanation has to take away."""
+CLOSED = 0.5
+"""Share of the strain's square beyond 1 that an explanation has to take away. A large mass or spring leaves a part:
+modes outside the band answer to it in more ways than by one compliance at its place."""
 EXCEEDING = 3.0
 """Deviations of its own tolerance beyond which a change is one."""
 

@@ -1,5 +1,6 @@
 """Which change explains best what the tolerances leave: Gauss-Newton with priors, screened by one step of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +16,12 @@ FIRST_STEPS = 4
 """Of a fit that only says which of one kind is worth another."""
 THIN = slice(None, None, 2)
 """Lines on which the search begins."""
-REFINED = 3
+REFINED = 2
 """Candidates of each kind that are fitted where the search begins."""
-KEPT = 2
-"""Of those, how many are fitted on."""
 LIKELY = 3
 """Kinds that are fitted to the end."""
-NEARBY = 4
+NEARBY = 3
 """Points about the place that was found, from which it is looked for again."""
-CLOSER = 4.0
-"""How much looser they are fitted at first."""
 ENOUGH = 1e-3
 
 
@@ -134,29 +131,34 @@ def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
     return sorted(found, key=lambda f: f[0])
 
 
-def explanations(coarse: Free, fine: Free) -> tuple[Fitted, list[Fitted]]:
+def explanations(levels: Sequence[Free]) -> tuple[Fitted, list[Fitted]]:
     """The fit without any change, and the best of the likely kinds; the one that leaves least first.
 
     Args:
-        coarse: smoothed so far that modes overlap with where they were, and loose: where the search begins.
-        fine: what counts.
+        levels: the comparison from the smoothest, where modes overlap with where they were, to the one that counts.
     """
-    thin, closer = Free(coarse.of.thinned(THIN), coarse.loose), Free(fine.of, CLOSER)
-    base = fit(closer, None, fit(thin).u, None, FIRST_STEPS)
+    thin = Free(levels[0].of.thinned(THIN), levels[0].loose)
+    ways = (thin, *levels[1:])
+    base = _followed(ways, None, None)
     tried: dict[str, list[Fitted]] = {}
     for _, candidate, start in screened(thin):
         of_kind = tried.setdefault(candidate.effect, [])
         if len(of_kind) < (REFINED if candidate.freedoms else 1):
             of_kind.append(fit(thin, candidate, None, start, FIRST_STEPS))
-    likely = sorted((sorted(group, key=lambda f: f.cost) for group in tried.values()), key=lambda g: g[0].cost)
-    final: list[Fitted] = []
-    for group in likely[:LIKELY]:
-        nearly = [fit(closer, f.candidate, f.u, f.v, FIRST_STEPS) for f in group[:KEPT]]
-        best = min(nearly, key=lambda f: f.cost)
-        final.append(fit(fine, best.candidate, best.u, best.v))
-    final.sort(key=lambda f: f.cost)
-    final[0] = _from_nearby(closer, fine, final[0])
-    return fit(fine, None, base.u), final
+    likely = sorted((min(group, key=lambda f: f.cost) for group in tried.values()), key=lambda f: f.cost)
+    final = sorted((_followed(ways[1:], f, f.candidate) for f in likely[:LIKELY]), key=lambda f: f.cost)
+    final[0] = _from_nearby(levels[-2], levels[-1], final[0])
+    return base, final
+
+
+def _followed(levels: Sequence[Free], start: Fitted | None, candidate: Candidate | None) -> Fitted:
+    """A fit from level to level, to its end at the last."""
+    found = start
+    for n, level in enumerate(levels):
+        u, v = (None, None) if found is None else (found.u, found.v)
+        found = fit(level, candidate, u, v, STEPS if n == len(levels) - 1 else FIRST_STEPS)
+    assert found is not None
+    return found
 
 
 def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
@@ -165,5 +167,5 @@ def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
         return best
     starts = nearby(fine.of, best.candidate, best.v, NEARBY)
     nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
-    fits = [best, *(fit(fine, f.candidate, f.u, f.v) for f in sorted(nearly, key=lambda f: f.cost)[:KEPT])]
-    return min(fits, key=lambda f: f.cost)
+    other = min(nearly, key=lambda f: f.cost)
+    return min(best, fit(fine, other.candidate, other.u, other.v), key=lambda f: f.cost)

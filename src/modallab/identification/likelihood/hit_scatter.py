@@ -23,7 +23,7 @@ Real = NDArray[np.float64]
 LEAST_FREEDOM = 2.5
 """Degrees of freedom below which hits say nothing of their scatter: four that are alike have three."""
 UNLIKE = 0.05
-"""Modes whose scatters would be so far apart no more often by chance are told from one another."""
+"""Modes whose scatters would be so far apart no more often by chance are taken apart."""
 CHANCE = 0.001
 """Noise alone lets the scatter count for a mode's frequency, or its damping, no more often than this."""
 
@@ -47,7 +47,7 @@ def factors_by_scatter(fit: Fit, misfit: float) -> Real:
     ratio = np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny)
     enough = freedom >= LEAST_FREEDOM
     freedom = np.maximum(freedom, LEAST_FREEDOM)
-    # What shifts frequencies shifts those of all modes: there each mode tells no more than one of them does.
+    # What shifts frequencies shifts those of all modes: there all modes say no more than one of them does.
     zeta = slice(1, None, 2)
     ratio[zeta], freedom[zeta] = together(pulls[:, zeta], ratio[zeta], freedom[zeta], enough[zeta])
     found = stats.t.ppf(0.975, freedom) / stats.norm.ppf(0.975) * np.sqrt(ratio)
