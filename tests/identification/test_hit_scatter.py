@@ -74,7 +74,7 @@ def test_what_the_misfit_does_not_touch_is_known_by_its_scatter():
     assert np.all(close >= 0.1)
 
 
-def test_dampings_that_scatter_alike_are_told_together_and_others_apart():
+def test_dampings_that_scatter_alike_are_estimated_together_and_others_apart():
     rng = np.random.default_rng(5)
     pulls, one, all_ = rng.standard_normal((5, 3)), np.full(3, 4.0), np.ones(3, bool)
     ratio, freedom = together(pulls, np.array([0.2, 0.3, 0.4]), one, all_)
