@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modallab.identification.impact import identify_impact
-from modallab.identification.likelihood.hit_scatter import factors_by_scatter, hit_pulls, together
+from modallab.identification.likelihood.hit_scatter import factors_by_scatter, hit_pulls
 from modallab.identification.options import Options
 from modallab.signals.signals import to_signals_of
 
@@ -72,16 +72,3 @@ def test_what_the_misfit_does_not_touch_is_known_by_its_scatter():
     assert np.all(close <= far)
     assert np.any(close[far == 1] < 1)
     assert np.all(close >= 0.1)
-
-
-def test_dampings_that_scatter_alike_are_estimated_together_and_others_apart():
-    rng = np.random.default_rng(5)
-    pulls, one, all_ = rng.standard_normal((5, 3)), np.full(3, 4.0), np.ones(3, bool)
-    ratio, freedom = together(pulls, np.array([0.2, 0.3, 0.4]), one, all_)
-    np.testing.assert_allclose(ratio, 0.3)
-    assert 6 < freedom[0] <= 12
-    # What one cause does to all of them is known no better than by one.
-    _, of_one_cause = together(np.outer(pulls[:, 0], [1.0, 2.0, -1.0]), np.array([0.2, 0.3, 0.4]), one, all_)
-    np.testing.assert_allclose(of_one_cause, 4.0)
-    unlike = np.array([0.02, 0.3, 40.0])
-    np.testing.assert_array_equal(together(pulls, unlike, one, all_)[0], unlike)

@@ -4,11 +4,10 @@ The fit's covariance is that of noise. Where the structure itself changes a litt
 temperature or a clamp that settles, each hit pulls the poles its own way by more than that. What a hit pulls is its
 part of the projected score, times the covariance; the sum of the squares of all pulls is the covariance that holds,
 whatever the reason (the sandwich estimate, clustered by hits). Hits of which each knows its share w of a parameter pull
-by covariances diag(w) - w w^T under noise alone, which gives the sum's mean and its degrees of freedom. Five hits tell
-the scatter of one mode by four of these only; where the dampings of all modes scatter alike, they tell it together.
+by covariances diag(w) - w w^T under noise alone, which gives the sum's mean and its degrees of freedom.
 Sources: White, "Maximum likelihood estimation of misspecified models", Econometrica 50 (1982); Cameron and Miller, "A
 practitioner's guide to cluster-robust inference", Journal of Human Resources 50 (2015); Satterthwaite, Biometrics
-Bulletin 2 (1946); Bartlett, "Properties of sufficiency and statistical tests", Proc. Royal Society A 160 (1937).
+Bulletin 2 (1946).
 """
 
 import numpy as np
@@ -22,8 +21,6 @@ Real = NDArray[np.float64]
 
 LEAST_FREEDOM = 2.5
 """Degrees of freedom below which hits say nothing of their scatter: four that are alike have three."""
-UNLIKE = 0.05
-"""Modes whose scatters would be so far apart no more often by chance are taken apart."""
 CHANCE = 0.001
 """Noise alone lets the scatter count for a mode's frequency, or its damping, no more often than this."""
 
@@ -47,46 +44,10 @@ def factors_by_scatter(fit: Fit, misfit: float) -> Real:
     ratio = np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny)
     enough = freedom >= LEAST_FREEDOM
     freedom = np.maximum(freedom, LEAST_FREEDOM)
-    # What shifts frequencies shifts those of all modes: there all modes say no more than one of them does.
-    zeta = slice(1, None, 2)
-    ratio[zeta], freedom[zeta] = together(pulls[:, zeta], ratio[zeta], freedom[zeta], enough[zeta])
     found = stats.t.ppf(0.975, freedom) / stats.norm.ppf(0.975) * np.sqrt(ratio)
     least = 1 / max(1.0, misfit) if np.isfinite(misfit) else 1.0
     far = ratio > stats.chi2.isf(CHANCE, freedom) / freedom
     return np.where(enough, np.where(far, found, np.clip(found, least, 1.0)), 1.0).reshape(-1, 2)
-
-
-def together(pulls: Real, ratio: Real, freedom: Real, enough: NDArray[np.bool_]) -> tuple[Real, Real]:
-    """Scatter over noise, and its degrees of freedom, of modes that tell it together where they are alike.
-
-    What pulls all modes the same way, as a temperature does, tells no more than one mode would: degrees of freedom add
-    up as far as the pulls are independent.
-
-    Args:
-        pulls: (hits, modes).
-        ratio: (modes,) of the sum of their squares to what noise makes it.
-        freedom: (modes,) that each has.
-        enough: (modes,) those that say anything.
-
-    Returns:
-        both (modes,), of every mode its own where they are not alike (Bartlett's test).
-    """
-    count = int(np.count_nonzero(enough))
-    if count < 2 or not np.all(ratio[enough] > 0):
-        return ratio, freedom
-    own, of_own = ratio[enough], freedom[enough]
-    whole = float(of_own.sum())
-    pooled = float(of_own @ own) / whole
-    apart = whole * np.log(pooled) - float(of_own @ np.log(own))
-    apart /= 1 + (float(np.sum(1 / of_own)) - 1 / whole) / (3 * (count - 1))
-    if apart > stats.chi2.isf(UNLIKE, count - 1):
-        return ratio, freedom
-    unit = pulls[:, enough] / np.linalg.norm(pulls[:, enough], axis=0)
-    # Few hits feign a correlation, of 1 / (hits - 1) in its square.
-    feigned = 1 / max(len(pulls) - 1, 2)
-    alike = np.clip(((unit.T @ unit) ** 2 - feigned) / (1 - feigned), 0.0, 1.0)
-    independent = count**2 / float(np.sum(alike))
-    return np.where(enough, pooled, ratio), np.where(enough, max(whole * independent / count, of_own.max()), freedom)
 
 
 def hit_pulls(fit: Fit) -> tuple[Real, Real]:
