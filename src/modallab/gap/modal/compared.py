@@ -27,6 +27,8 @@ SMOOTHER = (0.2, 0.05)
 """The same where a search begins, and then: modes that have moved by that much still overlap with where they were."""
 ABOUT = (-1.5, 0.0, 1.5)
 """Lines about each mode, in units of that."""
+CLOSE = 0.05
+"""Modes whose frequencies differ by less are close."""
 BETWEEN = 5
 """Lines evenly over the band."""
 
@@ -68,6 +70,12 @@ class Compared:
         s, measured = self.s[lines], self.measured[lines]
         own = weights(self.model, self.bench, s, measured)
         return replace(self, s=s, outside=self.outside[lines], measured=measured, weights=own)
+
+    @property
+    def close_pairs(self) -> list[tuple[int, int]]:
+        """Modes of the reference that a small change turns into one another, and their damping with them."""
+        omega = self.model.frequency_hz
+        return [(r, q) for r in range(len(omega)) for q in range(r) if abs(omega[r] / omega[q] - 1) < CLOSE]
 
     def shifted(self, output: int, along_m: Real) -> Real:
         """(modes,) by how much the shapes change where a sensor sits (2,) metres along the tangents from its point."""

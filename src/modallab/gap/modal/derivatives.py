@@ -27,7 +27,7 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     squared = (s**2)[:, None, None]
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
     parts = np.split(found, np.cumsum(sizes)[:-1])
-    stiff, mass, field, damping, gains, force, hits, at, struck, masses = parts
+    stiff, mass, field, damping, gains, force, hits, at, struck, masses, across = parts
     stiff[0] = -state.stiffness * (x * omega**2 @ y)
     mass[0] = -state.mass * squared * (x @ y)
     for n, (r, q) in enumerate(zip(*np.triu_indices(modes), strict=True)):
@@ -35,6 +35,10 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
         if r != q:
             field[n] += x[:, :, q, None] * y[:, None, r, :]
         field[n] *= -omega[r] * omega[q]
+    for n, (r, q) in enumerate(c.close_pairs):
+        size = 2 * np.sqrt(state.zeta[r] * omega[r] * state.zeta[q] * omega[q])
+        pair = x[:, :, r, None] * y[:, None, q, :] + x[:, :, q, None] * y[:, None, r, :]
+        across[n] = -size * s[:, None, None] * pair
     for r in range(modes):
         damping[r] = -2 * state.zeta[r] * omega[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
     force[0] = -whole

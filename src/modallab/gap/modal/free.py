@@ -59,7 +59,7 @@ class Free:
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """How many numbers of each part: stiffness, mass, field, damping, gains, force, hits, places, masses."""
+        """How many numbers of each part: stiffness, mass, field, damping, gains, force, hits, places, masses, across."""
         outputs, inputs = len(self.of.out_psi), len(self.of.into_psi)
         return (
             1,
@@ -72,6 +72,7 @@ class Free:
             2 * outputs,
             2 * inputs,
             outputs,
+            len(self.of.close_pairs),
         )
 
     @property
@@ -89,6 +90,7 @@ class Free:
             t.position_m,
             t.hit_position_m,
             t.sensor_mass_kg,
+            log(self.of.rig.damping_ratio.factor) / 2,
         )
         return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
 
@@ -103,7 +105,7 @@ class Free:
 
     def state(self, u: Real, change: Change = NOTHING) -> State:
         """All numbers of the prediction."""
-        kappa, mu, field, zeta, gains, force, hits, at, struck, masses = self.parts(u)
+        kappa, mu, field, zeta, gains, force, hits, at, struck, masses, across = self.parts(u)
         c = self.of
         gain = np.exp(gains)
         for o, factor in change.gains:
@@ -116,6 +118,9 @@ class Free:
         upper = np.triu_indices(self.modes)
         e = np.zeros((self.modes, self.modes))
         e[upper] = field
+        damped = np.zeros_like(e)
+        for (r, q), value in zip(c.close_pairs, across, strict=True):
+            damped[r, q] = damped[q, r] = value
         return State(
             omega=2 * np.pi * c.model.frequency_hz,
             zeta=c.model.damping_ratio * np.exp(zeta),
@@ -126,6 +131,7 @@ class Free:
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),
             field=e + np.triu(e, 1).T,
+            across=damped,
             sensor_masses=masses,
             sensor_shapes=c.out_psi,
             hung=change.hung,
