@@ -59,7 +59,7 @@ class Free:
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """How many numbers of each part: stiffness, mass, field, damping, gains, force, hits, places, masses, across."""
+        """How many of each: stiffness, mass, field, damping, gains, force, hits, places, masses, damping across."""
         outputs, inputs = len(self.of.out_psi), len(self.of.into_psi)
         return (
             1,
