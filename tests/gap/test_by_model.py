@@ -11,6 +11,7 @@ from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.shapes import shapes_of
+from modallab.gap.modal.weights import Weights
 
 A, B, MASS_KG = 0.5, 0.4, 2.0
 X, Y = (v.ravel() for v in np.meshgrid(np.linspace(0.1, 0.9, 5) * A, np.linspace(0.15, 0.85, 4) * B, indexing="ij"))
@@ -76,6 +77,29 @@ def test_the_derivatives_by_every_tolerance_are_those_of_differences() -> None:
         step = 1e-5 * np.eye(free.size)[k]
         difference = (free.residual(u + step) - free.residual(u - step)) / 2e-5
         np.testing.assert_allclose(slopes[:, k], difference, atol=1e-5 * max(np.abs(difference).max(), 1e-3))
+
+
+def test_a_misfit_counts_by_the_covariance_of_its_lines() -> None:
+    """r^T (S + B B^T)^-1 r, with the inverse taken as it stands."""
+    rng = np.random.default_rng(3)
+    terms = rng.standard_normal((2, 6)) + 1j * rng.standard_normal((2, 6))
+    misfit = rng.standard_normal((6, 1, 1)) + 1j * rng.standard_normal((6, 1, 1))
+    weights = Weights.of(np.full((6, 1, 1), 0.5), terms, np.array([3.0, 1e4]).reshape(2, 1, 1))
+    columns = np.concatenate([terms.real, terms.imag], axis=1).T * np.array([3.0, 1e4])
+    r = np.concatenate([misfit.real, misfit.imag]).ravel()
+    expected = r @ np.linalg.solve(0.25 * np.eye(12) + columns @ columns.T, r)
+    assert np.sum(weights.weighed(misfit[None]) ** 2) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_spring_that_moves_a_mode_by_a_quarter_is_found_from_afar() -> None:
+    there = shapes(np.array([0.17]), np.array([0.11]))
+    squared, turned = eigh(np.diag(OMEGA**2) + 3e4 * there @ there.T)
+    found = diagnose_by_model(REFERENCE, model(np.sqrt(squared), turned.T @ shapes(X, Y)), rig())
+    assert np.sqrt(squared[0]) / OMEGA[0] > 1.25
+    (effect,) = found.effects
+    assert effect.effect == "ground_spring"
+    assert effect.parameters["k"] == pytest.approx(3e4, rel=0.1)
+    assert np.linalg.norm(np.array(effect.place["at_m"]) - [0.17, 0.11, 0.0]) < 0.02
 
 
 def test_a_mass_is_found_where_it_is() -> None:

@@ -9,6 +9,7 @@ from modallab.core.hardware import Calibration
 from modallab.core.metrology import Certificate
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.identification.model.driving import driving_points
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.scale import relative_sigma, with_scale
 
@@ -88,3 +89,19 @@ def test_the_later_calibration_counts():
     assert relative_sigma(channel, known.model_copy(update={"history": (own,)})) == 0.03
     before = own.model_copy(update={"date": date(2024, 1, 1)})
     assert relative_sigma(channel, known.model_copy(update={"history": (before,)})) == 0.01
+
+
+def test_a_sensor_across_the_drive_is_none_at_the_driving_point():
+    """Two sensors stand at the struck point; the one listed first looks across the drive."""
+    turned = rig({}).model_dump(mode="json")
+    turned["channels"][1] |= {"point": DRIVEN, "direction": "+y"}
+    along = Rig.model_validate(turned)
+    phi = np.array([[0.2, 0.9, 1.5]])
+    constants = (phi[:, :, None] * phi[:, None, [1]]).astype(complex)
+    points = tuple(c.point for c in along.responses)
+    found = unit_mass_shapes(constants, np.full(constants.shape, 1e-6), points, (DRIVEN,), driving_points(along))
+    assert found.phi is not None
+    assert np.allclose(np.abs(found.phi), phi, rtol=1e-9)
+    across = along.model_copy(update={"drive_direction": "+x"})
+    none = unit_mass_shapes(constants, np.full(constants.shape, 1e-6), points, (DRIVEN,), driving_points(across))
+    assert "looks along the drive" in none.unavailable

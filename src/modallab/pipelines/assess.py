@@ -16,6 +16,7 @@ from modallab.frf.estimate import impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.model.driving import driving_points
 from modallab.identification.selection.assumptions import (
     CHANGE_LIMIT,
     SIGMAS,
@@ -63,8 +64,8 @@ def assess_impact(model: ModalModel, fit: Fit, groups: Groups, rig: Rig) -> Asse
     judges: list[Judge] = [
         ("linearity", lambda: linearity(*both(_two_levels), by_hits)),
         ("time invariance", lambda: time_invariance(*both(_first_and_last), by_hits)),
-        ("reciprocity", lambda: reciprocity(frf(groups), by_places)),
-        ("driving point", lambda: driving_point(frf(groups))),
+        ("reciprocity", lambda: reciprocity(_along(frf(groups), rig), by_places)),
+        ("driving point", lambda: driving_point(_along(frf(groups), rig))),
     ]
     least = least_strength(fit, model_error(fit, flat))
     return _assessed(model, fit, judges, least)
@@ -98,7 +99,7 @@ def assess_sine(model: ModalModel, fit: Fit, signals: Sequence[Signals], rig: Ri
         ("linearity", lambda: linearity(*_by_level(signals, rig))),
         ("time invariance", _not_in_this_test("every frequency is driven once at a level")),
         ("reciprocity", _not_in_this_test("a sine test drives one point")),
-        ("driving point", lambda: driving_point(stepped_frf(signals, rig))),
+        ("driving point", lambda: driving_point(_along(stepped_frf(signals, rig), rig))),
     ]
     return _assessed(model, fit, judges, least_strength(fit, float("nan")))
 
@@ -131,9 +132,14 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         ("linearity", linear),
         ("time invariance", lambda: time_invariance(*halves())),
         ("reciprocity", _not_in_this_test("a shaker test drives one point")),
-        ("driving point", lambda: driving_point(frf)),
+        ("driving point", lambda: driving_point(_along(frf, rig))),
     ]
     return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+
+
+def _along(frf: Frf, rig: Rig) -> Frf:
+    """The FRF with a point only for what moves along the drive: nothing else shows a driving point."""
+    return replace(frf, output_points=driving_points(rig))
 
 
 def assess_frf(model: ModalModel, fit: Fit, frf: Frf) -> Assessment:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from furnished import furnish
 from lab import RIG, Lab
+from scipy import io
 
 from modallab.core.documents.models import ComparisonView, ModelsView
 from modallab.core.rig import Rig
@@ -163,6 +164,27 @@ def test_a_file_that_is_sent_again_with_its_key_is_one_campaign(lab: Lab, campai
     assert again.headers["Idempotency-Replayed"] == "true"
     assert (another.status_code, another.json()["code"]) == (422, "idempotency-key")
     assert [c["id"] for c in found] == [first.json()["id"]]
+
+
+def test_a_map_says_what_the_arrays_of_a_file_are(lab: Lab, link_rig: Rig, tmp_path: Path) -> None:
+    count, times = len(link_rig.responses), np.arange(1024) / 1024.0
+    force = np.where(np.arange(1024) == 100, 50.0, 0.0)
+    acc = np.outer(np.sin(60 * times) * (times > 0.1), np.arange(1, count + 1))
+    io.savemat(tmp_path / "x.mat", {"q": times, "hammer": force, "readings": acc})
+    said = "{time: q, force: hammer, responses: readings, axes: [samples, outputs], response_unit: m/s^2}"
+    asked = {"name": "mapped", "rig": RIG, "format": "mat", "drive_point": link_rig.points[0].id}
+    with lab.client() as client:
+        file = (tmp_path / "x.mat").read_bytes()
+        made = client.post(f"{API}/imports", params=asked | {"map": said}, content=file)
+        assert made.status_code == 201, made.text
+        (block,) = lab.store.catalogue.blocks(made.json()["runs"][0])
+        wrong = [
+            client.post(f"{API}/imports", params=asked | {"map": "{time: q"}, content=file),
+            client.post(f"{API}/imports", params=asked | {"map": "{tyme: q, responses: readings}"}, content=file),
+            client.post(f"{API}/imports", params=asked | {"format": "uff", "map": said}, content=file),
+        ]
+    assert block.count == 1024
+    assert [(a.status_code, a.json()["code"]) for a in wrong] == [(422, "format"), (422, "format"), (422, "data")]
 
 
 def test_what_cannot_be_imported_says_why_and_leaves_nothing(lab: Lab) -> None:

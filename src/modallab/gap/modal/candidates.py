@@ -20,8 +20,12 @@ SPRINGS = np.geomspace(0.004, 10.0, 9)
 GAINS = (-1.0, 0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
 SHIFTS = (0.1, 0.3, 0.8)
 """Of a sensor, over the distance to the nearest point."""
+ROOM = 7.0
+"""By how much, as a logarithm, a mass or a spring may go beyond those to begin with."""
 COMPLIANCE_SPREAD = 0.7
 """Deviation of the logarithm of the local compliance."""
+MOST_SPREAD = 4.0
+"""Largest such logarithm."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -65,11 +69,9 @@ def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
     there = [tuple(f for f in c.shapes.freedoms if f[0] == p) for p in points]
     # A mass is moved along every axis, a spring pulls along one.
     groups = there if effect == "added_mass" else [(f,) for group in there for f in group]
-    omega = 2 * np.pi * c.model.frequency_hz
     local = c.local_compliance
     for group in groups:
-        psi = c.shapes.psi[:, [c.shapes.index(f) for f in group]]
-        seen = float(np.max(np.sum(psi**2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
+        seen = _seen(c, effect, group)
         if seen <= 0:
             continue
         sizes = (MASSES if effect == "added_mass" else SPRINGS) / seen
@@ -80,25 +82,50 @@ def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
             effect,
             group,
             None,
-            _hanging(c, effect, group, tangents, step, local),
+            _hanging(c, effect, group, tangents, step, local, np.log(sizes[[0, -1]]) + np.array([-ROOM, ROOM])),
             tuple(np.array([np.log(size), 0.0, 0.0, 0.0]) for size in sizes),
             np.array([np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9]),
             np.zeros(4),
         )
 
 
+def _seen(c: Compared, effect: str, group: Sequence[Freedom]) -> float:
+    return _felt(c, effect, c.shapes.psi[:, [c.shapes.index(f) for f in group]])
+
+
+def _felt(c: Compared, effect: str, psi: Real) -> float:
+    """Inverse of the least modal mass, or stiffness, that is seen where the shapes are `psi` (modes, directions)."""
+    omega = 2 * np.pi * c.model.frequency_hz
+    return float(np.max(np.sum(psi**2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
+
+
+def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
+    """The same kind of change from other points near its place, each of a size that the modes feel alike."""
+    first = found.freedoms[0]
+    offset = v[1:3] @ c.shapes.tangents(first)
+    here = c.shapes.at_m[c.shapes.index(first)] + offset
+    others = [o for o in _hung(c, found.effect) if o.freedoms != found.freedoms and o.freedoms[0][1] == first[1]]
+    others.sort(key=lambda o: float(np.linalg.norm(c.shapes.at_m[c.shapes.index(o.freedoms[0])] - here)))
+    psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in found.freedoms])
+    felt = _felt(c, found.effect, psi.T)
+    return [
+        (o, np.array([v[0] + np.log(felt / _seen(c, o.effect, o.freedoms)), 0.0, 0.0, v[3]])) for o in others[:count]
+    ]
+
+
 def _hanging(
-    c: Compared, effect: str, group: tuple[Freedom, ...], tangents: Real, step: float, local: float
+    c: Compared, effect: str, group: tuple[Freedom, ...], tangents: Real, step: float, local: float, within: Real
 ) -> Callable[[Real], Change]:
     outputs, inputs = _numbers(c, group)
 
     def make(v: Real) -> Change:
         offset = v[1:3] @ tangents
         psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in group])
-        size = float(np.exp(np.clip(v[0], -60, 60)))
+        size = float(np.exp(np.clip(v[0], *within)))
         mass, stiffness = (size, 0.0) if effect == "added_mass" else (0.0, size)
         near = float(np.exp(-((np.linalg.norm(offset) / (0.5 * step)) ** 2)))
-        return Change(Hung(psi, mass, stiffness, local * float(np.exp(v[3])), outputs, inputs, near))
+        compliance = local * float(np.exp(np.clip(v[3], -MOST_SPREAD, MOST_SPREAD)))
+        return Change(Hung(psi, mass, stiffness, compliance, outputs, inputs, near))
 
     return make
 

@@ -4,7 +4,7 @@ At s = sigma + j omega an FRF is as smooth as if every mode had that much more d
 be held against one another there while their frequencies still differ, and no noise is between the lines.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,22 +13,23 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
+from modallab.gap.modal.synthesis import outside, synthesised
+from modallab.gap.modal.weights import Weights
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 SMOOTH = 0.01
 """Sigma over omega: the damping ratio that every mode seems to have more."""
-COARSE = 0.05
-"""The same where a search begins: modes that have moved by that much still overlap with where they were."""
-ERROR = 0.01
-"""By how much of its size an FRF of a modal model is off, as one standard deviation."""
-SMALL = 0.3
-"""FRFs smaller than this share of the rms over all FRFs on a line are weighed as if they had it: nodes and dips."""
+SMOOTHER = (0.2, 0.05)
+"""The same where a search begins, and then: modes that have moved by that much still overlap with where they were."""
 ABOUT = (-1.5, 0.0, 1.5)
 """Lines about each mode, in units of that."""
-BETWEEN = 16
+CLOSE = 0.05
+"""Modes whose frequencies differ by less are close."""
+BETWEEN = 5
 """Lines evenly over the band."""
 
 
@@ -39,6 +40,7 @@ class Compared:
     Attributes:
         rig: of the bench.
         model: the reference.
+        bench: what the bench's model is.
         shapes: of the reference.
         out_psi: (outputs, modes) of the reference, signs in them.
         into_psi: (inputs, modes).
@@ -47,11 +49,12 @@ class Compared:
         s: (lines,) complex frequencies.
         outside: (lines, outputs, inputs) of the reference, what lies outside the band; m/N.
         measured: (lines, outputs, inputs) the bench's receptances.
-        sigma: (lines, outputs, inputs) by how much they may be off.
+        weights: of misfits.
     """
 
     rig: Rig
     model: ModalModel
+    bench: ModalModel
     shapes: Shapes
     out_psi: Real
     into_psi: Real
@@ -60,7 +63,32 @@ class Compared:
     s: Complex
     outside: Complex
     measured: Complex
-    sigma: Real
+    weights: Weights
+
+    def thinned(self, lines: slice) -> "Compared":
+        """On some of the lines."""
+        s, measured = self.s[lines], self.measured[lines]
+        own = weights(self.model, self.bench, s, measured)
+        return replace(self, s=s, outside=self.outside[lines], measured=measured, weights=own)
+
+    @property
+    def close_pairs(self) -> list[tuple[int, int]]:
+        """Modes of the reference that a small change turns into one another, and their damping with them."""
+        omega = self.model.frequency_hz
+        return [(r, q) for r in range(len(omega)) for q in range(r) if abs(omega[r] / omega[q] - 1) < CLOSE]
+
+    def shifted(self, output: int, along_m: Real) -> Real:
+        """(modes,) by how much the shapes change where a sensor sits (2,) metres along the tangents from its point."""
+        freedoms, _, signs = freedoms_of(self.model, self.rig)
+        freedom = freedoms[output]
+        places = np.stack([along_m @ self.shapes.tangents(freedom), np.zeros(3)])
+        there, here = self.shapes.moved(freedom, places)
+        return np.asarray(signs[output] * (there - here), np.float64)
+
+    @property
+    def sizes(self) -> Real:
+        """(lines, outputs, inputs) of the measured FRFs, the small ones as if they were a share of their line's rms."""
+        return sizes(self.measured)
 
     @property
     def local_compliance(self) -> float:
@@ -92,32 +120,22 @@ def compared(reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float =
     outputs, inputs, signs = freedoms_of(reference, rig)
     s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
     measured = synthesised(bench, s)
-    overall = np.sqrt(np.mean(np.abs(measured) ** 2, axis=(1, 2), keepdims=True))
+    out_psi = np.array([shapes.psi[:, shapes.index(f)] for f in outputs]) * signs[:, None]
+    into_psi = np.array([shapes.psi[:, shapes.index(f)] for f in inputs])
     return Compared(
         rig=rig,
         model=reference,
+        bench=bench,
         shapes=shapes,
-        out_psi=np.array([shapes.psi[:, shapes.index(f)] for f in outputs]) * signs[:, None],
-        into_psi=np.array([shapes.psi[:, shapes.index(f)] for f in inputs]),
+        out_psi=out_psi,
+        into_psi=into_psi,
         out_slopes=np.array([shapes.slopes(f) for f in outputs]) * signs[:, None, None],
         into_slopes=np.array([shapes.slopes(f) for f in inputs]),
         s=s,
-        outside=_outside(reference, s),
+        outside=outside(reference, s),
         measured=measured,
-        sigma=ERROR * np.hypot(np.abs(measured), SMALL * overall),
+        weights=weights(reference, bench, s, measured),
     )
-
-
-def synthesised(model: ModalModel, s: Complex) -> Complex:
-    """(lines, outputs, inputs) receptances of a model at complex frequencies (lines,), eq. 13."""
-    omega, zeta = 2 * np.pi * model.frequency_hz, model.damping_ratio
-    kernel = 1 / (s[:, None] ** 2 + 2 * zeta * omega * s[:, None] + omega**2)
-    return np.einsum("lr,roi->loi", kernel, model.modal_constants) + _outside(model, s)
-
-
-def _outside(model: ModalModel, s: Complex) -> Complex:
-    powers = s[:, None] ** np.array(model.residual_powers, dtype=float)
-    return np.einsum("lp,poi->loi", powers, model.residuals.astype(np.complex128))
 
 
 def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex:

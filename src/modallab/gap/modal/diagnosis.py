@@ -8,9 +8,9 @@ from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.compared import COARSE, Compared, compared
+from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.judged import Judged, judged, share, strain
+from modallab.gap.modal.judged import Judged, judged, strain
 from modallab.gap.modal.search import Fitted, explanations
 from modallab.gap.modal.shapes import Freedom
 from modallab.gap.model.tolerances import with_tolerances
@@ -18,6 +18,8 @@ from modallab.gap.model.tolerances import with_tolerances
 Real = NDArray[np.float64]
 
 TWO_SIDED = 1.96
+TRUNCATED = 0.08
+"""Deviation of the logarithm of a mass or a spring: modes outside the band are one compliance at its place alone."""
 LOOSE = 5.0
 """How much looser a search begins than it ends."""
 
@@ -35,8 +37,14 @@ def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig) -> Mod
     """
     known = with_tolerances(rig)
     free = Free(compared(reference, bench, known))
-    base, tried = explanations(Free(compared(reference, bench, known, COARSE), LOOSE), free)
+    base, tried = explanations(levels(reference, bench, known, free))
     return _said(free, judged(free, base, tried), (reference.n_modes, bench.n_modes))
+
+
+def levels(reference: ModalModel, bench: ModalModel, rig: Rig, last: Free) -> list[Free]:
+    """The comparison from the smoothest and loosest to the last."""
+    smoother = [Free(compared(reference, bench, rig, smooth), LOOSE) for smooth in SMOOTHER]
+    return [*smoother, Free(last.of, LOOSE), last]
 
 
 def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
@@ -45,14 +53,14 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
     return ModalDiagnosis(
         rig=free.of.rig.name,
         verdict=found.verdict,
-        nominal=share(free, np.zeros(free.size)),
-        before=share(free, found.base.u),
-        after=share(free, best.u, best.change),
+        nominal=free.share(np.zeros(free.size)),
+        before=free.share(found.base.u),
+        after=free.share(best.u, best.change),
         strain_before=strain(free, found.base),
         strain_after=strain(free, best),
         effects=[_change(free.of, best, probable[id(best)])] if known else [],
         candidates=[
-            CandidateSet(effects=[f.candidate.effect], probability=p, gap=share(free, f.u, f.change))
+            CandidateSet(effects=[f.candidate.effect], probability=p, gap=free.share(f.u, f.change))
             for f, p in found.ranked
             if f.candidate is not None
         ],
@@ -67,6 +75,8 @@ def _change(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
     # What the best explanation leaves is the scale of an error, as in the probabilities.
     widened = max(1.0, np.sqrt(fitted.cost / fitted.u.size))
     sigma = np.sqrt(np.diag(fitted.covariance))[fitted.u.size :] * widened
+    if candidate.freedoms:
+        sigma[0] = np.hypot(sigma[0], TRUNCATED)
     values, spread = _numbers(c, fitted, sigma)
     within = {
         name: (value * float(np.exp(-TWO_SIDED * s)), value * float(np.exp(TWO_SIDED * s)))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
+from modallab.gap.modal.derivatives import derivatives
 from modallab.gap.modal.state import Hung, State
 
 Real = NDArray[np.float64]
@@ -58,7 +59,7 @@ class Free:
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """How many numbers of each part: stiffness, mass, field, damping, gains, force, hit gains, places, masses."""
+        """How many of each: stiffness, mass, field, damping, gains, force, hits, places, masses, damping across."""
         outputs, inputs = len(self.of.out_psi), len(self.of.into_psi)
         return (
             1,
@@ -71,6 +72,7 @@ class Free:
             2 * outputs,
             2 * inputs,
             outputs,
+            len(self.of.close_pairs),
         )
 
     @property
@@ -88,6 +90,7 @@ class Free:
             t.position_m,
             t.hit_position_m,
             t.sensor_mass_kg,
+            log(self.of.rig.damping_ratio.factor) / 2,
         )
         return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
 
@@ -102,103 +105,51 @@ class Free:
 
     def state(self, u: Real, change: Change = NOTHING) -> State:
         """All numbers of the prediction."""
-        kappa, mu, field, zeta, gains, force, hits, at, struck, masses = self.parts(u)
+        kappa, mu, field, zeta, gains, force, hits, at, struck, masses, across = self.parts(u)
         c = self.of
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
         for o, first, second in change.shifts:
-            moved[o] += np.array([first, second]) @ c.out_slopes[o]
-        into = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
+            moved[o] += c.shifted(o, np.array([first, second]))
+        driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         upper = np.triu_indices(self.modes)
         e = np.zeros((self.modes, self.modes))
         e[upper] = field
+        damped = np.zeros_like(e)
+        for (r, q), value in zip(c.close_pairs, across, strict=True):
+            damped[r, q] = damped[q, r] = value
         return State(
             omega=2 * np.pi * c.model.frequency_hz,
             zeta=c.model.damping_ratio * np.exp(zeta),
             out=moved,
-            into=into,
+            into=driven,
             gain=gain,
             applied=applied,
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),
             field=e + np.triu(e, 1).T,
+            across=damped,
             sensor_masses=masses,
             sensor_shapes=c.out_psi,
             hung=change.hung,
         )
 
-    def residual(self, u: Real, change: Change = NOTHING, lines: slice = slice(None)) -> Real:
+    def residual(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs,) predicted less measured, in deviations."""
         c = self.of
-        predicted = self.state(u, change).receptance(c.s[lines], c.outside[lines])
-        return _real((predicted - c.measured[lines]) / (self.loose * c.sigma[lines]))
+        predicted = self.state(u, change).receptance(c.s, c.outside)
+        return np.asarray(c.weights.weighed((predicted - c.measured)[None])[:, 0] / self.loose, np.float64)
 
-    def slopes(self, u: Real, change: Change = NOTHING, lines: slice = slice(None)) -> Real:
+    def slopes(self, u: Real, change: Change = NOTHING) -> Real:
         """(2 lines outputs inputs, numbers) derivatives of `residual`."""
-        c, state = self.of, self.state(u, change)
-        s, one = c.s[lines], self.deviations
-        found = _derivatives(self, state, s, c.outside[lines])
-        weighed = [_real(d / (self.loose * c.sigma[lines])) for d in found]
-        return np.stack(weighed, axis=1) * one
+        found = derivatives(self.of, self.state(u, change), self.sizes)
+        return self.of.weights.weighed(found) * (self.deviations / self.loose)
 
-
-def _real(values: Complex) -> Real:
-    flat = values.ravel()
-    return np.concatenate([flat.real, flat.imag]).astype(np.float64)
-
-
-def _derivatives(free: Free, state: State, s: Complex, outside: Complex) -> list[Complex]:
-    """By each number in its own unit, (lines, outputs, inputs) each, in the order of `Free.sizes`."""
-    flexibility = state.flexibility(s)
-    rows, columns = state.local(s)
-    rows, columns = rows * state.gain, columns * state.applied
-    x = rows[:, :, None] * (state.out @ flexibility)
-    y = (flexibility @ state.into.T) * columns[:, None, :]
-    whole = state.receptance(s, outside)
-    omega, c = state.omega, free.of
-    pairs = [(int(r), int(q)) for r, q in zip(*np.triu_indices(free.modes), strict=True)]
-
-    def through(r: int, q: int) -> Complex:
-        return x[:, :, r, None] * y[:, None, q, :]
-
-    found = [-state.stiffness * (x * omega**2 @ y)]
-    found.append(-state.mass * s[:, None, None] ** 2 * (x @ y))
-    found += [-omega[r] * omega[q] * (through(r, q) + through(q, r) if r != q else through(r, r)) for r, q in pairs]
-    found += [-2 * state.zeta[r] * omega[r] * s[:, None, None] * through(r, r) for r in range(free.modes)]
-    found += [_only(whole, 1, o) for o in range(len(state.out))]
-    found.append(-whole)
-    found += [_only(whole, 2, i) for i in range(len(state.into))]
-    for o in range(len(state.out)):
-        for j in range(2):
-            found.append(_row(rows[:, o, None] * (c.out_slopes[o, j] @ y), o, whole))
-    for i in range(len(state.into)):
-        for j in range(2):
-            part = columns[:, i, None] * (x @ c.into_slopes[i, j])
-            found.append(_column(part, i, whole))
-    at = x @ state.sensor_shapes.T, state.sensor_shapes @ y
-    found += [
-        -(s[:, None, None] ** 2) * at[0][:, :, p, None] * at[1][:, None, p, :] for p in range(len(state.sensor_masses))
-    ]
-    return found
-
-
-def _only(whole: Complex, axis: int, place: int) -> Complex:
-    kept = np.zeros_like(whole)
-    index = (slice(None),) * axis + (place,)
-    kept[index] = whole[index]
-    return kept
-
-
-def _row(values: Complex, o: int, whole: Complex) -> Complex:
-    kept = np.zeros_like(whole)
-    kept[:, o, :] = values
-    return kept
-
-
-def _column(values: Complex, i: int, whole: Complex) -> Complex:
-    kept = np.zeros_like(whole)
-    kept[:, :, i] = values
-    return kept
+    def share(self, u: Real, change: Change = NOTHING) -> float:
+        """Rms of predicted less measured over measured, small FRFs as if they were a share of the rms of a line."""
+        c = self.of
+        left = np.abs(self.state(u, change).receptance(c.s, c.outside) - c.measured) / c.sizes
+        return float(np.sqrt(np.mean(left**2)))

@@ -1,11 +1,12 @@
 """Which change explains best what the tolerances leave: Gauss-Newton with priors, screened by one step of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.gap.modal.candidates import Candidate, candidates
+from modallab.gap.modal.candidates import Candidate, candidates, nearby
 from modallab.gap.modal.free import NOTHING, Change, Free
 
 Real = NDArray[np.float64]
@@ -13,10 +14,14 @@ Real = NDArray[np.float64]
 STEPS = 8
 FIRST_STEPS = 4
 """Of a fit that only says which of one kind is worth another."""
-THIN = slice(None, None, 3)
-"""Lines that are screened."""
+THIN = slice(None, None, 2)
+"""Lines on which the search begins."""
 REFINED = 2
-"""Candidates of each kind that are fitted to the end."""
+"""Candidates of each kind that are fitted where the search begins."""
+LIKELY = 3
+"""Kinds that are fitted to the end."""
+NEARBY = 3
+"""Points about the place that was found, from which it is looked for again."""
 ENOUGH = 1e-3
 
 
@@ -78,8 +83,9 @@ def fit(
 
 
 def _step(normal: Real, gradient: Real, damping: float) -> Real:
-    # Numbers of very different size: each is counted in its own deviation.
+    # Numbers of very different size: each is counted in its own deviation. One that moves nothing stays where it is.
     scale = np.sqrt(np.diag(normal))
+    scale = np.where(scale > 0, scale, 1.0)
     even = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
     return -np.linalg.solve(even, gradient / scale) / scale
 
@@ -110,36 +116,56 @@ def _system(free: Free, candidate: Candidate | None, u: Real, v: Real) -> tuple[
     return jacobian.T @ jacobian + np.diag(prior), jacobian.T @ left + prior * off
 
 
-def screened(free: Free, base: Fitted) -> list[tuple[float, Candidate, Real]]:
-    """Cost of each candidate at its best start, after one step of the tolerances; the least first."""
-    jacobian = free.slopes(base.u, NOTHING, THIN)
-    normal = jacobian.T @ jacobian + np.eye(free.size)
+def screened(free: Free) -> list[tuple[float, Candidate, Real]]:
+    """Cost of each candidate at its best start, after one step of the tolerances from what is believed; least first."""
+    u = np.zeros(free.size)
+    jacobian = free.slopes(u)
+    normal = np.linalg.inv(jacobian.T @ jacobian + np.eye(free.size))
     found: list[tuple[float, Candidate, Real]] = []
     for candidate in candidates(free.of):
-        costs: list[float] = []
-        for start in candidate.starts:
-            left = free.residual(base.u, candidate.make(start), THIN)
-            gradient = jacobian.T @ left + base.u
-            gain = gradient @ np.linalg.solve(normal, gradient)
-            costs.append(float(left @ left + base.u @ base.u - gain))
+        left = np.stack([free.residual(u, candidate.make(start)) for start in candidate.starts], axis=1)
+        gradient = jacobian.T @ left
+        costs = np.sum(left**2, axis=0) - np.sum(gradient * (normal @ gradient), axis=0)
         best = int(np.argmin(costs))
-        found.append((costs[best], candidate, candidate.starts[best]))
+        found.append((float(costs[best]), candidate, candidate.starts[best]))
     return sorted(found, key=lambda f: f[0])
 
 
-def explanations(coarse: Free, fine: Free) -> tuple[Fitted, list[Fitted]]:
-    """The fit without any change, and the best of each kind; the one that leaves least first.
+def explanations(levels: Sequence[Free]) -> tuple[Fitted, list[Fitted]]:
+    """The fit without any change, and the best of the likely kinds; the one that leaves least first.
 
     Args:
-        coarse: smoothed so far that modes overlap with where they were, and loose: where the search begins.
-        fine: what counts.
+        levels: the comparison from the smoothest, where modes overlap with where they were, to the one that counts.
     """
-    base = fit(coarse)
+    thin = Free(levels[0].of.thinned(THIN), levels[0].loose)
+    ways = (thin, *levels[1:])
+    base = _followed(ways, None, None)
     tried: dict[str, list[Fitted]] = {}
-    for _, candidate, start in screened(coarse, base):
+    for _, candidate, start in screened(thin):
         of_kind = tried.setdefault(candidate.effect, [])
-        if len(of_kind) < REFINED:
-            of_kind.append(fit(coarse, candidate, base.u, start, FIRST_STEPS))
-    best = [min(group, key=lambda f: f.cost) for group in tried.values()]
-    final = [fit(fine, f.candidate, f.u, f.v) for f in best]
-    return fit(fine, None, base.u), sorted(final, key=lambda f: f.cost)
+        if len(of_kind) < (REFINED if candidate.freedoms else 1):
+            of_kind.append(fit(thin, candidate, None, start, FIRST_STEPS))
+    likely = sorted((min(group, key=lambda f: f.cost) for group in tried.values()), key=lambda f: f.cost)
+    final = sorted((_followed(ways[1:], f, f.candidate) for f in likely[:LIKELY]), key=lambda f: f.cost)
+    final[0] = _from_nearby(levels[-2], levels[-1], final[0])
+    return base, final
+
+
+def _followed(levels: Sequence[Free], start: Fitted | None, candidate: Candidate | None) -> Fitted:
+    """A fit from level to level, to its end at the last."""
+    found = start
+    for n, level in enumerate(levels):
+        u, v = (None, None) if found is None else (found.u, found.v)
+        found = fit(level, candidate, u, v, STEPS if n == len(levels) - 1 else FIRST_STEPS)
+    assert found is not None
+    return found
+
+
+def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
+    """The best of it and of fits begun at points nearby: along a wave one place may stand for another."""
+    if best.candidate is None or not best.candidate.freedoms:
+        return best
+    starts = nearby(fine.of, best.candidate, best.v, NEARBY)
+    nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
+    other = min(nearly, key=lambda f: f.cost)
+    return min(best, fit(fine, other.candidate, other.u, other.v), key=lambda f: f.cost)

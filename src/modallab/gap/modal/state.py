@@ -59,6 +59,7 @@ class State:
         stiffness: kappa.
         mass: mu.
         field: (modes, modes) E, symmetric.
+        across: (modes, modes) symmetric, 0 on the diagonal: damping between modes over that of the two.
         sensor_masses: (sensors,) kg beyond those of the reference.
         sensor_shapes: (sensors, modes) where they sit.
         hung: the change that is looked for.
@@ -73,6 +74,7 @@ class State:
     stiffness: float
     mass: float
     field: Real
+    across: Real
     sensor_masses: Real
     sensor_shapes: Real
     hung: Hung | None = None
@@ -85,6 +87,7 @@ class State:
         elastic = np.outer(self.omega, self.omega) * (self.stiffness * np.eye(n) + self.field)
         d = s[:, None, None] ** 2 * inertia + elastic
         d[:, range(n), range(n)] += s[:, None] * (2 * self.zeta * self.omega)
+        d += s[:, None, None] * (2 * self.across * np.sqrt(np.outer(self.zeta * self.omega, self.zeta * self.omega)))
         if self.hung is not None:
             z = self.hung.dynamic_stiffness(s)
             d += (z / (1 + z * self.hung.compliance))[:, None, None] * (self.hung.psi.T @ self.hung.psi)

@@ -23,6 +23,7 @@ def unit_mass_shapes(
     sigma: NDArray[np.float64],
     output_points: Sequence[int | None],
     input_points: Sequence[int | None],
+    driving: Sequence[int | None] | None = None,
 ) -> Shapes:
     """Shapes with A_jk = phi_j phi_k (eq. 13), by least squares over all inputs, weighted by 1 / sigma^2.
 
@@ -33,15 +34,17 @@ def unit_mass_shapes(
         sigma: (modes, outputs, inputs) their uncertainty.
         output_points: point of each output.
         input_points: point of each input.
+        driving: point of each output that moves along the drive, None for the others; None where all do.
 
     Raises:
         DataError: constants that are not finite, or do not fit sigma or points.
     """
     check_constants(constants, sigma, output_points, input_points)
-    unavailable = why_unavailable(output_points, input_points)
+    driving = output_points if driving is None else driving
+    unavailable = why_unavailable(output_points, input_points, driving)
     if unavailable:
         return Shapes(None, None, unavailable)
-    rows = [None if p is None else _index(output_points, p) for p in input_points]
+    rows = [None if p is None else _index(driving, p) for p in input_points]
     found = [_one_mode(a, s, rows) for a, s in zip(constants, sigma, strict=True)]
     return Shapes(np.array([f[0] for f in found]), np.array([f[1] for f in found]), "")
 
@@ -65,13 +68,20 @@ def check_constants(
         )
 
 
-def why_unavailable(output_points: Sequence[int | None], input_points: Sequence[int | None]) -> str:
-    """Why there can be no shapes at unit modal mass, or "" if there can."""
+def why_unavailable(
+    output_points: Sequence[int | None],
+    input_points: Sequence[int | None],
+    driving: Sequence[int | None] | None = None,
+) -> str:
+    """Why there can be no shapes at unit modal mass, or "" if there can; arguments as of `unit_mass_shapes`."""
     known = [p for p in output_points if p is not None]
     if len(known) < 2:
         return "no shapes: fewer than two sensors stand at known points; no modal mass for the same reason"
-    if not any(p is not None and p in known for p in input_points):
+    along = known if driving is None else driving
+    if not any(p is not None and p in along for p in input_points):
         driven = ", ".join("unknown" if p is None else str(p) for p in input_points)
+        if any(p is not None and p in known for p in input_points):
+            return f"no modal mass: no sensor at a driven point (driven: {driven}) looks along the drive; put one there"
         return f"no modal mass: no sensor stands at a driven point (driven: {driven}); put one there"
     return ""
 

@@ -13,6 +13,7 @@ from modallab.identification.estimator import USUAL, find_estimator
 from modallab.identification.likelihood.fit import Fit, residuals
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.rows import unstack
+from modallab.identification.model.driving import driving_points
 from modallab.identification.model.modal_mass import unit_mass_shapes
 from modallab.identification.model.repeated_poles import Split, split_repeated
 
@@ -87,17 +88,17 @@ def model_of_fit(
     at, sigma = fit.point.parameters, fit.pole_sigma
     used = seen or _of_fit(fit)
     constants, of_parts = used.constants, used.sigma_of_parts
-    output_points = tuple(c.point for c in rig.responses)
+    output_points, driving = tuple(c.point for c in rig.responses), driving_points(rig)
     ascending = np.flatnonzero(keep)[np.argsort(at.omega[keep])]
     split = split_repeated(
         constants[ascending],
         np.abs(of_parts[ascending]),
-        output_points,
+        driving,
         fit.input_points,
         used.apparent[ascending],
     )
     order = ascending[split.pole]
-    shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points)
+    shapes = unit_mass_shapes(split.constants, split.sigma, output_points, fit.input_points, driving)
     powers, terms = _residual_terms(fit, keep, (constants, used.terms), band_hz)
     return ModalModel(
         method=method,

@@ -8,6 +8,7 @@ import numpy as np
 
 from modallab.core.model import ModalModel, ScaleUncertainty
 from modallab.core.rig import Channel, Rig
+from modallab.identification.model.driving import driving_points
 
 
 def relative_sigma(channel: Channel, rig: Rig) -> float | None:
@@ -34,7 +35,7 @@ def with_scale(model: ModalModel, rig: Rig) -> ModalModel:
     f = np.nan if force is None else force
     u = np.array([np.nan if (value := known.get(name)) is None else value for name in model.outputs])
     constants = np.hypot(u, f)
-    row = _driving_row(model)
+    row = _driving_row(model, rig)
     if row is None:
         shapes, mass = np.full(len(u), np.nan), None
     else:
@@ -45,6 +46,8 @@ def with_scale(model: ModalModel, rig: Rig) -> ModalModel:
     return model.model_copy(update={"scale_uncertainty": scale})
 
 
-def _driving_row(model: ModalModel) -> int | None:
-    points = [p for p in model.input_points if p is not None and p in model.output_points]
-    return model.output_points.index(points[0]) if points else None
+def _driving_row(model: ModalModel, rig: Rig) -> int | None:
+    along = dict(zip((c.name for c in rig.responses), driving_points(rig), strict=True))
+    driven = [p for p in model.input_points if p is not None]
+    rows = (n for p in driven for n, name in enumerate(model.outputs) if along.get(name) == p)
+    return next(rows, None)

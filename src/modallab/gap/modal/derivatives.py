@@ -1,0 +1,54 @@
+"""By how much each free number moves the predicted FRFs."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.modal.compared import Compared
+from modallab.gap.modal.state import State
+
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
+    """(numbers, lines, outputs, inputs) by each number in its own unit, in the order of `Free.sizes`.
+
+    With D^-1 = F the receptance is X Y less what stands between: X = Phi_out F (lines, outputs, modes) and
+    Y = F Phi_in^T (lines, modes, inputs), both with the gains, so that dH = -X dD Y.
+    """
+    s, omega, modes = c.s, state.omega, state.omega.size
+    flexibility = state.flexibility(s)
+    rows, columns = state.local(s)
+    rows, columns = rows * state.gain, columns * state.applied
+    x = rows[:, :, None] * (state.out @ flexibility)
+    y = (flexibility @ state.into.T) * columns[:, None, :]
+    whole = state.receptance(s, c.outside)
+    squared = (s**2)[:, None, None]
+    found = np.zeros((sum(sizes), *whole.shape), np.complex128)
+    parts = np.split(found, np.cumsum(sizes)[:-1])
+    stiff, mass, field, damping, gains, force, hits, at, struck, masses, across = parts
+    stiff[0] = -state.stiffness * (x * omega**2 @ y)
+    mass[0] = -state.mass * squared * (x @ y)
+    for n, (r, q) in enumerate(zip(*np.triu_indices(modes), strict=True)):
+        field[n] = x[:, :, r, None] * y[:, None, q, :]
+        if r != q:
+            field[n] += x[:, :, q, None] * y[:, None, r, :]
+        field[n] *= -omega[r] * omega[q]
+    for n, (r, q) in enumerate(c.close_pairs):
+        size = 2 * np.sqrt(state.zeta[r] * omega[r] * state.zeta[q] * omega[q])
+        pair = x[:, :, r, None] * y[:, None, q, :] + x[:, :, q, None] * y[:, None, r, :]
+        across[n] = -size * s[:, None, None] * pair
+    for r in range(modes):
+        damping[r] = -2 * state.zeta[r] * omega[r] * s[:, None, None] * (x[:, :, r, None] * y[:, None, r, :])
+    force[0] = -whole
+    for o in range(len(state.out)):
+        gains[o, :, o] = whole[:, o]
+        at[2 * o : 2 * o + 2, :, o] = rows[:, o, None] * (c.out_slopes[o][:, None, None, :] @ y)[:, :, 0]
+    for i in range(len(state.into)):
+        hits[i, :, :, i] = whole[:, :, i]
+        struck[2 * i : 2 * i + 2, :, :, i] = columns[:, i, None] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)
+    before, after = x @ state.sensor_shapes.T, state.sensor_shapes @ y
+    for p in range(len(state.sensor_masses)):
+        masses[p] = -squared * before[:, :, p, None] * after[:, None, p, :]
+    return found

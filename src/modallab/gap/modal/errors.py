@@ -1,0 +1,60 @@
+"""By how much the FRFs of two modal models of one structure differ, though nothing was changed and no tolerance used.
+
+Modes outside the band mix into every shape where stiffness and mass are spread a little otherwise: each modal constant
+is off by itself. They are also what the residual terms stand for, short waves that a sensor or a hit which is off by
+little moves by much. Both go along whole FRFs; what is left goes from line to line.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.model import ModalModel
+from modallab.gap.modal.synthesis import kernels
+from modallab.gap.modal.weights import Weights
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+ERROR = 0.007
+"""By how much of its size a line of an FRF is off for reasons that no free number stands for, one deviation."""
+SMALL = 0.3
+"""FRFs smaller than this share of the rms over all FRFs on a line are weighed as if they had it: nodes and dips."""
+OUTSIDE = 0.3
+"""By how much of its size each residual term of an FRF may be off."""
+SHAPE = 0.015
+"""By how much of its size a modal constant is off by itself: what modes outside the band mix into a shape."""
+
+
+def sizes(measured: Complex) -> Real:
+    """(lines, outputs, inputs) of FRFs, the small ones as if they were a share of their line's rms."""
+    size = np.abs(measured)
+    return np.hypot(size, SMALL * _rms(size))
+
+
+def weights(reference: ModalModel, bench: ModalModel, s: Complex, measured: Complex) -> Weights:
+    """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench's model."""
+    terms, of_terms = _of_residuals(reference, bench, s)
+    constants = np.abs(bench.modal_constants)
+    of_modes = SHAPE * np.hypot(constants, SMALL * _rms(constants))
+    shapes = np.concatenate([terms, kernels(bench, s).T])
+    return Weights.of(ERROR * sizes(measured), shapes, np.concatenate([of_terms, of_modes]))
+
+
+def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple[Complex, Real]:
+    """(terms, lines) of each residual term, and (terms, outputs, inputs) by how much it may be off."""
+    powers = sorted({*reference.residual_powers, *bench.residual_powers})
+    middle = float(np.median(np.abs(s)))
+    spread = np.zeros((len(powers), *bench.modal_constants.shape[1:]))
+    for n, power in enumerate(powers):
+        known = [m.residuals[m.residual_powers.index(power)] for m in (reference, bench) if power in m.residual_powers]
+        size = np.sqrt(np.mean(np.square(known), axis=0))
+        # What the reference does not have is not known at all.
+        share = OUTSIDE if power in reference.residual_powers else 1.0
+        spread[n] = share * np.hypot(size, SMALL * _rms(size)) * middle**power
+    return np.array([(s / middle) ** power for power in powers]).reshape(len(powers), s.size), spread
+
+
+def _rms(values: Real) -> Real:
+    return np.sqrt(np.mean(values**2, axis=(-2, -1), keepdims=True))
