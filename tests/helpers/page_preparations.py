@@ -27,15 +27,19 @@ from scipy.signal import lfilter
 from twin_campaign import built, link
 
 import modallab as ml
+from modallab.acquisition.process.run import record
+from modallab.bench.loader import open_bench
 from modallab.cli import main
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet
 from modallab.core.effects import Effect
 from modallab.core.plan import ImpactPlan
+from modallab.core.rig import Rig
 from modallab.formats import read_campaign, write_campaign, write_export
 from modallab.formats.rig.rig_file import write_rig
 from modallab.identification import estimators
+from modallab.storage import Store, campaign_of
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})
 
@@ -66,17 +70,22 @@ def _readme(_: Path) -> Iterator[dict[str, Any]]:
 def _close_the_gap(folder: Path) -> Iterator[dict[str, Any]]:
     """What the README's campaign and its diagnosis leave, small; and a diagnosis that cannot decide."""
     rig = link().model_copy(update={"bench": "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"})
-    heavy = built(rig, MASS)
     (folder / "heavy").mkdir()
-    _write(folder / "heavy", heavy)
+    _write(folder / "heavy", built(rig, MASS, tests=("impact",)))
     found = made_diagnosis(rig, MASS)
     (folder / "heavy/gap.json").write_text(found.model_dump_json(), encoding="utf-8")
     sets = [CandidateSet(effects=[e], probability=0.5, gap=1.0) for e in ("hit_position", "position_error")]
     unsure = found.model_copy(update={"candidates": sets})
     (folder / "unsure.json").write_text(unsure.model_dump_json(), encoding="utf-8")
-    write_campaign(Campaign(rig, heavy.of("sine"), source="made by the test"), folder / "unsure.h5")
+    write_campaign(_recorded(rig, ImpactPlan(points=(10,), hits=2), folder / "unsure"), folder / "unsure.h5")
     (folder / "plan.yaml").write_text("{kind: impact, points: [10, 6], hits: 1}\n", encoding="utf-8")
     yield {"ran": _lines("README.md")}
+
+
+def _recorded(rig: Rig, plan: ImpactPlan, data: Path) -> Campaign:
+    """A test on the rig's simulated bench, in this process."""
+    with Store(data) as store:
+        return campaign_of(store, [record(open_bench(rig.bench, rig), rig, plan, store, lambda _: None)])
 
 
 @contextmanager
@@ -125,16 +134,19 @@ def _of_rows(campaign: Campaign, rows: tuple[int, ...]) -> Campaign:
 
 @contextmanager
 def _identify_a_band(folder: Path) -> Iterator[dict[str, Any]]:
-    """Responses to a random force: two modes at 2000 Hz in a file, the same at 128 Hz as an array."""
-    write_campaign(ml.responses(_random(2000.0, 60.0), 2000.0, points=[1, 2, 3]).campaign, folder / "random.h5")
-    yield {"names": {"y": _random(128.0, 200.0)}}
+    """Responses to a random force, of two modes: at 2000 Hz in a file, at 128 Hz as an array and in three set-ups."""
+    write_campaign(ml.responses(_random(2000.0, 60.0)[:3], 2000.0, points=[1, 2, 3]).campaign, folder / "random.h5")
+    for name, rows in {"left": [0, 1, 2], "middle": [0, 3, 2], "right": [0, 4, 2]}.items():
+        record = ml.responses(_random(128.0, 100.0)[rows], 128.0, points=[row + 1 for row in rows])
+        write_campaign(record.campaign, folder / f"{name}.h5")
+    yield {"names": {"y": _random(128.0, 200.0)[:3]}}
 
 
 def _random(rate_hz: float, seconds: float) -> np.ndarray:
     rng = np.random.default_rng(1)
     n = int(rate_hz * seconds)
-    y = 1e-3 * rng.standard_normal((3, n))
-    for hz, shape in ((9.0, [1.0, 0.8, 0.3]), (31.0, [1.0, 0.1, -0.7])):
+    y = 1e-3 * rng.standard_normal((5, n))
+    for hz, shape in ((9.0, [1.0, 0.8, 0.3, 0.9, 0.5]), (31.0, [1.0, 0.1, -0.7, 0.4, -0.3])):
         z = np.exp(2 * np.pi * hz * (-0.02 + 1j) / rate_hz)
         mode = lfilter([1.0], [1, -2 * z.real, abs(z) ** 2], rng.standard_normal(n))
         y += np.outer(shape, mode / mode.std())
@@ -162,7 +174,7 @@ def _check_the_diagnosis(folder: Path) -> Iterator[dict[str, Any]]:
 
 @contextmanager
 def _let_people_in(folder: Path) -> Iterator[dict[str, Any]]:
-    """The token that is taken back is one that was given before."""
+    """The service has run once; the token that is taken back is one that was given before."""
 
     def token() -> str:
         said = io.StringIO()
@@ -170,7 +182,7 @@ def _let_people_in(folder: Path) -> Iterator[dict[str, Any]]:
             main(["user", "list", "--data", str(folder / "lab-data")])
         return next(word for word in re.findall(r"\b[0-9a-f]{12}\b", said.getvalue()))
 
-    (folder / "lab-data").mkdir()
+    Store(folder / "lab-data").close()
     yield {"words": {"4f1c09ab77e2": token}}
 
 
