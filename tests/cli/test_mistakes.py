@@ -37,6 +37,9 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "models.json").write_text(json.dumps({"format_version": 1, "models": []}))
     (folder / "list.json").write_text("[1, 2]")
     (folder / "table.csv").write_text("time,force\n0,1\n")
+    shutil.copy(DATA / "campaign_v2.h5", folder / "campaign_2.h5")
+    (folder / "page.html").write_text(f"<!DOCTYPE html>\n<p>{'1, ' * 50_000}</p>\n")
+    write_rig(demo_rig().model_copy(update={"limits": None}), folder / "rig_free.yaml")
     (folder / "half.h5").write_bytes((DATA / "campaign_v2.h5").read_bytes()[:3000])
     (folder / "grüße aus köln").mkdir()
     (folder / "d.json").write_text(made_diagnosis(demo_rig(), MASS).model_dump_json())
@@ -203,12 +206,35 @@ MISTAKES = {
     "gap distinguishability rig.yaml plan_loud.yaml": "low is 50 V; allowed by the rig: 5 V",
     "import table.csv --rig rig_mm.yaml --out new.h5": "777 mm is 0.777",
     "import table.csv --rig rig_gpa.yaml --out new.h5": "205 GPa is 2.05e11",
+    # Drawn from the pages: a neighbour's file, an option alone, nobody at the terminal.
+    "gap apply d.json --rig models.json --out rig2.yaml": "models.json: holds modal models, not a rig file",
+    "gap history d.json": "d.json: is the diagnosis of a gap, not a rig file",
+    "gap diagnose campaign.h5 --diagnosis d.json": "--diagnosis has no effect without --simulation",
+    "gap diagnose campaign.h5 --simulation campaign_2.h5": "is a campaign, not predicted records",
+    "gap diagnose campaign.h5 --simulation models.json": "models.json: is no HDF5 file",
+    "gap predict campaign.h5 --out p.h5": "--diagnosis, --on are missing",
+    "identify campaign.h5 --order 0": "order 0 holds no mode",
+    "import page.html --rig rig.yaml --out new.h5": "page.html: ",
+    "import campaign.h5 --rig rig.yaml --drive-point 99 --out new.h5": "99",
+    "rig reset rig.yaml --data empty": "empty: is no data folder",
+    "rig check rig_free.yaml --bench sim://cantilever --seconds 1 --drive 1": "the rig has no limits",
+    "rig check rig.yaml --bench sim://cantilever --seconds 1 --drive 100": "allowed by limits.drive_v: above 0 to 5 V",
+    "rig calibrate rig.yaml --bench sim://cantilever --channel a99 --method turnover": "has no channel 'a99'",
+    "rig calibrate rig.yaml --bench sim://cantilever --channel a04 --method shunt": "needs --value",
+    "rig calibrate rig.yaml --bench sim://cantilever --channel a04 --method turnover": "nobody can press Enter",
+    "campaign run --rig rig.yaml --plan plan_far.yaml --keys undo=b,pause=b": "one key for two",
+    "campaign run --rig rig.yaml --plan rig.yaml --out x.h5": "describes a rig, no test",
+    "backup empty --out b": "modallab serve and modallab campaign run make it",
+    "retention empty --older-than yesterday": "--older-than is 'yesterday'",
+    "user remove Ada": "did you mean revoke?",
 }
 
 
 @pytest.mark.parametrize("command", MISTAKES)
 def test_a_mistake_ends_in_one_sentence_and_a_remedy(command: str, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(here)
+    # Nobody is there to press a key.
+    monkeypatch.setattr("sys.stdin", io.StringIO())
     said = io.StringIO()
     with redirect_stdout(io.StringIO()), redirect_stderr(said):
         assert main(command.split()) == 2
@@ -249,6 +275,14 @@ def test_models_go_to_standard_output_alone(capsys: pytest.CaptureFixture[str], 
     printed = capsys.readouterr()
     assert [m["test"] for m in json.loads(printed.out)["models"]] == ["sine"]
     assert "Modal model" in printed.err
+
+
+def test_a_band_may_begin_at_zero(demo: Path, tmp_path: Path) -> None:
+    from_zero = ["identify", str(demo), "--test", "sine", "--band", "0", "110", "--quiet"]
+    assert main([*from_zero, "--json", str(tmp_path / "m.json")]) == 0
+    (found,) = json.loads((tmp_path / "m.json").read_text())["models"]
+    assert len(found["frequency_hz"]) == 3
+    assert 0 < found["band_hz"][0] < 3
 
 
 def test_nothing_is_said_where_nothing_is_asked_for(

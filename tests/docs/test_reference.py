@@ -81,7 +81,7 @@ def test_every_unit_is_there_with_its_factor() -> None:
 def test_every_error_is_there_with_its_code() -> None:
     for module in (
         "modallab.acquisition.process.rig_process",
-        "modallab.cli.demo",
+        "modallab.cli.demo_results",
         "modallab.cli.serve",
         "modallab_drivers.replay",
     ):

@@ -58,7 +58,11 @@ def require_data(folder: Path) -> None:
         StorageError: it is none.
     """
     if not ((folder / DATABASE).is_file() or (folder / ADDRESS).is_file()):
-        raise StorageError("is no data folder", where=str(folder), remedy=f"name a folder with {DATABASE} or {ADDRESS}")
+        raise StorageError(
+            "is no data folder",
+            where=str(folder),
+            remedy=f"name a folder with {DATABASE} or {ADDRESS}; modallab serve and modallab campaign run make it",
+        )
 
 
 def _notify(copied: Copied, out: Path) -> None:

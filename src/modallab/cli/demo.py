@@ -1,29 +1,23 @@
 """`modallab demo`: both tests on the simulated bench, from the first hit to the report."""
 
 import argparse
+from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from modallab.bench.simulated import simulated_bench
-from modallab.cli import effects, serve
+from modallab.cli.ahead import Ahead
 from modallab.cli.demo_rig import demo_rig
-from modallab.cli.identify import print_remarks, result_table
 from modallab.cli.progress import Display
 from modallab.cli.saying import console_of
-from modallab.core.block import Block, Campaign
+from modallab.core.block import Campaign
 from modallab.core.plan import BLOCK_S, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.formats.atomic import make_folder
-from modallab.formats.campaign.campaign_hdf5 import write_campaign
-from modallab.formats.rig.rig_file import write_rig
-from modallab.identification.options import Options
-from modallab.pipelines.identify import identify_campaign
-from modallab.pipelines.model_file import write_models
-from modallab.pipelines.report import report_content
-from modallab.reporting.report import write_report
-from modallab.reporting.waiting import waiting
-from modallab.service.campaigns.local_session import record_campaign
-from modallab.storage import Store
-from modallab.storage.campaigns import rejected_blocks
+from modallab.service.campaigns.local_session import LocalCampaign, operator_here
+
+if TYPE_CHECKING:
+    from modallab.pipelines.identify import Identified
 
 DEMO_POINTS = (10, 6, 3)
 """The free end, where every mode moves, and two points where the second and third move against it."""
@@ -40,11 +34,15 @@ def run(arguments: argparse.Namespace) -> int:
     for asked in arguments.effect or ():
         name, _, word = asked.rpartition(",")
         if word == "help":
+            from modallab.cli import effects
+
             return effects.run(argparse.Namespace(names=[name] if name else []))
     return _on_the_page(arguments) if arguments.serve else _at_the_terminal(arguments)
 
 
 def _on_the_page(arguments: argparse.Namespace) -> int:
+    from modallab.cli import serve
+
     # In real time, so that a hit can be seen; twice as fast, since nobody waits ten minutes for a demonstration.
     bench = f"{_bench(arguments, demo_rig())}&pace=1&speed=2&zeta=0.02"
     options = dict.fromkeys((*serve.OPTIONS, "rig"), None)
@@ -64,22 +62,25 @@ def _at_the_terminal(arguments: argparse.Namespace) -> int:
     make_folder(folder)
     console = console_of(arguments)
     console.print(f"bench {url}: {rig.name}, both tests", markup=False)
-    with Display(console) as display:
-        campaign = record_campaign(url, rig, demo_plans(), folder / "data", display.notify)
-    console.print("identifying ...")
-    with waiting("identifying", progress=not arguments.hush):
-        result = identify_campaign(campaign, Options())
-    write_rig(rig, folder / "rig.yaml")
-    write_campaign(campaign, folder / "campaign.h5")
-    write_models(folder / "models.json", campaign, result)
-    content = report_content(campaign, result, f"Modal test of {rig.name}", _rejected(folder, campaign))
-    write_report(folder / "report.html", content)
-    console.print(result_table(campaign, result))
-    print_remarks(console, result)
-    console.print("\nwritten:")
-    for name in ("report.html", "campaign.h5", "models.json", "rig.yaml"):
-        console.print(f"  {folder / name}", markup=False, highlight=False)
+    # What identifies and draws takes as long to load as the bench to begin.
+    Ahead(lambda: import_module("modallab.cli.demo_results"))
+    with Display(console) as display, LocalCampaign(rig, url, folder / "data", rig.name, operator_here()) as session:
+        hammer, *shaker = demo_plans()
+        runs = session.run_all([hammer], display.notify)
+        struck = session.recorded(runs)
+        # The bench computes in its own process: meanwhile this one need not wait.
+        ahead = Ahead(lambda: _identified(struck))
+        campaign = session.recorded((*runs, *session.run_all(shaker, display.notify)))
+    from modallab.cli.demo_results import leave
+
+    leave(arguments, campaign, ahead)
     return 0
+
+
+def _identified(campaign: Campaign) -> "Identified":
+    from modallab.cli.demo_results import identified
+
+    return identified(campaign, "impact")
 
 
 def _as_built(rig: Rig) -> Rig:
@@ -95,8 +96,3 @@ def demo_plans() -> tuple[Plan, ...]:
         SinePlan(),
         SinePlan(frequencies_hz=again, levels_v={"high": HIGH_V}),
     )
-
-
-def _rejected(folder: Path, campaign: Campaign) -> list[tuple[Block, str]]:
-    with Store(folder / "data") as store:
-        return [pair for run_id in campaign.provenance["runs"].split() for pair in rejected_blocks(store, run_id)]

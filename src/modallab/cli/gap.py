@@ -10,6 +10,7 @@ from rich.table import Table
 
 from modallab.acquisition.procedures.plan_checks import require_possible
 from modallab.bench.protocol import BenchInfo
+from modallab.cli.options import only_with
 from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
@@ -48,6 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _diagnose(arguments: argparse.Namespace) -> int:
+    if arguments.simulation is None:
+        only_with("--simulation", diagnosis=arguments.diagnosis)
     campaign = read_campaign(arguments.campaign, None if arguments.rig is None else read_rig(arguments.rig))
     console = console_of(arguments)
     if arguments.simulation is not None:

@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from modallab.acquisition.process.trip import FOLDER as TRIPS
 from modallab.acquisition.process.trip import TripLatch
 from modallab.bench.loader import open_bench
 from modallab.bench.protocol import Bench, Delivery, Request
+from modallab.cli.backup import require_data
 from modallab.commissioning import calibrate
 from modallab.commissioning.findings import Finding
 from modallab.commissioning.mass_ratio import measured
@@ -44,6 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _reset(url: str, arguments: argparse.Namespace) -> int:
     if not arguments.data.is_dir():
         raise StorageError("is no folder", where=str(arguments.data), remedy="name the data folder of the recordings")
+    if not (arguments.data / TRIPS).is_dir():
+        # In another folder than that of the recordings no trip is found, and the rig may well be tripped.
+        require_data(arguments.data)
     trip = TripLatch(arguments.data, url).reset()
     outcome = (
         f"was tripped by {trip.cause} at {trip.utc}: {trip.what}; it may be armed again" if trip else "is not tripped"
@@ -60,10 +65,12 @@ def _check(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     if arguments.tap:
         findings += check_polarity(bench, rig, lambda point: console.print(f"tap point {point} now"))
     if arguments.drive is not None:
-        limit = rig.limits.drive_v if rig.limits is not None else 0.0
-        if not 0 < arguments.drive <= limit:
+        if rig.limits is None:
+            raise PlanError("the rig has no limits, and without them nothing is driven", remedy="add limits to the rig")
+        if not 0 < arguments.drive <= rig.limits.drive_v:
             raise PlanError(
-                f"--drive is {arguments.drive:g} V; allowed by limits.drive_v: {limit:g} V", remedy="drive less"
+                f"--drive is {arguments.drive:g} V; allowed by limits.drive_v: above 0 to {rig.limits.drive_v:g} V",
+                remedy="give another amplitude",
             )
         console.print(f"a burst of {CLOCK_BURST_S:g} s and {arguments.drive:g} V follows; it ends at 0 V by itself")
         findings += check_clock(bench, rig, arguments.drive)
@@ -110,8 +117,7 @@ def _calibrate(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
 def _mass(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     console = Console()
     delivery = bench.configure(Request("impact", RATE_HZ))
-    if not arguments.yes:
-        input("strike or shake the free mass, then press Enter ")
+    _wait_for(arguments, "strike or shake the free mass")
     volts = _volts(bench, rig, delivery, arguments.seconds)
     sensor = _accelerometer(rig, arguments)
     ratio = measured(rig, volts, sensor, arguments.mass, arguments.when, date.today())  # noqa: DTZ011
@@ -119,6 +125,22 @@ def _mass(bench: Bench, rig: Rig, arguments: argparse.Namespace) -> int:
     for judgement in judgements:
         console.print(f"{'good' if judgement.within else 'bad'}: {judgement.what}", markup=False, highlight=False)
     return 0 if all(judgement.within for judgement in judgements) else 1
+
+
+def _wait_for(arguments: argparse.Namespace, what: str) -> None:
+    """Wait until somebody has done it.
+
+    Raises:
+        PlanError: nobody is at the terminal.
+    """
+    if arguments.yes:
+        return
+    try:
+        input(f"{what}, then press Enter ")
+    except EOFError as error:
+        raise PlanError(
+            f"nobody can press Enter after this: {what}", remedy="run it in a terminal, or give --yes if it is done"
+        ) from error
 
 
 def _accelerometer(rig: Rig, arguments: argparse.Namespace) -> Channel:
@@ -137,8 +159,7 @@ def _measure(
     bench: Bench, rig: Rig, delivery: Delivery, channel: Channel, arguments: argparse.Namespace
 ) -> tuple[float, float]:
     def record(what: str) -> NDArray[np.float64]:
-        if not arguments.yes:
-            input(f"{what}, then press Enter ")
+        _wait_for(arguments, what)
         return _volts(bench, rig, delivery, arguments.seconds)
 
     row, value = channel.index, arguments.value

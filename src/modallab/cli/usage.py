@@ -14,7 +14,8 @@ _RULES = (
     (r"argument (.+?): expected at least one argument", "{0} has no value", ""),
     (r"argument (.+?): expected (\d+) arguments", "{0} takes {1} values, with a blank between them", ""),
     (r"argument (.+?): not allowed with argument (.+)", "{0} does not go with {1}", ""),
-    (r"the following arguments are required: (.+)", "{0} is missing", ""),
+    (r"the following arguments are required: ([^,]+)", "{0} is missing", ""),
+    (r"the following arguments are required: (.+)", "{0} are missing", ""),
     (r"ambiguous option: (.+) could match (.+)", "{0} may mean {1}", "write it out"),
 )
 """What argparse says -> what was wrong, and the remedy where the help of the command says no more."""

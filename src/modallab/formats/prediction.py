@@ -16,6 +16,8 @@ from modallab.formats.atomic import replacing
 
 Array = NDArray[np.float64]
 
+PREDICT = "name a file of predicted records, as modallab gap predict writes it"
+
 
 def write_prediction(path: Path, rig: Rig, records: Mapping[str, Array]) -> None:
     """Write predicted records: record -> (channels, n), each row in its channel's own unit and direction.
@@ -42,6 +44,8 @@ def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
     """
     try:
         with h5py.File(path) as source:
+            if isinstance(source.get("records"), h5py.Group):
+                raise FormatError("is a campaign, not predicted records", where=str(path), remedy=PREDICT)
             said: dict[str, Any] = dict(source.attrs)
             records: dict[str, Array] = {
                 name: np.asarray(values, dtype=np.float64)
@@ -49,9 +53,9 @@ def read_prediction(path: Path, rig: Rig) -> dict[str, Array]:
                 if isinstance(values, h5py.Dataset)
             }
     except (OSError, ValueError, TypeError) as error:
-        raise FormatError(
-            f"cannot be read: {error}", where=str(path), remedy="name a file of predicted records"
-        ) from error
+        no_hdf5 = path.is_file() and not h5py.is_hdf5(path)
+        found = "is no HDF5 file" if no_hdf5 else f"cannot be read: {error}"
+        raise FormatError(found, where=str(path), remedy=PREDICT) from error
     order, factors = _rows(said, rig, str(path))
     for name, values in records.items():
         if values.ndim != 2 or len(values) <= max(order):

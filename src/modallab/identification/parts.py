@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
@@ -39,7 +39,7 @@ def with_scatter_of_parts(model: ModalModel, parts: Sequence[Frf]) -> ModalModel
         fits = [fit_frf(part, poles, STEPS).point.parameters for part in parts]
     except IdentificationError:
         return model
-    student = stats.t.ppf(0.975, len(parts) - 1) / stats.norm.ppf(0.975)
+    student = stdtrit(len(parts) - 1, 0.975) / ndtri(0.975)
     f, zeta = (
         student * np.std([values], axis=1, ddof=1)[0] / np.sqrt(len(parts))
         for values in ([p.omega / (2 * np.pi) for p in fits], [p.zeta for p in fits])

@@ -70,6 +70,8 @@ def identify_sine(signals: Sequence[Signals], rig: Rig, options: Options) -> tup
             f"the sine blocks are driven at points {sorted(map(str, points))}", remedy="identify each point apart"
         )
     band = options.band_hz or default_band(signals)
+    # From 0 Hz on means from where the data begin: poles are sought on a logarithmic scale.
+    band = (band[0] or default_band(signals)[0], band[1])
     used = [s for s in signals if band[0] <= s.tone.frequency_hz <= band[1]]
     frf = stepped_frf(used, rig)
     if frf.frequency_hz.size < LEAST_LINES:

@@ -1,6 +1,6 @@
 """Identifies every test of a campaign and verifies each model."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -63,13 +63,19 @@ class Result:
     unidentified: tuple[Unidentified, ...]
 
 
-def identify_campaign(campaign: Campaign, options: Options, test: Test | None = None) -> Result:
+def identify_campaign(
+    campaign: Campaign,
+    options: Options,
+    test: Test | None = None,
+    ahead: Mapping[Source, Callable[[], Identified]] | None = None,
+) -> Result:
     """Models of every test in a campaign, or of one.
 
     Args:
         campaign: blocks or FRFs, and the rig.
         options: method, band, order.
         test: only this test.
+        ahead: tests that are being identified elsewhere already; each returns its model once it is there.
 
     Returns:
         models, and what a test without one died of: one bad test does not take the other with it.
@@ -84,7 +90,7 @@ def identify_campaign(campaign: Campaign, options: Options, test: Test | None = 
     for n, (source, run) in enumerate(runs):
         try:
             with part(n / len(runs), (n + 1) / len(runs), f"{source} test"):
-                found.append(_with_scale(run(), campaign.rig))
+                found.append(_with_scale((ahead or {}).get(source, run)(), campaign.rig))
         except ModallabError as error:
             failed.append(Unidentified(source, error))
     if not found and failed:

@@ -7,10 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import httpx
+from pages import ROOT, fenced
 from service_process import ServiceProcess
 
+from modallab.cli.demo_rig import demo_rig
 from modallab.core.documents.queue import QueueItem
 from modallab.core.plan import ImpactPlan, SinePlan
+from modallab.formats.rig.rig_file import write_rig
 
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 HIT = ImpactPlan(points=(10,), hits=1)
@@ -44,9 +47,18 @@ def log_in(service: ServiceProcess) -> str:
         return browser.get(f"{service.url}/api/v1/me").json()["role"]
 
 
+def options(rig_file: Path) -> list[str]:
+    """What docs/how-to/use-the-page.md says to start, without the folder, which the helper names."""
+    (command,) = (b.lines[0] for b in fenced(ROOT / "docs/how-to/use-the-page.md") if b.language == "sh")
+    assert command == "modallab serve --rig rig.yaml --data lab-data --open"
+    return ["--rig", str(rig_file), "--open"]
+
+
 def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path: Path) -> None:
     no_browser = {"BROWSER": "true"}
-    with ServiceProcess(tmp_path / "data", "--no-jobs", "--open", bench=BENCH, env=no_browser) as service:
+    rig_file = tmp_path / "rig.yaml"
+    write_rig(demo_rig().model_copy(update={"bench": BENCH}), rig_file)
+    with ServiceProcess(tmp_path / "lab-data", "--no-jobs", *options(rig_file), env=no_browser) as service:
         assert log_in(service) == "admin"
         client, rig = service.client, service.rig
         campaign = client.create_campaign("queued", rig).id
@@ -62,7 +74,7 @@ def test_a_queue_outlives_every_process_and_a_consent_only_that_of_rest(tmp_path
         until(lambda: items(service)[third].run != "")
         service.process.kill()
         service.process.wait()
-    with ServiceProcess(tmp_path / "data", "--no-jobs", bench=BENCH) as service:
+    with ServiceProcess(tmp_path / "lab-data", "--no-jobs", "--rig", str(rig_file)) as service:
         client = service.client
         until(lambda: items(service)[third].state == "failed")
         view = client.queue(service.rig)

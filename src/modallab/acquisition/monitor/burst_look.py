@@ -56,6 +56,7 @@ class BurstLook:
         self._early_s = max(-self._skip, 0) / rate_hz
         self._rest: Real = np.zeros((len(volts), 0))
         self._kept: Real = np.zeros((len(volts), 0))
+        self._drive: Real = np.zeros((0, 3))
         self._first = 0
         self._raw: Samples = rest[:, :0]
         self._raw_count = ceil(max(EARLIER_S, 1 / burst.frequency_hz) * rate_hz)
@@ -74,8 +75,8 @@ class BurstLook:
     @property
     def envelope_earlier(self) -> float:
         """Of the drive in the middle of the earlier window, 0 to 1."""
-        middle = self._hop * HOP_S - self.later_s - (self._gap + self._earlier / 2) * self._dt
-        return float(self.burst.envelope(np.array([middle]))[0])
+        middle = self._at(self._hop * HOP_S) - self._count(self.later_s) - self._gap - self._earlier // 2
+        return float(np.hypot(*self._drive[middle - self._first, 1:]))
 
     def steady(self, later_s: float | None = None, earlier_s: float = EARLIER_S) -> bool:
         """Whether both windows of this look lie past the rise and before the fall."""
@@ -98,7 +99,9 @@ class BurstLook:
             samples = samples[:, passed:]
         values = np.concatenate([self._rest, samples * self._volts], axis=1)
         whole = values.shape[1] // self._step * self._step
+        begin = self._first + self._kept.shape[1]
         self._kept = np.concatenate([self._kept, _averaged(values[:, :whole], self._step)], axis=1)
+        self._drive = np.concatenate([self._drive, self._basis(begin, begin + whole // self._step)])
         self._rest = values[:, whole:]
 
     def next_hop(self) -> bool:
@@ -110,7 +113,7 @@ class BurstLook:
         needed = self._whole_periods(WEAK_EARLIER_S) + self._gap + self._count(WEAK_LATER_S)
         drop = max(0, end - needed - self._first)
         if drop > needed:
-            self._kept = self._kept[:, drop:].copy()
+            self._kept, self._drive = self._kept[:, drop:].copy(), self._drive[drop:].copy()
             self._first += drop
         return True
 
@@ -120,14 +123,13 @@ class BurstLook:
         middle = end - count
         begin = middle - self._gap - self._whole_periods(earlier_s)
         stop = middle - self._gap
+        windows = (begin, stop), (middle, end)
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
-        times = self._times(begin, stop)
-        envelope = self._envelope(times)
-        if envelope.max() < 1e-6:
+        earlier, later = (self._drive[first - self._first : last - self._first] for first, last in windows)
+        if not np.abs(earlier[:, 1:]).max() > 1e-6:
             return None
-        earlier = tone_basis(times, self.burst.frequency_hz, envelope)
-        foreseen = foresee(self._cut(begin, stop), earlier, self._basis(middle, end))
+        foreseen = foresee(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
 
     def changed_places(self) -> tuple[int, int] | None:
@@ -159,21 +161,11 @@ class BurstLook:
     def _cut(self, begin: int, end: int) -> Real:
         return self._kept[:, begin - self._first : end - self._first]
 
-    def _times(self, begin: int, end: int) -> Real:
-        return (
-            np.arange(begin, end, dtype=np.float64) + (self._step - 1) / (2 * self._step)
-        ) * self._dt + self._early_s
-
     def _basis(self, begin: int, end: int) -> Real:
-        times = self._times(begin, end)
-        return tone_basis(times, self.burst.frequency_hz, self._envelope(times))
-
-    def _envelope(self, times: Real) -> Real:
-        """Of the drive at ascending times; between its ramps it is one."""
-        between = self.burst.ramp_s, self.burst.duration_s - self.burst.ramp_s
-        if between[0] <= times[0] and times[-1] <= between[1]:
-            return np.ones_like(times)
-        return self.burst.envelope(times)
+        """What the drive lets every channel do at some averaged samples, see `tone_basis`."""
+        middles = np.arange(begin, end, dtype=np.float64) + (self._step - 1) / (2 * self._step)
+        times = middles * self._dt + self._early_s
+        return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
 
 
 def _averaged(values: Real, step: int) -> Real:

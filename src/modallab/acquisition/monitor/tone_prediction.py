@@ -8,6 +8,7 @@ window to the next; that it merely parts, as after a knock on the table, is no f
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -83,7 +84,7 @@ def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
 
 def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
     """Fit (channels, n) samples by least squares and carry the fit on to a later window."""
-    solved = np.linalg.pinv(earlier_basis) @ earlier.T
+    solved = _least_squares(earlier_basis, earlier.T)
     fitted = earlier_basis @ solved
     return Foreseen(
         amplitude=np.hypot(solved[1], solved[2]),
@@ -92,6 +93,17 @@ def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
         level=_rms(fitted - solved[0], axis=0),
         later=(later_basis @ solved).T,
     )
+
+
+def _least_squares(basis: Real, values: Real) -> Real:
+    """(3, channels) of the (n, 3) basis that are nearest to (n, channels) values."""
+    # At size one each, the columns are as good as orthogonal over a period, however low the drive still is.
+    size = np.maximum(np.sqrt(np.add.reduce(basis * basis, axis=0)), np.finfo(float).tiny)
+    unit = basis / size
+    try:
+        return np.linalg.solve(unit.T @ unit, unit.T @ values) / size[:, None]
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(basis) @ values
 
 
 def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
@@ -164,9 +176,15 @@ def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
 
 def about_line_rms(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
-    ramp = np.arange(values.shape[1]) - (values.shape[1] - 1) / 2
-    centred = values - values.mean(axis=1, keepdims=True)
-    return _rms(centred - (centred @ ramp / (ramp @ ramp))[:, None] * ramp, axis=1)
+    line = _line(values.shape[1])
+    return _rms(values - (values @ line.T) @ line, axis=1)
+
+
+@lru_cache
+def _line(n: int) -> Real:
+    """(2, n) an orthonormal basis of the straight lines over n samples."""
+    ramp = np.arange(n) - (n - 1) / 2
+    return np.array([np.full(n, n**-0.5), ramp / max(float(np.linalg.norm(ramp)), 1.0)])
 
 
 def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | None:

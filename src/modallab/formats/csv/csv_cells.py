@@ -4,6 +4,8 @@ import csv
 import re
 from collections.abc import Sequence
 
+from modallab.core.errors import FormatError
+
 BLANKS = " "
 """The delimiter of columns that any number of blanks separates."""
 _DELIMITERS = (";", "\t", ",")
@@ -36,10 +38,18 @@ def delimiter_of(lines: Sequence[str]) -> str:
 
 
 def cells(line: str, delimiter: str) -> list[str]:
-    """The cells of a line, without quotes and blanks around them."""
+    """The cells of a line, without quotes and blanks around them.
+
+    Raises:
+        FormatError: a cell is longer than any number or name.
+    """
     if delimiter == BLANKS:
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=False), [])]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=False), [])]
+    except csv.Error as error:
+        found = f"is no table: a line of {len(line)} characters begins {line[:20]!r}"
+        raise FormatError(found, remedy="name a file with one row of numbers a line") from error
 
 
 def head_cells(line: str, delimiter: str, columns: int) -> list[str]:

@@ -15,6 +15,8 @@ from modallab.formats.rig.messages import rig_problems
 from modallab.formats.rig.rig_yaml import load_yaml
 from modallab.formats.rig.sensors_file import with_certificates
 
+_RESULTS = {"models": "holds modal models", "verdict": "is the diagnosis of a gap"}
+"""A field of a file that modallab writes -> what it is, where somebody names it as a rig file."""
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -54,6 +56,9 @@ def parse_rig(text: str, where: str, folder: Path | None = None) -> Rig:
         found = "is empty" if content is None else f"holds {type(content).__name__} {str(content)[:40]!r}, not fields"
         raise RigError(found, where=where, remedy="write the rig as fields, each as name: value")
     fields = cast("Mapping[str, object]", content)
+    for field, what in _RESULTS.items():
+        if field in fields and "channels" not in fields:
+            raise RigError(f"{what}, not a rig file", where=where, remedy="name the YAML file that describes the rig")
     if "kind" in fields and "channels" not in fields:
         found = f"is the plan of a test (kind: {fields['kind']}), not a rig file"
         raise RigError(found, where=where, remedy="name the rig file here, and the plan in its own place")

@@ -12,7 +12,7 @@ Bulletin 2 (1946).
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtri, ndtri, stdtrit
 
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.projection import GroupSolution
@@ -44,9 +44,9 @@ def factors_by_scatter(fit: Fit, misfit: float) -> Real:
     ratio = np.sum(pulls**2, axis=0) / spare / np.maximum(stated, np.finfo(float).tiny)
     enough = freedom >= LEAST_FREEDOM
     freedom = np.maximum(freedom, LEAST_FREEDOM)
-    found = stats.t.ppf(0.975, freedom) / stats.norm.ppf(0.975) * np.sqrt(ratio)
+    found = stdtrit(freedom, 0.975) / ndtri(0.975) * np.sqrt(ratio)
     least = 1 / max(1.0, misfit) if np.isfinite(misfit) else 1.0
-    far = ratio > stats.chi2.isf(CHANCE, freedom) / freedom
+    far = ratio > chdtri(freedom, CHANCE) / freedom
     return np.where(enough, np.where(far, found, np.clip(found, least, 1.0)), 1.0).reshape(-1, 2)
 
 

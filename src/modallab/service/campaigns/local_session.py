@@ -55,7 +55,7 @@ def record_campaign(
         PlanError: a plan has set-ups: see `record_setups`.
         ModallabError: what ended a run early; the output is at zero and all acknowledged blocks are in the folder.
     """
-    with LocalCampaign(rig, url, folder, rig.name, getpass.getuser()) as session:
+    with LocalCampaign(rig, url, folder, rig.name, operator_here()) as session:
         return session.recorded(session.run_all(plans, notify))
 
 
@@ -68,8 +68,13 @@ def record_setups(
         url, rig, plans, folder, notify: as `record_campaign`.
         moved: has sensors moved, and returns once they stand where they belong.
     """
-    with LocalCampaign(rig, url, folder, rig.name, getpass.getuser()) as session:
+    with LocalCampaign(rig, url, folder, rig.name, operator_here()) as session:
         return session.recorded_by_rig(session.run_all(plans, notify, moved=moved))
+
+
+def operator_here() -> str:
+    """Who is logged in on this computer."""
+    return getpass.getuser()
 
 
 class LocalCampaign:
