@@ -50,8 +50,8 @@ class Search:
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
-        beyond: how many deviations of the rig file's tolerances it is off the effect of that name at its own place;
-            infinitely many where the two are not alike.
+        deviations_from: how many deviations of the rig file's tolerances it is off the effect of that name at its own
+            place; infinitely many where the two are not alike.
     """
 
     rank: int
@@ -69,7 +69,7 @@ class Search:
     by_sine: bool = False
     rough: bool = False
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
-    beyond: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
+    deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ MOST_RELATIVE = 2e-4
 MANY = 0.2
 """Share of the frequencies that must disagree."""
 FEWEST = 3
-"""Frequencies at two levels with which a share can be told."""
+"""Frequencies at two levels from which a share is known."""
 SOME = 2
 """Frequencies that disagree from which it is no chance."""
 

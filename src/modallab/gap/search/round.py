@@ -140,7 +140,7 @@ def _contains(fit: Fit, other: Fit) -> bool:
     more = len(one.slots) - len(two.slots)
     if more <= 0 or not one.place or one.place != two.place:
         return False
-    if search_of(one.effect).beyond(fit.effects[-1], two.effect, fit.problem.data.rig) <= ABOVE:
+    if search_of(one.effect).deviations_from(fit.effects[-1], two.effect, fit.problem.data.rig) <= ABOVE:
         return other.cost < ALIKE * fit.cost
     # The price of a number: Schwarz, Ann. Stat. 6, 1978, 461.
     return other.cost < fit.cost + more * float(np.log(max(np.count_nonzero(fit.residual), 1)))

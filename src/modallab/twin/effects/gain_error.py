@@ -20,7 +20,7 @@ def _own_deviations(effect: Effect, rig: Rig) -> float:
     return over(effect.parameters["gain"] - 1, rig.tolerance.sensitivity)
 
 
-def _beyond(effect: Effect, other: str, rig: Rig) -> float:
+def _from_polarity(effect: Effect, other: str, rig: Rig) -> float:
     """A turned channel reads as its sensitivity's tolerance lets it, but turned."""
     return over(-effect.parameters["gain"] - 1, rig.tolerance.sensitivity) if other == "polarity" else inf
 
@@ -52,7 +52,7 @@ MODEL = EffectModel(
             ),
         ),
         deviations=_own_deviations,
-        beyond=_beyond,
+        deviations_from=_from_polarity,
         replaces_gain=True,
     ),
     experiment="Exchange the suspect accelerometer with its neighbour and repeat: a wrong gain goes with the sensor.",
