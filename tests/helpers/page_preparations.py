@@ -92,7 +92,9 @@ def _recorded(rig: Rig, plan: ImpactPlan, data: Path) -> Campaign:
 def _first_connection(folder: Path) -> Iterator[dict[str, Any]]:
     """A bench that is simulated, and the device server of the page's first command."""
     write_rig(demo_rig().model_copy(update={"bench": "sim://cantilever?seed=1"}), folder / "rig.yaml")
-    (folder / "data").mkdir()
+    # A recording has been there, and made the data folder.
+    with Store(folder / "data"):
+        pass
     command = fenced(ROOT / HOW_TO / "first-connection.md")[0].lines[0]
     words = [sys.executable, *shlex.split(command)[1:]]
     with subprocess.Popen(words, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:

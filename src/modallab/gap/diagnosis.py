@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -134,7 +135,8 @@ def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | N
     if choice.explained or not (many or some_levels_differ(base)):
         return choice
     # What answers to the level, not only to the side, makes odd overtones.
-    return search_stepped(bench, prepared, base, "odd", matters, unseen, None if many else linear)
+    known = partial(explain, bench, base, linear[0]) if many else lambda: linear
+    return search_stepped(bench, prepared, base, "odd", matters, unseen, known)
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

@@ -45,15 +45,16 @@ MOST = 3
 """Effects in one diagnosis."""
 
 
-def explain(bench: Bench, base: Fit | None = None) -> list[Level]:
+def explain(bench: Bench, base: Fit | None = None, begun: Level | None = None) -> list[Level]:
     """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits.
 
     Args:
         bench: what to search.
         base: the twin without effects, if it is known.
+        begun: the first round from there, if it is known.
     """
     with part(0.0, 0.7):
-        levels = first_rounds(bench, base or baseline(bench))
+        levels = first_rounds(bench, base or baseline(bench), begun)
     if _solved(bench, levels) or bench.data.sines is None or not bench.data.impacts:
         return levels
     if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):
@@ -68,25 +69,25 @@ def explain(bench: Bench, base: Fit | None = None) -> list[Level]:
     return again if _best(again).cost < 0.5 * _best(levels).cost else levels
 
 
-def first_rounds(bench: Bench, base: Fit) -> list[Level]:
+def first_rounds(bench: Bench, base: Fit, begun: Level | None = None) -> list[Level]:
     """All rounds; where the generator's own lines show a wrong clock, with that clock from the start.
 
     Beside another effect the beam takes such a clock over, and none of the later rounds would find its way back.
     """
     clocked = with_clock(bench)
     if clocked is None:
-        return rounds(bench, base, MOST)
+        return rounds(bench, base, MOST, begun)
     return [Level(base, (clocked,), ()), *rounds(bench, clocked, MOST - 1)]
 
 
-def rounds(bench: Bench, base: Fit, most: int) -> list[Level]:
-    """At most so many rounds from a fit."""
+def rounds(bench: Bench, base: Fit, most: int, begun: Level | None = None) -> list[Level]:
+    """At most so many rounds from a fit, of which the first may be known."""
     levels: list[Level] = []
     first = base.gap
     while len(levels) < most and (base.gap > _ends(bench, first, levels) or (not levels and _impossible(bench, base))):
         # Each round is seldom followed by another.
         with part(1 - AFTER ** len(levels), 1 - AFTER ** (len(levels) + 1), f"round {len(levels) + 1}"):
-            level = _level(bench, base)
+            level = _level(bench, base) if levels or begun is None else begun
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS

@@ -37,7 +37,9 @@ CLOSE = 40.0
 WRONG = 0.5
 """Share of what a linear beam leaves on few records from which an effect explains nothing."""
 LONGER = 2
-"""Effects that are fitted on few records to the end."""
+"""Effects of a group that are fitted on few records to the end."""
+ENDED = 3
+"""Effects that are fitted on all records, where they score nearly alike."""
 
 
 def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
@@ -55,15 +57,22 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     for i, candidate in enumerate(listed):
         report(0.5 * i / len(listed), f"{candidate.effect.replace('_', ' ')}, stepped in time")
         first.append(begun(bench, base, (few, fewest), candidate))
-    hopeful = _near_the_best([fits[0] for fits in first if fits], score_of, RIVAL)[:LONGER]
+    best = [fits[0] for fits in first if fits]
+    # Those that were followed sine by sine have come further than those that were only begun.
+    groups = [[fit for fit in best if _by_sine(fit) is alike] for alike in (True, False)]
+    hopeful = [fit for group in groups for fit in _near_the_best(group, score_of, RIVAL)[:LONGER]]
     report(0.5, "the likeliest of them")
     looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of))
     left = tuple((f.problem.candidates, f.cost) for f in looks)
     if not looks or not _explains(bench, looks[0], base):
         return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
-    fits = [on_all_records(bench, f) for f in _near_the_best(looks[:2], score_of, CLOSE)]
+    fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
     return Level(base, tuple(sorted(fits, key=_cost)), left[len(fits) :])
+
+
+def _by_sine(fit: Fit) -> bool:
+    return search_of(fit.problem.candidates[-1].effect).by_sine
 
 
 def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: float) -> list[Fit]:
@@ -73,7 +82,7 @@ def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: fl
 
 
 def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
-    if search_of(fit.problem.candidates[-1].effect).by_sine:
+    if _by_sine(fit):
         return follows(bench, fit, base, WRONG)
     linear = seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base.u)
     return fit.cost <= WRONG * linear.cost
@@ -93,7 +102,7 @@ def _cost(fit: Fit) -> float:
 
 def _fitted(fit: Fit) -> Fit:
     """The same with ever less forgiven."""
-    if search_of(fit.problem.candidates[-1].effect).by_sine:
+    if _by_sine(fit):
         return seen(replace(fit.problem, floor=LOOKED / 20, held=beam_at(fit.u)), fit.u)
     for floor, steps in ((LOOKED / 3, 2), (LOOKED / 20, 3)):
         # The beam that the poles show stays, as firmly as more is forgiven.
@@ -106,7 +115,7 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
 
     The law may not be exact.
     """
-    if search_of(fit.problem.candidates[-1].effect).by_sine:
+    if _by_sine(fit):
         return followed_on_all(bench, fit)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
     first = seen(exact, fit.u)

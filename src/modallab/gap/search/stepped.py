@@ -4,7 +4,9 @@ Effects that depend on the size of the motion first; then a linear one beside th
 and one that is stepped beside those.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -43,7 +45,7 @@ class _Asked:
     overtones: Overtones
     matters: Reduced | None
     unseen: Reduced
-    linear: list[Level] | None
+    linear: Callable[[], list[Level]]
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
@@ -57,7 +59,7 @@ def search_stepped(
     overtones: Overtones,
     matters: Reduced | None,
     unseen: Reduced,
-    linear: list[Level] | None = None,
+    linear: Callable[[], list[Level]] | None = None,
 ) -> Choice:
     """What explains a bench that answers out of proportion.
 
@@ -68,9 +70,9 @@ def search_stepped(
         overtones: which the records show.
         matters: see `choose`.
         unseen: see `choose`.
-        linear: the rounds of linear effects alone, if they are known.
+        linear: what gives the rounds of linear effects alone, where some are known.
     """
-    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear)
+    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or partial(explain, bench, base))
     with part(0.0, 0.4):
         levels = _alone(asked)
     first = asked.judged(levels)
@@ -100,7 +102,7 @@ def _with_linear(asked: _Asked, levels: list[Level], first: Choice) -> Choice | 
 def _linear_first(asked: _Asked, first: Choice, clocked: list[Level]) -> Choice:
     """Linear effects, and a stepped one beside the best of them where that leaves much less than none."""
     with part(0.6, 0.8):
-        rounds = asked.linear or explain(asked.bench, asked.base)
+        rounds = asked.linear()
     linear = choose(asked.bench, rounds, asked.matters)
     if linear.explained:
         return linear
