@@ -8,9 +8,6 @@ and nearer to it than to any other mode. Beside each worst error stands the boun
 """
 
 import argparse
-import json
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,6 +17,7 @@ from cases import CASES, Case
 from matching import matched
 from numpy.typing import NDArray
 from ours import cramer_rao
+from printed import printed
 
 from modallab.identification.selection.criteria import mac
 
@@ -35,16 +33,7 @@ def run(command: list[str], case: Case) -> dict:
         path = Path(folder) / "case.npz"
         requested, drive = case.truth.frequency_hz, np.array(case.truth.drive)
         np.savez(path, frequency_hz=case.frequency_hz, mobility=case.mobility, requested_hz=requested, drive=drive)
-        done = subprocess.run(
-            [part if part != "CASE" else str(path) for part in command],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=os.environ | {"QT_QPA_PLATFORM": "offscreen"},
-        )
-    if done.returncode:
-        return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "killed"}
-    return json.loads(done.stdout.splitlines()[-1])
+        return printed([part if part != "CASE" else str(path) for part in command])
 
 
 def worst_mac(case: Case, shapes: list[dict[str, list[float]]], pairs: list[int | None]) -> float:

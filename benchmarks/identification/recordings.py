@@ -10,9 +10,6 @@ for all (median and worst over the FRFs, in the band).
 """
 
 import argparse
-import json
-import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -22,6 +19,7 @@ from typing import Any
 import numpy as np
 from matching import matched
 from numpy.typing import NDArray
+from printed import printed
 from real_sets import SETS, RealSet
 from run_peer import peak_mib
 
@@ -63,16 +61,8 @@ def peer(of: RealSet, python: Path, name: str, order: int, limit_s: int) -> dict
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "set.npz"
         np.savez(path, frequency_hz=of.frequency_hz, mobility=of.mobility, requested_hz=of.stated_hz)
-        done = subprocess.run(
-            [python, "-I", "-W", "ignore", HERE / "run_peer.py", name, path, str(order), str(limit_s)],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=os.environ | {"QT_QPA_PLATFORM": "offscreen"},
-        )
-    if done.returncode:
-        return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "killed"}
-    return dict(json.loads(done.stdout.splitlines()[-1]))
+        script, numbers = str(HERE / "run_peer.py"), (str(order), str(limit_s))
+        return printed([str(python), "-I", "-W", "ignore", script, name, str(path), *numbers])
 
 
 def frac(of: RealSet, f: Real, zeta: Real) -> Real:

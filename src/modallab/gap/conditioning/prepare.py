@@ -22,7 +22,7 @@ from modallab.gap.conditioning.noise import (
     own_noise,
     rising_power,
 )
-from modallab.gap.conditioning.reduce import Weights, sine_ratio
+from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
 from modallab.signals.checks import check_block
 from modallab.signals.conversion import Conversion, in_volts
@@ -110,7 +110,7 @@ def prepare(campaign: Campaign) -> Prepared:
     hum = find_hum(blocks, noise, force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
-    ratio = _ratio(campaign, cleaned, noise)
+    ratio = sine_clock_of(cleaned, campaign.rig, noise)
     floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
     if ringing is not None:
@@ -185,15 +185,6 @@ def _has_hit(block: Block, rig: Rig) -> bool:
     except DataError:
         return False
     return is_hit(force)
-
-
-def _ratio(campaign: Campaign, blocks: Sequence[Block], noise_v: Array) -> float:
-    sines = [b for b in blocks if b.test == "sine"]
-    if not sines:
-        return 1.0
-    signals = [to_signals(b, campaign.rig) for b in sines]
-    ratio, spread = sine_ratio(signals, Weights(noise_v).force(campaign.rig, "sine"))
-    return ratio if abs(ratio - 1) > 5 * spread else 1.0
 
 
 def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:

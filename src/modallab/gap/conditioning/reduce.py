@@ -305,7 +305,14 @@ def sine_clock(data: Reduced) -> float:
     return 1.0 if data.sines is None else _where_shown(data.sines.ratio, data.sines.ratio_sigma)
 
 
+def sine_clock_of(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
+    """The same from records as they came, of which only sines count, and (rows,) V of noise."""
+    signals = [to_signals(b, rig) for b in blocks if b.test == "sine"]
+    return _where_shown(*sine_ratio(signals, Weights(noise_v).force(rig, "sine"))) if signals else 1.0
+
+
 def _where_shown(ratio: float, sigma: float) -> float:
+    """A frequency over what the generator was set to; 1 where it differs by no more than chance."""
     return ratio if abs(ratio - 1) > 5 * sigma else 1.0
 
 

@@ -12,12 +12,11 @@ from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import as_volts, usable
-from modallab.gap.conditioning.reduce import Weights, sine_ratio
+from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.calibrated import carried, diagnosed_twin
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import unit_per_si, volts_per_si
-from modallab.signals.signals import to_signals
 from modallab.twin.learned.row_curve import MODEL, curved
 
 Array = NDArray[np.float64]
@@ -67,12 +66,8 @@ def _curves(effects: Iterable[Effect]) -> list[tuple[int, Mapping[str, float]]]:
 def clock_of(campaign: Campaign, blocks: Sequence[Block]) -> float:
     """Seen frequency of the sines over what was set, where they differ beyond doubt; else 1."""
     rig = campaign.rig
-    sines = [to_signals(b, rig) for b in blocks if b.test == "sine"]
-    if not sines:
-        return 1.0
     noise = np.full(len(rig.channels), rig.converter.noise_rms_v if rig.converter is not None else 3e-4)
-    seen, spread = sine_ratio(sines, Weights(noise).force(rig, "sine"))
-    return seen if abs(seen - 1) > 5 * spread else 1.0
+    return sine_clock_of(blocks, rig, noise)
 
 
 def predicted_campaign(diagnosis: Diagnosis, other: Campaign) -> Campaign:

@@ -13,6 +13,8 @@ OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
 SEVERAL = 0.04
 """Share of a channel's sine responses with a harmonic that is more than one or two."""
+ORDERS = (2, 3)
+"""Multiples of a sine's frequency that are looked at."""
 CLEAR_OF_NOISE = 8.0
 """Times the noise on a line from which a harmonic is clear."""
 CLEAR_OF_LINES = 3.0
@@ -26,7 +28,8 @@ def out_of_proportion(prepared: Prepared) -> Overtones | None:
     ones without second ones; what does not, as a crack that opens, makes second ones.
     """
     rows = [c.index for c in prepared.campaign.rig.responses]
-    third, second = (_by_row(*_harmonics(prepared, (k,))) for k in (3, 2))
+    clear, usable = _harmonics(prepared)
+    second, third = (_by_row(clear[k], usable) for k in ORDERS)
     force = prepared.campaign.rig.force_channel.index
     if max(third[force], second[force]) > OFTEN:
         return None
@@ -38,7 +41,8 @@ def out_of_proportion(prepared: Prepared) -> Overtones | None:
 def harmonic_shares(prepared: Prepared) -> tuple[float, float]:
     """Share of sine responses, and of their forces, with clear second or third harmonics."""
     rig = prepared.campaign.rig
-    clear, usable = _harmonics(prepared, (2, 3))
+    by_order, usable = _harmonics(prepared)
+    clear = by_order[2] | by_order[3]
     rows, force = [c.index for c in rig.responses], rig.force_channel.index
     responses = clear[:, rows][usable[:, rows]]
     return float(np.mean(responses)) if responses.size else 0.0, float(np.mean(clear[:, force])) if len(clear) else 0.0
@@ -48,17 +52,17 @@ def _by_row(clear: NDArray[np.bool_], usable: NDArray[np.bool_]) -> Array:
     return np.sum(clear & usable, axis=0) / np.maximum(np.sum(usable, axis=0), 1)
 
 
-def _harmonics(prepared: Prepared, orders: tuple[int, ...]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """(sine blocks, rows) whether one of these harmonics is clear, and whether the row is to be used."""
+def _harmonics(prepared: Prepared) -> tuple[dict[int, NDArray[np.bool_]], NDArray[np.bool_]]:
+    """(sine blocks, rows) by order whether a harmonic is clear, and whether the row is to be used."""
     sines = [b for b in prepared.blocks if b.test == "sine" and b.frequency_hz]
     shape = len(sines), len(prepared.campaign.rig.channels)
-    clear = np.zeros(shape, dtype=bool)
+    clear = {order: np.zeros(shape, dtype=bool) for order in ORDERS}
     for which, b in enumerate(sines):
         hz = (b.frequency_hz or 0.0) * prepared.sine_ratio
         for tone in of_record(b.name, b.samples * b.scale[:, None], b.rate_hz, hz):
-            if tone.order in orders:
+            if tone.order in clear:
                 size = np.abs(tone.y)
                 above_noise = size * np.sqrt(b.n_samples / 2) > CLEAR_OF_NOISE * prepared.noise_v
-                clear[which] |= above_noise & (size > CLEAR_OF_LINES * tone.beside)
+                clear[tone.order][which] = above_noise & (size > CLEAR_OF_LINES * tone.beside)
     usable = [[(b.name, row) not in prepared.masked for row in range(shape[1])] for b in sines]
     return clear, np.array(usable, dtype=bool).reshape(shape)

@@ -1,7 +1,5 @@
 """A wrong clock of the recorder, which the generator's own lines show whatever the beam does."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from modallab.gap.model.candidates import of_bench
@@ -28,11 +26,3 @@ def with_clock(bench: Bench) -> Fit | None:
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
     return from_poles(bench, (candidate,), own)
-
-
-def unclocked(fit: Fit, which: int) -> Fit:
-    """The fit without one of its effects, all other numbers as they are."""
-    candidates = fit.problem.candidates
-    at = fit.problem.free.size + sum(len(c.slots) for c in candidates[:which])
-    u = np.delete(fit.u, np.s_[at : at + len(candidates[which].slots)])
-    return replace(fit, problem=replace(fit.problem, candidates=candidates[:which] + candidates[which + 1 :]), u=u)

@@ -218,12 +218,15 @@ def _beam(u: Array) -> tuple[float, float, float]:
 
 def without(fit: Fit, which: int) -> Fit:
     """The fit without one of its effects, all other numbers fitted again."""
+    return minimise(*left_out(fit, which), 4, 1e-2)
+
+
+def left_out(fit: Fit, which: int) -> tuple[Problem, Array]:
+    """The problem of a fit without one of its effects, and all other numbers as they are."""
     candidates = fit.problem.candidates
-    slots = [len(c.slots) for c in candidates]
-    start_at = fit.problem.free.size + sum(slots[:which])
-    u = np.concatenate([fit.u[:start_at], fit.u[start_at + slots[which] :]])
-    problem = replace(fit.problem, candidates=tuple(c for i, c in enumerate(candidates) if i != which))
-    return minimise(problem, u, 4, 1e-2)
+    at = fit.problem.free.size + sum(len(c.slots) for c in candidates[:which])
+    u = np.delete(fit.u, np.s_[at : at + len(candidates[which].slots)])
+    return replace(fit.problem, candidates=candidates[:which] + candidates[which + 1 :]), u
 
 
 def excess(fit: Fit) -> float:

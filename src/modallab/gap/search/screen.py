@@ -161,10 +161,10 @@ class Screen:
                 best = 3 if len(candidate.slots) > 1 else 1
                 begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
         listed = [Begin(problem, u, _plain(problem, u)) for u in begins]
-        grid = grid_of_all = _grid(candidate.slots)
-        for near in reversed(nears):
+        grid = _grid(candidate.slots)
+        for turn, near in enumerate(reversed(nears)):
             tried = [(self._at(problem, candidate, np.concatenate([near, more])), more) for more in grid]
-            if len(candidate.slots) == 1 and len(tried) == len(grid_of_all):
+            if len(candidate.slots) == 1 and turn == 0:
                 # Where no other number has adapted, a small effect may leave less than the right one.
                 listed += sorted(_valleys([b for b, _ in tried]), key=lambda b: b.cost)[1:SIZES]
             tried.sort(key=lambda t: t[0].cost)

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, seen
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import apart
-from modallab.gap.search.clock import unclocked
-from modallab.gap.search.fitting import ordinary, without
+from modallab.gap.search.fitting import left_out, ordinary, without
 from modallab.twin.effects import model_of, search_of
 
 ABOVE = 3.0
@@ -57,7 +56,7 @@ def worthwhile(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[
     while at < len(fit.problem.candidates):
         bare = without(fit, at)
         clock = shown and search_of(fit.problem.candidates[at].effect).is_clock
-        judged = _judged(fit, unclocked(fit, at) if clock else bare, at, held)
+        judged = _judged(fit, seen(*left_out(fit, at)) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0
