@@ -11,9 +11,12 @@ from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.beside_hits import beside_the_hits
 from modallab.gap.search.by_frequencies import round_by_frequencies
+from modallab.gap.search.by_relief import FORGIVEN
 from modallab.gap.search.clock import clock_shows, with_clock
 from modallab.gap.search.fitting import COARSE, ordinary, short
+from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import Screen
 from modallab.gap.search.worth import worthwhile
 from modallab.twin.effects import search_of
@@ -36,6 +39,35 @@ def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     assert [e.effect for e in best.effects] == ["sensor_mass"]
     assert ordinary(best)
     np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
+
+
+def test_the_gain_that_all_sensitivities_do_as_well_relieves_them_most(rig, make):
+    strong = Effect(effect="force_gain", parameters={"gain": 1.075}, place={"channel": 0})
+    bench = assembled(rig, make, strong, lambda name: name in ("force_gain", "ac_coupling"))
+    # Every sensor a little low is what a strong force is.
+    bent = short(bench, (), np.zeros(bench.free.size), COARSE).u
+    gains = 3 + bench.free.modes
+    bent[gains : gains + 11] = [-4.0] * 10 + [3.5]
+    fit = seen(Problem(bench.thin, bench.free, ()), bent)
+    screen = Screen(replace(fit.problem, floor=FORGIVEN), bent, bench.poles, relieved=True)
+    begins = sorted((screen.begins(c)[0] for c in pool(bench, fit)), key=lambda b: b.cost)
+    (likeliest,) = begins[0].problem.candidates
+    assert likeliest.effect == "force_gain"
+    assert 1.02 < likeliest.slots[0].value(begins[0].u[-1]) < 1.15
+    assert begins[0].cost < begins[1].cost - 10
+
+
+def test_what_hangs_on_the_beam_with_the_shaker_is_found_beside_the_beam_of_the_hits(rig, make):
+    heavy = Effect(effect="shaker_mass", parameters={"mass": 0.02}, place={"x": 0.4})
+    found = beside_the_hits(assembled(rig, make, heavy, lambda name: name == "shaker_mass"))
+    assert found is not None
+    assert [e.effect for e in found.effects] == ["shaker_mass"]
+    np.testing.assert_allclose(found.effects[0].parameters["mass"], 0.02, rtol=0.1)
+
+
+def test_nothing_is_looked_for_beside_hits_that_an_ordinary_bench_does_not_explain(rig, make):
+    heavy = Effect(effect="added_mass", parameters={"mass": 0.1}, place={"x": 0.6})
+    assert beside_the_hits(assembled(rig, make, heavy)) is None
 
 
 def test_a_large_effect_begins_at_two_sizes_and_one_is_near_its_own(rig, make):

@@ -15,7 +15,8 @@ from modallab.gap.model.candidates import of_channel
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import nuisances
-from modallab.gap.search.intervals import deviations, tolerated
+from modallab.gap.search.intervals import deviations, interval, tolerated
+from modallab.twin.candidate import Slot
 
 GAIN = 1.05
 
@@ -60,6 +61,18 @@ def test_noise_alone_is_believed_by_its_curvature(rig: Rig, data: Reduced) -> No
 def test_what_is_left_smooth_counts_for_more_than_as_much_noise(rig: Rig, data: Reduced) -> None:
     fit = fitted(rig, rippled(data))
     assert deviations(fit)[-1] > 1.5 * by_noise(fit)
+
+
+def test_of_a_factor_a_share_is_one_of_its_distance_from_none() -> None:
+    factor = Slot("gain", "log", (0.9, 1.1), low=0.1, high=5.0, none=1.0)
+    low, high = interval(factor, factor.coordinate(1.075), 1e-6, 0.01 / 0.075)
+    assert (low, high) == pytest.approx((1.075 - 0.0208, 1.075 + 0.0208), abs=1e-3)
+
+
+def test_a_fit_is_as_sure_whatever_slopes_it_was_last_moved_by(rig: Rig, data: Reduced) -> None:
+    fit = fitted(rig, data)
+    again = replace(fit, normal=np.diag(np.linspace(0.1, 10.0, len(fit.u))) @ fit.normal)
+    assert deviations(again) == pytest.approx(deviations(fit))
 
 
 def test_of_a_gain_the_sensors_own_percent_is_nobodys_to_tell(rig: Rig) -> None:

@@ -33,9 +33,9 @@ from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squ
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
-from modallab.gap.search.choose import Choice, choose, probabilities
+from modallab.gap.search.choose import Choice, choose, probabilities, stepped
 from modallab.gap.search.explain import explain, rounds
-from modallab.gap.search.fitting import Bench, baseline, ordinary
+from modallab.gap.search.fitting import Bench, baseline, ordinary, settled
 from modallab.gap.search.intervals import intervals
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.describe import describe
@@ -81,7 +81,7 @@ def diagnose(
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None
     with part(0.06, 0.7, "search"):
-        choice = _searched(bench, prepared, matters, unseen)
+        choice = _settled(_searched(bench, prepared, matters, unseen))
     report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
@@ -121,6 +121,13 @@ def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen:
     if overtones is None:
         return _by_levels(bench, prepared, base, matters, unseen)
     return search_stepped(bench, prepared, base, overtones, matters, unseen)
+
+
+def _settled(choice: Choice) -> Choice:
+    """The same with the fit of linear effects that explain the gap at its very end: their numbers are what is said."""
+    if not choice.explained or not choice.fit.problem.candidates or stepped(choice.fit):
+        return choice
+    return replace(choice, fit=settled(choice.fit))
 
 
 def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | None, unseen: Reduced) -> Choice:

@@ -37,6 +37,8 @@ AT_FLOOR = 1.15
 
 PLAIN = 1000.0
 """Squares of noise units that a small effect must take away: on sound benches some model takes up to 250."""
+RELIEVES = 100.0
+"""Squares, its numbers' and the data's, that an effect must take away from an assembly that no bench has."""
 PLAIN_LEAVES = 0.1
 """Share of a small gap that it may leave."""
 
@@ -123,7 +125,8 @@ def _straightens(before: Fit, fit: Fit) -> bool:
     """Whether a small gap goes, and with it an assembly that no bench has: it had taken the effect's work over."""
     if not fit.problem.free.deviations or ordinary(before) or not ordinary(fit):
         return False
-    return fit.gap <= AT_FLOOR and before.cost - fit.cost > PLAIN
+    relieved = not plausible(before) and plausible(fit)
+    return fit.gap <= AT_FLOOR and before.cost - fit.cost > (RELIEVES if relieved else PLAIN)
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:

@@ -9,7 +9,9 @@ import numpy as np
 
 from modallab.core.progress import part, report
 from modallab.gap.model.fit import Fit
+from modallab.gap.search.beside_hits import beside_the_hits, only_hits
 from modallab.gap.search.by_frequencies import round_by_frequencies
+from modallab.gap.search.by_relief import round_by_relief
 from modallab.gap.search.clock import with_clock
 from modallab.gap.search.fitting import (
     Bench,
@@ -107,16 +109,27 @@ def _ends(bench: Bench, first: float, levels: list[Level]) -> float:
 
 def _level(bench: Bench, base: Fit) -> Level:
     """One round from a fit; where a little bent too far hides all effects, once more from the assembly at rest."""
+    beside = None if base.problem.candidates or ordinary(base) else beside_the_hits(bench)
+    if beside is not None:
+        return Level(base, (beside,), ())
     begin = rested(bench, base)
     hidden = begin is base and _impossible(bench, base)
-    found = [round_by_frequencies(bench, base)] if hidden else []
-    # Where nothing is left to see, the assembly has done all of the work, and only frequencies say more.
-    if found and (base.gap <= bench.watched or any(map(ordinary, found[0].fits))):
-        return found[0]
+    found: list[Level] = []
+    for hidden_round in (round_by_relief, round_by_frequencies) if hidden else ():
+        found.append(hidden_round(bench, base))
+        if any(map(ordinary, found[-1].fits)):
+            return found[-1]
+    # Where nothing is left to see, the assembly has done all of the work, and no first order says more.
+    if found and base.gap <= bench.watched:
+        return min(found, key=_least)
     found.append(replace(round_of(bench, begin), base=base))
     if hidden and not any(map(ordinary, found[-1].fits)):
         found.append(replace(round_of(bench, unbent(bench, base)), base=base))
-    return min(found, key=lambda level: min((f.cost for f in level.fits), default=np.inf))
+    return min(found, key=_least)
+
+
+def _least(level: Level) -> float:
+    return min((f.cost for f in level.fits), default=np.inf)
 
 
 def _impossible(bench: Bench, base: Fit) -> bool:
@@ -127,7 +140,7 @@ def _impossible(bench: Bench, base: Fit) -> bool:
 def from_hits(bench: Bench) -> Fit | None:
     """What explains the hits alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
     report(0.0, "the hits alone")
-    only = replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
+    only = only_hits(bench)
     levels = rounds(only, baseline(only), 1)
     if not _solved(only, levels):
         return None

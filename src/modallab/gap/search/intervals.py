@@ -5,17 +5,17 @@ covariance: Liang and Zeger, Biometrika 73, 1986, 13; White, Econometrica 48, 19
 A cluster is what one channel answers in one record near one mode: where a model is a little wrong, it is so smoothly.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
-from modallab.gap.model.fit import Fit, all_hz, all_rows
+from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import excess
+from modallab.gap.search.fitting import excess, ordinary
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
 from modallab.twin.structure import solve
@@ -64,7 +64,7 @@ def intervals(choice: Choice) -> list[Believed]:
     """
     fit = choice.fit
     deviation = deviations(fit)
-    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(excess(choice.base), 1e-9)))
+    share = MODEL_SHARE * float(np.sqrt(excess(fit) / max(_explained(choice), 1e-9)))
     found: list[Believed] = []
     at = fit.problem.free.size
     for candidate, effect in zip(fit.problem.candidates, fit.effects, strict=True):
@@ -84,6 +84,17 @@ def intervals(choice: Choice) -> list[Believed]:
     return found
 
 
+def _explained(choice: Choice) -> float:
+    """What the effects explain, in squares of noise units above the floor.
+
+    Where without them the assembly bends until it does their work, what comes back when they go and all else stays.
+    """
+    if ordinary(choice.base) or not choice.fit.problem.free.deviations:
+        return excess(choice.base)
+    problem = replace(choice.fit.problem, candidates=())
+    return max(excess(choice.base), excess(seen(problem, choice.fit.u[: problem.free.size])))
+
+
 def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[float, float]:
     """(low, high) of 95 % in SI units: the noise's part and the model's, in quadrature.
 
@@ -95,8 +106,7 @@ def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[floa
     """
     value = slot.value(u)
     if slot.transform == "log":
-        # A share of a positive number is a step of its logarithm: no such number lies below zero.
-        half = 1.96 * float(np.hypot(deviation, model))
+        half = _half_of_logarithm(slot, value, deviation, model)
         return slot.value(u - half), slot.value(u + half)
     low, high = (slot.value(u + sign * 1.96 * deviation) for sign in (-1, 1))
     more = 1.96 * model * abs(value - slot.none)
@@ -105,13 +115,22 @@ def interval(slot: Slot, u: float, deviation: float, model: float) -> tuple[floa
     return max(value - below, least), min(value + above, most)
 
 
+def _half_of_logarithm(slot: Slot, value: float, deviation: float, model: float) -> float:
+    """Half of the 95 % interval of a number's logarithm: no number above zero that is off by a share lies below zero.
+
+    Of a factor the effect is how far it is from the factor of none.
+    """
+    effect = abs(float(np.log(value / slot.none))) if slot.none else 1.0
+    return 1.96 * float(np.hypot(deviation, model * effect))
+
+
 def not_known(slot: Slot, u: float, deviation: float, model: float) -> str:
     """Why a number has no interval; "" where it has one. For the arguments see `interval`."""
     half = 1.96 * deviation
     if deviation >= UNFELT:
         return NOT_FELT
     if slot.transform == "log":
-        return NO_ORDER if float(np.hypot(half, 1.96 * model)) > OPEN else ""
+        return NO_ORDER if _half_of_logarithm(slot, slot.value(u), deviation, model) > OPEN else ""
     if slot.transform == "share":
         return NO_SHARE if half > OPEN else ""
     low, high = interval(slot, u, deviation, model)
@@ -129,23 +148,30 @@ def tolerated(effect: Effect, rig: Rig) -> float:
 
 
 def deviations(fit: Fit) -> Array:
-    """(u,) standard deviation of each free number; UNFELT where no data move."""
-    curvature = np.diag(fit.normal)
+    """(u,) standard deviation of each free number; UNFELT where no data move.
+
+    The curvature is that at the fit: a fit's own is that of its last slopes, from where it has moved on since.
+    """
+    problem, n = fit.problem, fit.problem.free.size
+    J = jacobian(problem, fit.u, fit.residual)
+    normal = J.T @ J
+    normal[np.arange(n), np.arange(n)] += problem.priors(fit.u)[2]
+    curvature = np.diag(normal)
     felt = np.flatnonzero(curvature > CURVED * np.max(curvature))
-    covariance = np.linalg.pinv(fit.normal[np.ix_(felt, felt)], hermitian=True)
+    covariance = np.linalg.pinv(normal[np.ix_(felt, felt)], hermitian=True)
     # What is above the floor and not alike anywhere counts as more noise.
     variance = np.diag(covariance) * max(1.0, fit.gap) ** 2
-    moved = pulls(fit)[:, felt] @ covariance
+    moved = _pulls(fit, J)[:, felt] @ covariance
     found = np.full(len(curvature), UNFELT)
     found[felt] = np.sqrt(np.maximum(np.maximum(variance, np.sum(moved**2, axis=0)), 0))
     return found
 
 
-def pulls(fit: Fit) -> Array:
+def _pulls(fit: Fit, J: Array) -> Array:
     """(clusters, u) by how much each cluster of residuals pulls at the free numbers: its part of J^T r."""
     n = sum(rows.y.size for rows in all_rows(fit.problem.data))
     # What the clock says is one number, and its noise is its own.
-    J, r, labels = jacobian(fit.problem, fit.u, fit.residual)[: 2 * n], fit.residual[: 2 * n], _clusters(fit)
+    J, r, labels = J[: 2 * n], fit.residual[: 2 * n], _clusters(fit)
     order = np.argsort(labels, kind="stable")
     starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
     return np.add.reduceat(J[order] * r[order, None], starts, axis=0)

@@ -36,6 +36,8 @@ FEWER = 4
 """Of so many first values of an effect one is tried at the second beam as well."""
 CUT = 5.0
 """Times the rms at which a residual stops counting."""
+TIMES = (0.03, 0.1, 0.16, 0.3, 1.0, 3.0, 8.0, 16.0, 32.0)
+"""Sizes of an effect of one number, in those of its scale, from which an assembly may be relieved."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,20 +86,28 @@ class _Scale:
             return float(np.clip(self.unit / max(times, 1e-4), self.most, None))
         return float(np.clip(times * self.unit, 0.03 * self.unit, self.most))
 
+    def values(self, times: tuple[float, ...]) -> list[float]:
+        """The numbers so many times as far from no effect as one, to both sides where there are two."""
+        signed = (*times, *(-t for t in times)) if self.kind in ("plain", "factor") else times
+        return sorted({self.value(t) for t in signed})
+
 
 class Screen:
     """Residuals, in noise units, with everything that was free before projected out."""
 
-    def __init__(self, problem: Problem, u: Array, poles: Complex) -> None:
+    def __init__(self, problem: Problem, u: Array, poles: Complex, relieved: bool = False) -> None:
         """Screen around a fit.
 
         Args:
             problem: the fit so far on thinned data, its floor the misfit.
             u: its numbers.
             poles: of the ring-down.
+            relieved: whether to look for what lets a bent assembly go back to rest, with the floor as it is: an effect
+                of a size that shows does so only beyond first order, and what that leaves must be forgiven.
         """
-        self.large = problem.floor > LARGE
-        if not self.large:
+        self.relieved = relieved
+        self.large = problem.floor > LARGE and not relieved
+        if not self.large and not relieved:
             problem = replace(problem, floor=problem.floor / 10 if problem.floor > SMALL else 0.0)
         self.problem, self.u, self.poles = problem, u, poles
         self.floor = problem.floor
@@ -137,6 +147,8 @@ class Screen:
             return [_relieved(problem, np.concatenate([self.u, more])) for more in _grid(slots)]
         if len(slots) == 2 and slots[1].name == "x":
             return [self._sized(problem, slots[0], np.array([slots[1].coordinate(x)])) for x in slots[1].starts]
+        if self.relieved and len(slots) == 1:
+            return [np.concatenate([self.u, [slots[0].coordinate(v)]]) for v in _Scale.of(slots[0]).values(TIMES)]
         plain = [np.concatenate([self.u, more]) for more in _grid(slots)]
         return [*plain, self._sized(problem, slots[0], np.zeros(0))] if len(slots) == 1 else plain
 
