@@ -171,10 +171,10 @@ def _pulls(fit: Fit, J: Array) -> Array:
     """(clusters, u) by how much each cluster of residuals pulls at the free numbers: its part of J^T r."""
     n = sum(rows.y.size for rows in all_rows(fit.problem.data))
     # What the clock says is one number, and its noise is its own.
-    J, r, labels = J[: 2 * n], fit.residual[: 2 * n], _clusters(fit)
+    pulled, labels = J[: 2 * n] * fit.residual[: 2 * n, None], _clusters(fit)
     order = np.argsort(labels, kind="stable")
     starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
-    return np.add.reduceat(J[order] * r[order, None], starts, axis=0)
+    return np.add.reduceat(pulled[order], starts, axis=0)
 
 
 def _clusters(fit: Fit) -> NDArray[np.int64]:
