@@ -9,9 +9,9 @@ Floats = NDArray[np.float64]
 def eigh(stiffness: Floats, mass: Floats | None = None) -> tuple[Floats, Floats]:
     """(n,) ascending eigenvalues and (n, n) eigenvectors, of unit modal mass, of (n, n) symmetric matrices.
 
-    Without a mass matrix it is that of unity. With one, K v = omega^2 M v becomes a standard problem by M = L L^T (Golub
-    and Van Loan, Matrix Computations, 8.7). SciPy has that too, but to import it takes every bench's process a quarter
-    of the time in which it begins.
+    Without a mass matrix it is that of unity. With one, K v = omega^2 M v becomes a standard problem by M = L L^T
+    (Golub and Van Loan, Matrix Computations, 8.7). SciPy has that too, but to import it takes every bench's process a
+    quarter of the time in which it begins.
     """
     if mass is None:
         values, vectors = np.linalg.eigh(stiffness)
