@@ -118,10 +118,10 @@ def _denominators(q: Complex, rows: Complex, bent: Complex) -> Complex:
     all_rows = np.concatenate([rows.transpose(0, 2, 1)[..., None], own], axis=3)
     columns = all_rows.transpose(0, 2, 1, 3).reshape(lines, rows_each, -1)
     columns = columns - q @ (q.conj().transpose(0, 2, 1) @ columns)
-    beyond = columns.reshape(lines, rows_each, outputs, 1 + poles).transpose(0, 2, 1, 3)
-    u, s, vh = np.linalg.svd(beyond[..., 1:], full_matrices=False)
+    left_over = columns.reshape(lines, rows_each, outputs, 1 + poles).transpose(0, 2, 1, 3)
+    u, s, vh = np.linalg.svd(left_over[..., 1:], full_matrices=False)
     inverse = np.where(s > DISTINGUISHED, 1 / np.where(s > DISTINGUISHED, s, 1), 0)
-    along = (u.conj().swapaxes(2, 3) @ beyond[..., :1]) * inverse[..., None]
+    along = (u.conj().swapaxes(2, 3) @ left_over[..., :1]) * inverse[..., None]
     return (vh.conj().swapaxes(2, 3) @ along)[..., 0] / scale
 
 
