@@ -22,6 +22,8 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from importlib.resources import files
 from pathlib import Path
 
@@ -75,7 +77,7 @@ class Trial:
             _ = process.info
             runner = threading.Thread(target=drain, args=(process, self.plan), daemon=True)
             runner.start()
-            self.wait_for_volts()
+            self.wait_for_volts(lambda: not runner.is_alive())
             assert process.process.pid is not None
             os.kill(process.process.pid, self.signal)
             took = self.time_to_zero()
@@ -93,7 +95,7 @@ class Trial:
         try:
             assert owner.stdout is not None
             pids = json.loads(owner.stdout.readline())
-            self.wait_for_volts()
+            self.wait_for_volts(lambda: owner.poll() is not None)
             if self.how.also_supervisor:
                 for pid in (pids["supervisor"], owner.pid, pids["rig"]):
                     os.kill(pid, self.signal)
@@ -101,7 +103,9 @@ class Trial:
                 os.killpg(owner.pid, self.signal)
             took = self.time_to_zero()
         finally:
-            os.killpg(owner.pid, signal.SIGKILL)
+            # Nobody is left in the group where all of it has ended by itself.
+            with suppress(ProcessLookupError):
+                os.killpg(owner.pid, signal.SIGKILL)
             owner.communicate()
         wait_until(lambda: not psutil.pid_exists(pids["supervisor"]) or self.how.also_supervisor, 60.0)
         if self.how.also_supervisor:
@@ -117,9 +121,16 @@ class Trial:
         handle.release()
         handle.close()
 
-    def wait_for_volts(self) -> None:
+    def wait_for_volts(self, ended: Callable[[], bool]) -> None:
+        """Until the burst is on; whose owner has ended before that will play none."""
+
+        def plays() -> bool:
+            if ended():
+                raise TimeoutError("who was to play it has ended")
+            return self.server.say("levels 0.1")[self.output] > 0.4
+
         # Asked too often, the device has no time left to play.
-        wait_until(lambda: self.server.say("levels 0.1")[self.output] > 0.4, 120.0, 0.05)
+        wait_until(plays, 120.0, 0.05)
         # Anywhere in a period.
         time.sleep(np.random.default_rng().uniform(0.0, 0.1))
 

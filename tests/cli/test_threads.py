@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from modallab.cli import main
+from modallab.core.blas_threads import one_thread, thread_counts
 
 NAMES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
 
@@ -24,3 +25,22 @@ def test_what_the_user_says_of_threads_holds(monkeypatch: pytest.MonkeyPatch, tm
         monkeypatch.setenv(name, "2")
     assert main(["identify", str(tmp_path / "nothing")]) == 2
     assert [os.environ[name] for name in NAMES] == ["2", "2"]
+
+
+def test_in_a_script_threads_are_one_while_a_model_is_computed_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in NAMES:
+        monkeypatch.delenv(name, raising=False)
+    before = thread_counts()
+    assert before, "NumPy's OpenBLAS is not found where its wheel has it"
+    with one_thread():
+        with one_thread():
+            assert set(thread_counts()) == {1}
+        assert set(thread_counts()) == {1}
+    assert thread_counts() == before
+
+
+def test_in_a_script_too_what_the_user_says_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(NAMES[0], "3")
+    before = thread_counts()
+    with one_thread():
+        assert thread_counts() == before

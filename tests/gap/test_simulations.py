@@ -198,3 +198,20 @@ def test_export_at_the_terminal(rig: Rig, few: Campaign, tmp_path: Path, capsys:
     assert InForm.model_validate_json((tmp_path / "f.json").read_text(encoding="utf-8")).after < 1.3
     assert main([*asked, str(tmp_path / "t.npz")]) != 0
     assert "ends in .uff" in capsys.readouterr().err
+
+
+def test_what_cannot_be_exported_leaves_no_file(rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_rig(rig, tmp_path / "rig.yaml")
+    (tmp_path / "d.json").write_text(made_diagnosis(rig, MASS).model_dump_json(), encoding="utf-8")
+    out = tmp_path / "t.npz"
+    asked = ["gap", "export", str(tmp_path / "d.json"), "--rig", str(tmp_path / "rig.yaml"), "--form", "npz"]
+    asked += ["--out", str(out)]
+    assert main([*asked, "--on", str(tmp_path / "nowhere")]) == 2
+    assert "nowhere" in capsys.readouterr().err
+    assert not out.exists()
+    # Steps longer than half a period of the first mode show none.
+    assert main([*asked, "--rate", "2"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "in steps of 2 Hz no mode would be seen" in said
+    assert "give a rate well above" in said
+    assert not out.exists()

@@ -1,6 +1,5 @@
 """The command line. Nothing heavy is imported before a command is chosen."""
 
-import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -8,14 +7,13 @@ from importlib import import_module
 from modallab import __version__
 from modallab.cli.outputs import check_outputs
 from modallab.cli.parser import build_parser
+from modallab.core.blas_threads import say_one_thread
 from modallab.core.errors import ModallabError
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0 good, 2 for anything the user can correct."""
-    # The matrices are small: threads of the linear algebra only wait for each other, the more the busier the machine.
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
+    say_one_thread()
     try:
         arguments = build_parser(__version__).parse_args(argv)
         check_outputs(arguments)

@@ -30,12 +30,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise PlanError(f"a file of the form {form.name} ends in {form.suffix}", remedy=f"name it ...{form.suffix}")
     tests: list[Test] = [arguments.test] if arguments.test else tests_of(rig)
     tests = tests[:1] if form.one_test else tests
+    # Before anything is written: who mistypes the campaign is left with no file.
+    campaign = None if arguments.on is None else read_campaign(arguments.on, rig)
     write_form(arguments.out, form, diagnosis, rig, tests, arguments.rate)
     console = Console()
     console.print(f"{form.says}, {' and '.join(tests)}: {arguments.out}", markup=False, soft_wrap=True)
-    if arguments.on is None:
+    if campaign is None:
         return 0
-    campaign = read_campaign(arguments.on, rig)
     with console.status("playing the records") as status, heard_by(lambda _, words: status.update(words)):
         found = in_form(form, diagnosis, campaign, tests, arguments.records)
     console.print(said(found), markup=False, soft_wrap=True)

@@ -16,6 +16,11 @@ from modallab.core.errors import DataError
 
 Complex = NDArray[np.complex128]
 
+MOST_VALUES = 100_000
+"""Of the matrices that are worked on at once: as many as a processor keeps at hand."""
+DISTINGUISHED = 1e-12
+"""Columns of length 1 whose least singular value is above it."""
+
 
 def local_polynomial_frf(
     force: Complex, response: Complex, order: int = 4, poles: int = 2, half_width: int | None = None
@@ -47,48 +52,84 @@ def local_polynomial_frf(
         )
     frf = np.empty((response.shape[1], inputs, lines), complex)
     variance = np.empty((response.shape[1], lines))
-    for line in range(lines):
+    at_once = max(1, MOST_VALUES // (blocks * width * unknowns))
+    for first in range(0, lines, at_once):
+        line = np.arange(first, min(first + at_once, lines))
         # Near the ends the window is held inside, and the line is not at its centre.
-        start = min(max(line - half, 0), lines - width)
-        window = slice(start, start + width)
-        power = ((np.arange(start, start + width) - line) / half)[:, None] ** np.arange(order + 1)
-        frf[..., line], variance[:, line] = _at_line(force[..., window], response[..., window], power, poles)
+        window = np.clip(line - half, 0, lines - width)[:, None] + np.arange(width)
+        power = ((window - line[:, None]) / half)[..., None] ** np.arange(order + 1)
+        there = force[..., window].transpose(2, 0, 3, 1), response[..., window].transpose(2, 0, 3, 1)
+        frf[..., line], variance[:, line] = _at_lines(*there, power, poles)
     return frf, variance
 
 
-def _at_line(
+def _at_lines(
     force: Complex, response: Complex, power: NDArray[np.float64], poles: int
 ) -> tuple[Complex, NDArray[np.float64]]:
-    """FRF (outputs, inputs) at the window's line, and the variance (outputs,) of the noise in the window."""
-    blocks, inputs, width = force.shape
-    terms = power.shape[1]
-    by_force = force.transpose(0, 2, 1)[:, :, :, None] * power[None, :, None, :]
-    transient = np.zeros((blocks, width, blocks, terms), complex)
-    transient[np.arange(blocks), :, np.arange(blocks)] = power
-    shared = np.concatenate([by_force.reshape(blocks * width, -1), transient.reshape(blocks * width, -1)], axis=1)
-    bend = power[:, 1:2] ** np.arange(1, poles + 1)
-    found, variance = [], []
-    for rows in response.transpose(1, 0, 2):
-        # The denominator is 1 at the line itself, so the numerator there is the FRF.
-        own = -(rows[:, :, None] * bend).reshape(blocks * width, poles)
-        solution, left = _least_squares(np.concatenate([shared, own], axis=1), rows.ravel(), shared.shape[1])
-        found.append(solution[: inputs * terms : terms])
-        variance.append(left)
-    return np.array(found), np.array(variance)
+    """FRF (outputs, inputs, lines) in the middle of windows, and the variance (outputs, lines) of the noise in each.
 
-
-def _least_squares(columns: Complex, rows: Complex, needed: int) -> tuple[Complex, float]:
-    """Solution and the residual's variance; the first `needed` columns must be distinguished."""
-    scale = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(scale > 0, scale, 1)
-    found, _, rank, _ = np.linalg.lstsq(scaled, rows, rcond=1e-12)
-    if rank < columns.shape[1] and np.linalg.matrix_rank(scaled[:, :needed], tol=1e-12) < needed:
+    Args:
+        force: (lines, blocks, width, inputs) the spectra in each line's window.
+        response: (lines, blocks, width, outputs)
+        power: (lines, width, terms) of the polynomials.
+        poles: order of the denominator.
+    """
+    lines, blocks, width, inputs = force.shape
+    rows = response.reshape(lines, blocks * width, -1)
+    columns, scale = _scaled(_shared(force, power))
+    q, r = np.linalg.qr(columns)
+    if np.linalg.svd(r, compute_uv=False).min() < DISTINGUISHED:
         raise DataError(
             "about one line the forces cannot be distinguished from one another, or from what rings on",
             remedy="drive with random forces that differ, in as many blocks as there are forces",
         )
-    left = rows - scaled @ found
-    return found / np.where(scale > 0, scale, 1), float(np.sum(np.abs(left) ** 2) / (len(rows) - columns.shape[1]))
+    # The denominator is 1 at the line itself, so the numerator there is the FRF.
+    bend = np.tile(power[..., 1], (1, blocks))[..., None] ** np.arange(1, poles + 1)
+    bent = rows.transpose(0, 2, 1)[..., None] * bend[:, None]
+    by_poles = _denominators(q, rows, bent)
+    explained = rows + np.einsum("lomp,lop->lmo", bent, by_poles)
+    by_shared = np.linalg.solve(r, q.conj().transpose(0, 2, 1) @ explained)
+    left = explained - columns @ by_shared
+    free = blocks * width - columns.shape[2] - poles
+    terms = power.shape[2]
+    found = by_shared[:, : inputs * terms : terms] / scale[:, : inputs * terms : terms, None]
+    return found.transpose(2, 1, 0), (np.sum(np.abs(left) ** 2, axis=1) / free).T
+
+
+def _shared(force: Complex, power: NDArray[np.float64]) -> Complex:
+    """(lines, rows, columns) what all responses have: each force and each block's transient, times the polynomials."""
+    lines, blocks, width, _ = force.shape
+    by_force = force[..., None] * power[:, None, :, None, :]
+    transient = np.zeros((lines, blocks, width, blocks, power.shape[2]), complex)
+    transient[:, np.arange(blocks), :, np.arange(blocks)] = power
+    flat = (lines, blocks * width, -1)
+    return np.concatenate([by_force.reshape(flat), transient.reshape(flat)], axis=2)
+
+
+def _denominators(q: Complex, rows: Complex, bent: Complex) -> Complex:
+    """(lines, outputs, poles) coefficients of each response's denominator, from what no shared column (`q`) explains.
+
+    Where the polynomials alone explain a response, its denominator is not determined, and is 1.
+    """
+    lines, outputs, rows_each, poles = bent.shape
+    if not poles:
+        return np.zeros((lines, outputs, 0), complex)
+    own, scale = _scaled(-bent)
+    all_rows = np.concatenate([rows.transpose(0, 2, 1)[..., None], own], axis=3)
+    columns = all_rows.transpose(0, 2, 1, 3).reshape(lines, rows_each, -1)
+    columns = columns - q @ (q.conj().transpose(0, 2, 1) @ columns)
+    left_over = columns.reshape(lines, rows_each, outputs, 1 + poles).transpose(0, 2, 1, 3)
+    u, s, vh = np.linalg.svd(left_over[..., 1:], full_matrices=False)
+    inverse = np.where(s > DISTINGUISHED, 1 / np.where(s > DISTINGUISHED, s, 1), 0)
+    along = (u.conj().swapaxes(2, 3) @ left_over[..., :1]) * inverse[..., None]
+    return (vh.conj().swapaxes(2, 3) @ along)[..., 0] / scale
+
+
+def _scaled(columns: Complex) -> tuple[Complex, NDArray[np.float64]]:
+    """Columns of length 1, and the lengths that they had; a column of zeros stays."""
+    length = np.linalg.norm(columns, axis=-2)
+    length = np.where(length > 0, length, 1)
+    return columns / length[..., None, :], length
 
 
 def _checked(force: Complex, response: Complex) -> tuple[int, int, int]:

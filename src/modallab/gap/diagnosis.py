@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
@@ -49,6 +50,7 @@ CALM = "No effect explains what is left, and it does not matter: {:.2%} of the r
 STRAINED = "All in all the bench is put together less well than its rig file states, though no number alone is a gap."
 
 
+@one_thread()
 def diagnose(
     campaign: Campaign,
     hold_out: str = "mixed",

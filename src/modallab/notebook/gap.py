@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from modallab.cli.gap import read_diagnosis
+from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
@@ -111,6 +112,7 @@ def diagnose(
     return found
 
 
+@one_thread()
 def diagnose_by_model(
     measured: Recording | MeasuredFrf, reference: Model | Recording | MeasuredFrf, *, progress: bool = True
 ) -> ModalDiagnosis:

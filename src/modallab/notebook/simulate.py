@@ -11,6 +11,7 @@ from typing import Literal, cast
 from modallab.bench.simulated import simulated_bench
 from modallab.cli.demo import demo_plans
 from modallab.cli.demo_rig import demo_rig
+from modallab.core.blas_threads import one_thread
 from modallab.core.errors import BenchError, ConfigurationError, ModallabError
 from modallab.core.plan import Plan
 from modallab.core.progress import report
@@ -24,6 +25,7 @@ PATIENCE_S = 10.0
 """What a recording takes to bring its bench to rest and to end."""
 
 
+@one_thread()
 def simulate(
     structure: str = "link",
     effect: str | Sequence[str] | Mapping[str, Numbers] = (),

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Literal
 
 from modallab.core.array_checks import check_signals
+from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
 from modallab.core.model import ModalModel
@@ -63,6 +64,7 @@ class Result:
     unidentified: tuple[Unidentified, ...]
 
 
+@one_thread()
 def identify_campaign(
     campaign: Campaign,
     options: Options,

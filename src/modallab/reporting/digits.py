@@ -81,6 +81,11 @@ def relative(value: float, reference: float) -> str:
     return f"{percent:+.{places}f} %".replace("-", "−")
 
 
+def deviations(count: float) -> str:
+    """`2.4 σ`, `496 σ`: tenths only where they matter."""
+    return f"{count:.1f} σ" if count < 10 else f"{count:.0f} σ"
+
+
 def listed(items: list[str]) -> str:
     """`a, b and c`."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else ""

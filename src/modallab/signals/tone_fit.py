@@ -180,14 +180,15 @@ def _coarse_ratio(forces: NDArray[np.float64], rate_hz: float, set_hz: NDArray[n
     t = np.arange(forces.shape[1]) / rate_hz
     # The highest frequencies tell a ratio best.
     top = np.argsort(set_hz)[-6:]
-    window = np.hanning(len(t))
-    power = [
-        sum(
-            abs(np.sum(window * f * np.exp(-2j * np.pi * h * (1 + g) * t))) ** 2 / max(float(np.sum(f**2)), 1e-300)
-            for f, h in zip(forces[top], set_hz[top], strict=True)
-        )
-        for g in grid
-    ]
+    sizes = np.sqrt(np.maximum(np.sum(forces[top] ** 2, axis=1, keepdims=True), 1e-300))
+    windowed = forces[top] * np.hanning(len(t)) / sizes
+    angle = -2j * np.pi * set_hz[top, None] * t
+    # From one ratio to the next every sample turns by the same angle: a product, and no exponential.
+    turned, step = np.exp(angle * (1 + grid[0])), np.exp(angle * (grid[1] - grid[0]))
+    power: list[float] = []
+    for _ in grid:
+        power.append(float(np.sum(np.abs(np.sum(windowed * turned, axis=1)) ** 2)))
+        turned = turned * step
     return 1 + float(grid[int(np.argmax(power))])
 
 

@@ -45,6 +45,13 @@ class StateSpace:
     delay_s: Array
     clock: float = 0.0
 
+    @property
+    def first_hz(self) -> float:
+        """Frequency of the first mode, of what swings at all; 0 if nothing does."""
+        poles = np.linalg.eigvals(self.A)
+        swinging = np.abs(poles[poles.imag > 0])
+        return float(swinging.min()) / (2 * np.pi) if swinging.size else 0.0
+
     def at_rate(self, rate_hz: float) -> tuple[Array, Array, Array, Array]:
         """The same in steps: x_{k+1} = A x_k + B f_k, y_k = C x_k + D f_k, f on straight lines between samples."""
         dt = 1 / rate_hz / (1 + self.clock)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.io import loadmat, savemat
 
-from modallab.core.errors import FormatError
+from modallab.core.errors import FormatError, PlanError
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
@@ -22,8 +22,11 @@ def write_state_space(path: Path, systems: Mapping[Test, StateSpace], rig: Rig, 
     """Write the systems of each test, continuous and, with a rate, in steps; `.mat` is MATLAB's, anything else NPZ.
 
     Raises:
+        PlanError: at that rate the steps would show no mode.
         StorageError: the file cannot be written.
     """
+    if rate_hz is not None:
+        _require_rate(systems, rate_hz)
     content: dict[str, Any] = {
         "points": np.array([p.id for p in rig.points]),
         "channels": np.array([c.name for c in rig.responses]),
@@ -42,6 +45,15 @@ def write_state_space(path: Path, systems: Mapping[Test, StateSpace], rig: Rig, 
         else:
             with draft.open("wb") as out:
                 np.savez_compressed(out, **content)
+
+
+def _require_rate(systems: Mapping[Test, StateSpace], rate_hz: float) -> None:
+    first_hz = max(system.first_hz for system in systems.values())
+    if rate_hz <= 2 * first_hz:
+        raise PlanError(
+            f"in steps of {rate_hz:g} Hz no mode would be seen: the first is at {first_hz:.4g} Hz",
+            remedy=f"give a rate well above {2 * first_hz:.3g} Hz, best that of the records",
+        )
 
 
 def read_state_space(path: Path) -> dict[Test, StateSpace]:

@@ -128,6 +128,7 @@ def _marker(line: Any) -> str:
         "s": f'<rect x="10.6" y="2.6" width="6.8" height="6.8" {paint}/>',
         "D": f'<path d="M14 1.6L18.4 6L14 10.4L9.6 6Z" {paint}/>',
         "^": f'<path d="M14 2L18 9.6H10Z" {paint}/>',
+        "v": f'<path d="M14 10L18 2.4H10Z" {paint}/>',
         "|": f'<path d="M14 1V11" stroke="{edge}" stroke-width="2"/>',
         "x": f'<path d="M11 3L17 9M11 9L17 3" stroke="{edge}" stroke-width="1.6"/>',
     }

@@ -7,9 +7,9 @@ import numpy as np
 
 from modallab.reporting.compare import Mode, verdict
 from modallab.reporting.content import Outcome, ReportContent
-from modallab.reporting.digits import glued, listed, plain, share
+from modallab.reporting.digits import deviations, glued, listed, plain, share
 from modallab.reporting.markup import Markup, tag
-from modallab.reporting.sections.summary import MATCH, compare_tests
+from modallab.reporting.sections.summary import MATCH, compare_tests, how_far
 
 DOUBTFUL = 0.5
 """A mode of a lower confidence may be noise, or what the model leaves unexplained."""
@@ -64,11 +64,15 @@ def _tests(modes: tuple[Mode, ...]) -> Iterator[tuple[bool, str]]:
     apart = [d for _, *both in pairs for d in both if isfinite(d)]
     if apart:
         one, other = (r.test for r in pairs[0][0].readings[:2])
-        good = verdict(max(apart)) == "agree"
-        yield (
-            good,
-            f"The {one} and the {other} test {'agree' if good else 'differ'}: at most {max(apart):.1f} \u03c3 apart.",
-        )
+        most = f"at most {deviations(max(apart))} apart"
+        if verdict(max(apart)) == "agree":
+            yield True, f"The {one} and the {other} test agree: {most}."
+            return
+        text = f"The {one} and the {other} test differ, {most}: {how_far(modes)}."
+        driven = {one, other} - {"impact", None}
+        if "impact" in (one, other) and driven:
+            text += f" In the {driven.pop()} test the shaker hangs on the structure, which shifts its modes."
+        yield False, text
 
 
 def _assumed(outcome: Outcome) -> Iterator[tuple[bool, str]]:

@@ -4,7 +4,7 @@ from math import isfinite
 
 from modallab.reporting.compare import Mode, Reading, deviation, verdict
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import UNKNOWN, alike, confident, glued, listed, plain, relative, with_sigma
+from modallab.reporting.digits import UNKNOWN, alike, confident, deviations, glued, listed, plain, relative, with_sigma
 from modallab.reporting.markup import Markup, join, table, tag
 from modallab.reporting.sections.section import Section, paragraph
 from modallab.reporting.sections.summary import compare_tests
@@ -92,7 +92,7 @@ def _truth(reading: Reading) -> list[str]:
 
 def _true(value: float, sigma: float, truth: float, drift: float = 0.0) -> Markup:
     gap = deviation(value, sigma, truth, truth * drift)
-    error = relative(value, truth) + (f" ({gap:.1f} σ)" if isfinite(gap) else "")
+    error = relative(value, truth) + (f" ({deviations(gap)})" if isfinite(gap) else "")
     return join([alike(truth, sigma), tag("br"), tag("small", error)])
 
 
@@ -134,10 +134,11 @@ def _agreement(modes: tuple[Mode, ...]) -> Markup | None:
     caption = f"Do the {first[0].test} and the {first[1].test} test agree?"
     explained = paragraph(
         "Two values agree if they lie no more than 2 σ apart, σ being that of their difference. Past 3 σ chance is "
-        "no longer a fair explanation: one of the tests, or one of the uncertainties, is wrong."
+        "no longer a fair explanation. Then the structure was not the same in both, as with a shaker attached in one "
+        "or a stiffness that drifts from one to the next; or one of the tests, or of the uncertainties, is wrong."
     )
     return join([table(caption, ("mode", "difference in frequency", "in damping", "verdict"), rows, (1, 2)), explained])
 
 
-def _apart(a: float, b: float, deviations: float) -> str:
-    return relative(b, a) + (f" ({deviations:.1f} σ)" if isfinite(deviations) else "")
+def _apart(a: float, b: float, gap: float) -> str:
+    return relative(b, a) + (f" ({deviations(gap)})" if isfinite(gap) else "")

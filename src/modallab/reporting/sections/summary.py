@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.reporting.compare import Mode, deviation, verdict
 from modallab.reporting.content import ReportContent
-from modallab.reporting.digits import about, counted, glued, listed, plain, share
+from modallab.reporting.digits import about, counted, deviations, glued, listed, plain, share
 
 MATCH = 0.9
 """A point with a lower FRAC is not matched by the model."""
@@ -75,5 +75,18 @@ def _agreement(modes: tuple[Mode, ...]) -> str:
     if found == "agree":
         return f"; {tests} agree within their uncertainty"
     if found == "borderline":
-        return f"; {tests} agree but for one value that lies {max(gaps):.1f} σ apart"
-    return f"; {tests} disagree, by {max(gaps):.1f} σ at worst"
+        return f"; {tests} agree but for one value that lies {deviations(max(gaps))} apart"
+    return f"; {tests} disagree, {how_far(modes)}"
+
+
+def how_far(modes: tuple[Mode, ...]) -> str:
+    """How far two tests are apart at most, as people compare them first: in percent."""
+    pairs = [m.readings[:2] for m in modes if len(m.readings) > 1]
+    hz, zeta = (
+        max((abs(b / a - 1) for a, b in values if a > 0 and isfinite(b / a)), default=0.0)
+        for values in (
+            [(a.frequency_hz, b.frequency_hz) for a, b in pairs],
+            [(a.damping, b.damping) for a, b in pairs],
+        )
+    )
+    return f"frequencies by up to {plain(100 * hz, 2)} %, damping ratios by up to {plain(100 * zeta, 2)} %"
