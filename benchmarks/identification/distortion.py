@@ -6,7 +6,7 @@ A cubic spring stands at 0.8 L. Multisines of odd lines, of which each wave leav
 driven as by a user, the records identified, and the levels of odd and even distortions read. The truth is the periodic
 motion under the force that was played, by harmonic balance, at the same lines (distortion_truth.py). Campaigns are kept
 in the folder and not recorded again. Sensors where noise hides the truth
-are not counted.
+or it is below FLOOR are not counted.
 """
 
 import argparse
@@ -34,6 +34,8 @@ PLACE = 0.8
 BAND_HZ = (2.0, 40.0)
 BLOCK_S = 4.096
 HARMONICS = 3
+FLOOR = 1e-3
+"""What the bench without a spring is read as having is below this."""
 HIDDEN = 3.0
 """Times the noise of the averaged periods, both over the response, that a distortion must be to be counted."""
 GOAL = 20.0
@@ -116,7 +118,7 @@ def main() -> None:
             except ArithmeticError as error:
                 print(f"{seed:4d} {volts:7g}   no truth: {error}", flush=True)
                 continue
-            seen = odd > HIDDEN * found.noise_level / np.sqrt(found.waves * found.periods)
+            seen = odd > np.maximum(FLOOR, HIDDEN * found.noise_level / np.sqrt(found.waves * found.periods))
             each = 100 * np.abs(found.odd[seen] / odd[seen] - 1)
             off += each.tolist()
             most = int(np.argmax(odd))
