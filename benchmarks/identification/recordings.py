@@ -83,7 +83,7 @@ def frac(of: RealSet, f: Real, zeta: Real) -> Real:
 
 def line(name: str, of: RealSet, result: dict[str, Any]) -> str:
     if "failed" in result:
-        return f"{name:8s} failed: {str(result['failed'])[:100]}"
+        return f"{name:8s} failed: {str(result['failed'])[:160]}"
     f, zeta = (np.asarray(result[key], float) for key in ("f", "zeta"))
     here = np.isfinite(f) & np.isfinite(zeta) & (f >= of.band_hz[0]) & (f <= of.band_hz[1])
     f, zeta = f[here], zeta[here]

@@ -98,3 +98,21 @@ def test_a_band_split_in_two_gives_what_the_whole_gives():
     np.testing.assert_allclose(frequency, whole.frequency_hz, rtol=1e-4)
     assert np.all(np.abs(damping - 0.005) < 4 * sigma)
     assert np.all(np.abs(damping - whole.damping_ratio) < 4 * np.hypot(sigma, whole.damping_sigma))
+
+
+def _of_two(second_phase, first_phase=0.0):
+    rng = np.random.default_rng(8)
+    one, other = rng.standard_normal((2, 40)), rng.standard_normal((2, 3))
+    a = np.exp(1j * first_phase) * np.outer(one[0], other[0])
+    a = a + 0.4 * np.exp(1j * second_phase) * np.outer(one[1], other[1])
+    noise = 1e-3 * (rng.standard_normal(a.shape) + 1j * rng.standard_normal(a.shape))
+    return (a + noise)[None], np.full((1, *a.shape), 1.4e-3)
+
+
+def test_a_rank_in_quadrature_to_the_first_is_no_mode_but_scatter():
+    points = tuple(range(100, 140)), (1, 2, 3)
+    assert split_repeated(*_of_two(0.1), *points).pole.size == 2
+    assert split_repeated(*_of_two(np.pi - 0.1), *points).pole.size == 2
+    assert split_repeated(*_of_two(0.7), *points).pole.size == 1
+    # Against the first, as a sensor's lag turns both.
+    assert split_repeated(*_of_two(1.0, 1.0), *points).pole.size == 2

@@ -59,6 +59,13 @@ def test_whatever_every_block_repeats_is_a_periodic_drive_and_a_sweep_is_said_to
     assert any("chirp" in note for note in notes) == (kind in ("chirp", "schroeder"))
 
 
+def test_waves_of_two_periods_each_are_periodic():
+    rng = np.random.default_rng(4)
+    waves = [rng.standard_normal(512) for _ in range(4)]
+    assert looks_like([w for wave in waves for w in (wave, wave)], 512.0) == "pseudo-random"
+    assert looks_like([*waves, *rng.standard_normal((4, 512))], 512.0) == "random"
+
+
 def test_a_force_that_is_let_go_is_named():
     forces = [b.samples[0] for b in drives.campaign("release", "burst-random", 4).blocks]
     assert looks_like(forces, drives.RATE) == "release"

@@ -192,6 +192,9 @@ class BroadbandPlan(Frozen):
         band_hz: lowest and highest frequency driven.
         levels_v: root mean square of the drive by level, while it is on; its peak must stay within the rig's limits.
         blocks: recorded at each level.
+        blocks_per_wave: of them at most; then another wave with phases of its own follows. None: as many as fit.
+        detection_lines: leave out of a pseudo-random drive all even lines, and of every four odd lines one, another in
+            each wave: what the structure answers there is distortion.
         seed: of the random phases; each wave of a test has its own.
         burst_share: of a block that a burst-random is on.
         rate_hz: asked of the device.
@@ -208,6 +211,8 @@ class BroadbandPlan(Frozen):
     band_hz: tuple[PositiveFloat, PositiveFloat] = (2.0, 400.0)
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     blocks: PositiveInt = 10
+    blocks_per_wave: PositiveInt | None = None
+    detection_lines: bool = False
     seed: Annotated[int, Field(ge=0, strict=True)] = 1
     burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3
     rate_hz: PositiveFloat = 2000.0

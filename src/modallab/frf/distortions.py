@@ -81,10 +81,10 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
             f"the blocks of a {first.block.test} drive have no period", remedy="drive with pseudo-random waves"
         )
     n, rate = first.force.size, first.rate_hz
-    chosen = driven_lines(lines(n, rate, band_hz), signals)
+    chosen = _of_every_wave(driven_lines(lines(n, rate, band_hz), signals), signals)
     force = np.stack([np.fft.rfft(s.force)[chosen] for s in signals])
     response = np.stack([np.fft.rfft(s.responses)[:, chosen] for s in signals])
-    waves = _waves(force)
+    waves = waves_of(force)
     if len(waves) < 2 or min(map(len, waves)) < 2:
         raise DataError(
             f"there are {len(waves)} different waves, of {min(map(len, waves))} periods at least",
@@ -110,8 +110,15 @@ def distortions(signals: Sequence[Signals], band_hz: tuple[float, float]) -> Dis
     )
 
 
-def _waves(force: Complex) -> list[NDArray[np.int64]]:
-    """Places of the blocks of each wave, by the phases of the force."""
+def _of_every_wave(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:
+    """Those of the lines that each block holds: where one holds none there is no FRF of it."""
+    for one in signals:
+        chosen = driven_lines(chosen, [one])
+    return chosen
+
+
+def waves_of(force: Complex) -> list[NDArray[np.int64]]:
+    """Places of the blocks of each wave, by the phases of the force, (blocks, lines)."""
     unit = force / np.linalg.norm(force, axis=1, keepdims=True)
     left, found = list(range(len(force))), list[NDArray[np.int64]]()
     while left:

@@ -13,7 +13,7 @@ from modallab.core.rig import Rig
 from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
-from modallab.identification.likelihood.search import FIRST_LOOK, NOT_SETTLED
+from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import half_power_readings
@@ -82,9 +82,7 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     if options.refined and not options.pick_hz and not options.drop_hz:
         fit, keep, lost = with_lost(used, fit, keep, estimate.orders, band)
     if not np.any(keep):
-        raise IdentificationError(
-            f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz", remedy="widen the band"
-        )
+        raise _no_mode(fit, band)
     found = np.sort(fit.point.parameters.omega[keep]) / (2 * np.pi)
     read = half_power_readings(used, found)
     notes = (
@@ -96,6 +94,21 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     floor = np.full(found.size, np.nan)
     model = model_of_fit(fit, keep, rig, None, band, (read, floor), notes, options.method)
     return model if options.refined else without_sigma(model), fit
+
+
+def _no_mode(fit: Fit, band: tuple[float, float]) -> IdentificationError:
+    what = f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz"
+    at = fit.point.parameters
+    hz = at.omega[at.zeta <= 2 * MIN_ZETA] / (2 * np.pi)
+    inside = np.sort(hz[(hz > band[0]) & (hz < band[1])])
+    if not inside.size:
+        return IdentificationError(what, remedy="widen the band")
+    listed = ", ".join(f"{one:.5g}" for one in inside)
+    return IdentificationError(
+        f"{what}: at {listed} Hz there is a peak, but its lines have not the course of a resonance, and its damping"
+        " comes out as none",
+        remedy="look at the coherence there; average more blocks, or record longer ones",
+    )
 
 
 def _window_note(frf: Frf, found_hz: NDArray[np.float64]) -> tuple[str, ...]:

@@ -11,7 +11,6 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import broadband_frf, of_one_level
-from modallab.frf.distortions import distortions
 from modallab.frf.estimate import impact_frf
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
@@ -31,6 +30,7 @@ from modallab.identification.selection.assumptions import (
 )
 from modallab.identification.selection.confidence import confidence, least_strength, strength
 from modallab.identification.selection.pre_trigger_noise import model_error, pre_trigger_noise
+from modallab.pipelines.distortion import distortions_of
 from modallab.signals.signals import Signals
 from modallab.verification.assessment import Assessment, assessed
 
@@ -126,7 +126,7 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         # Two levels show what depends on the amplitude, several waves what has other frequencies than the drive.
         if len({s.block.level for s in signals}) == 2:
             return linearity(*levels())
-        return distorted(distortions(ordered, band))
+        return distorted(distortions_of(ordered, model))
 
     judges: list[Judge] = [
         ("linearity", linear),

@@ -35,7 +35,7 @@ NOT_REPEATED = 0.02
 """Share of the force's power that the difference of one block from the next has at most where the drive is periodic:
 a force that is let go by hand has the same course each time, but not the same size."""
 MOST_PAIRS = 0.8
-"""Share of the pairs of blocks that this holds for."""
+"""Share of the blocks that this holds for, against one of their neighbours."""
 ONE_SIDED = 4.0
 """Times its scatter that the mean of a static force is: a burst of random drive swings to both sides."""
 Look = Test | Literal["release"]
@@ -217,8 +217,10 @@ def _active_share(force: Real) -> float:
 
 
 def _repeats(forces: Sequence[Real]) -> bool:
+    """Whether most blocks repeat the one before or the one after: several waves may follow each other."""
     centred = [f - f.mean() for f in forces]
     powers = [(float(np.sum((a - b) ** 2)), float(a @ a + b @ b) / 2) for a, b in pairwise(centred)]
     changes = [change / max(power, 1e-300) for change, power in powers]
+    nearest = [min(changes[max(0, k - 1) : k + 1]) for k in range(len(forces))]
     # The first block may still be running in, and one of many may be odd.
-    return float(np.quantile(changes[len(changes) > 1 :], MOST_PAIRS)) < NOT_REPEATED
+    return float(np.quantile(nearest[len(changes) > 1 :], MOST_PAIRS)) < NOT_REPEATED

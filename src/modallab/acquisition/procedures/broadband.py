@@ -1,7 +1,7 @@
 """The broadband test: random, burst-random, pseudo-random or chirp drive, blocks one after another without a gap."""
 
 from dataclasses import dataclass, field, replace
-from math import ceil
+from math import ceil, inf
 
 import numpy as np
 
@@ -29,7 +29,7 @@ SEEN = 3.0
 
 def longest_wave_s(plan: BroadbandPlan, limits: Limits | None) -> float:
     """How long the longest wave of a plan lasts, from 0 V to 0 V."""
-    fitting = plan.blocks if limits is None else blocks_a_wave(plan, limits.max_burst_s)
+    fitting = blocks_a_wave(plan, inf if limits is None else limits.max_burst_s)
     return layout_of(plan, fitting, plan.block_s).end_s
 
 

@@ -4,6 +4,7 @@ Source: Pintelon and Schoukens, System Identification: A Frequency Domain Approa
 signals and their crest factors.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, sqrt
 
@@ -25,6 +26,9 @@ BURST_BEGINS = 0.05
 
 BURST_EDGE = 0.1
 """Of a burst, of the cosine taper at each end."""
+
+GROUP = 4
+"""Odd lines of which one is left out, and waves after which each has been."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +56,10 @@ def layout_of(plan: BroadbandPlan, blocks: int, block_s: float) -> Layout:
 
 
 def blocks_a_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
-    """How many blocks fit into the longest wave that the rig allows; 0 if not one does."""
+    """How many blocks fit into the longest wave that plan and rig allow; 0 if not one does."""
     around_s = layout_of(plan, 0, plan.block_s).end_s
-    return max(0, min(plan.blocks, floor((max_burst_s - around_s) / plan.block_s + 1e-9)))
+    most = min(plan.blocks, plan.blocks_per_wave or plan.blocks)
+    return max(0, floor(min(most, (max_burst_s - around_s) / plan.block_s + 1e-9)))
 
 
 def wave_of(plan: BroadbandPlan, level: str, number: int, layout: Layout) -> Waveform:
@@ -70,11 +75,27 @@ def wave_of(plan: BroadbandPlan, level: str, number: int, layout: Layout) -> Wav
     period = ceil(layout.block_s * max(LEAST_RATE_HZ, OVERSAMPLED * plan.band_hz[1]))
     rate_hz = period / layout.block_s
     count = ceil(layout.end_s * rate_hz) + 1
-    samples = plan.levels_v[level] * _unit(plan, rng, period, rate_hz, count, layout)
+    undriven = detection_lines(plan, number, layout.block_s) if plan.detection_lines else ()
+    samples = plan.levels_v[level] * _unit(plan, rng, period, rate_hz, count, layout, undriven)
     if plan.signal != "burst-random":
         samples *= _taper(np.arange(count) / rate_hz, layout.end_s, plan.ramp_s)
     samples[0] = samples[-1] = 0.0
     return Waveform(samples, rate_hz)
+
+
+def detection_lines(plan: BroadbandPlan, number: int, block_s: float) -> list[int]:
+    """Lines that a wave leaves out: all even ones, and of every four odd ones that follow each other one at random.
+
+    Over four waves each odd line is left out once: what is seen there is what the others hold besides their answer.
+    Source: Pintelon and Schoukens, section 4.3.2, random harmonic grids.
+    """
+    count = ceil(block_s * max(LEAST_RATE_HZ, OVERSAMPLED * plan.band_hz[1]))
+    chosen = _band(count, count / block_s, plan.band_hz)
+    every = np.arange(chosen.start, chosen.stop)
+    odd = every[every % 2 == 1]
+    rng = np.random.default_rng([plan.seed, number // GROUP, 1, 1])
+    turns = rng.permuted(np.tile(np.arange(GROUP), (ceil(odd.size / GROUP), 1)), axis=1).ravel()[: odd.size]
+    return [*every[every % 2 == 0].tolist(), *odd[turns == number % GROUP].tolist()]
 
 
 def peak_v(wave: Waveform) -> float:
@@ -88,16 +109,23 @@ def slew_v_per_s(wave: Waveform) -> float:
 
 
 def _unit(
-    plan: BroadbandPlan, rng: np.random.Generator, period: int, rate_hz: float, count: int, layout: Layout
+    plan: BroadbandPlan,
+    rng: np.random.Generator,
+    period: int,
+    rate_hz: float,
+    count: int,
+    layout: Layout,
+    undriven: Sequence[int],
 ) -> Real:
     """(count,) of a root mean square of 1 while it is on."""
     if plan.signal == "random":
         return _noise(rng, count, rate_hz, plan.band_hz)
     if plan.signal == "burst-random":
         return _bursts(plan, rng, period, rate_hz, count, layout)
-    one = (
-        _sweep(period, rate_hz, plan.band_hz) if plan.signal == "chirp" else _lines(rng, period, rate_hz, plan.band_hz)
-    )
+    if plan.signal == "chirp":
+        one = _sweep(period, rate_hz, plan.band_hz)
+    else:
+        one = _lines(rng, period, rate_hz, plan.band_hz, undriven)
     # A block begins with a period, whatever came before it.
     return one[(np.arange(count) - round(layout.lead_s * rate_hz)) % period]
 
@@ -114,10 +142,13 @@ def _noise(rng: np.random.Generator, count: int, rate_hz: float, band_hz: tuple[
     return _of_unit_rms(np.fft.irfft(spectrum, count))
 
 
-def _lines(rng: np.random.Generator, period: int, rate_hz: float, band_hz: tuple[float, float]) -> Real:
+def _lines(
+    rng: np.random.Generator, period: int, rate_hz: float, band_hz: tuple[float, float], undriven: Sequence[int]
+) -> Real:
     spectrum = np.zeros(period // 2 + 1, complex)
     inside = spectrum[_band(period, rate_hz, band_hz)]
     inside[:] = np.exp(2j * np.pi * rng.random(inside.size))
+    spectrum[list(undriven)] = 0
     return _of_unit_rms(np.fft.irfft(spectrum, period))
 
 

@@ -3,6 +3,7 @@
 from math import pi
 
 from modallab.acquisition.procedures.broadband import wave_problems
+from modallab.acquisition.procedures.broadband_wave import GROUP
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.procedures.drive import HEADROOM
 from modallab.acquisition.procedures.target import block_name
@@ -111,9 +112,24 @@ def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[
         problems.append(_too_high("band_hz", high, least_rate_hz(plan)))
     if plan.settle_s < plan.ramp_s:
         problems.append(f"settle_s is {plan.settle_s:g}; allowed: at least ramp_s = {plan.ramp_s:g}")
+    problems += _detection_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
     return problems or wave_problems(plan, rig.limits)
+
+
+def _detection_problems(plan: BroadbandPlan) -> list[str]:
+    if not plan.detection_lines:
+        return []
+    if plan.signal != "pseudo-random":
+        return [f"detection_lines: a {plan.signal} drive leaves no lines out; allowed: with signal: pseudo-random"]
+    each = plan.blocks_per_wave or 0
+    if each < 2 or plan.blocks < GROUP * each or plan.blocks % each:
+        return [
+            f"detection_lines: {plan.blocks} blocks, {each or 'as many as fit'} in a wave; allowed: blocks_per_wave"
+            f" of 2 or more, and blocks {GROUP} times as many or another multiple above it"
+        ]
+    return []
 
 
 def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:

@@ -25,6 +25,9 @@ SHARE = 0.02
 MORE = 2.0
 """And so many times what misfit and scatter can produce, and, where sensors stand at two driven points or more, what is
 not reciprocal there."""
+OUT_OF_PHASE = 0.4
+"""Share of a further rank that may be in quadrature to the first (23 degrees): poles that differ from set-up to set-up,
+and what neighbours leave, are as much out of phase as in phase; the shapes of modes are not."""
 ALIKE = 1e3
 """Condition from which the driven points move alike in all modes of a pole, which leaves the plane's division open."""
 
@@ -53,8 +56,9 @@ def split_repeated(
 ) -> Split:
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
-    An error of the model raises the rank too, but is not what modes are: reciprocal, with positive constants at the
-    driving points. Where sensors stand at two of them or more, only such a rank counts.
+    An error of the model raises the rank too, but is not what modes are: in phase or opposite, as the first rank is but
+    for its own complexity, and reciprocal, with positive constants at the driving points. Only such a rank counts, the
+    latter where sensors stand at two driven points or more.
 
     Where sensors stand at as many driven points, the parts are reciprocal, A_k = phi_k phi_k^T at the driven points,
     with phi_k orthogonal to one another; else they are the terms of a singular value decomposition.
@@ -87,9 +91,26 @@ def _rank(a: Complex, sigma: Real, share: float) -> int:
     """How many singular values stand above noise, whose largest is about sigma (sqrt(rows) + sqrt(columns))."""
     if min(a.shape) < 2 or not np.isfinite(sigma).all():
         return 1
-    values = np.linalg.svd(a, compute_uv=False)
-    noise = float(np.sqrt(np.mean(sigma**2))) * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
-    return max(1, int(np.sum((values > noise) & (values > share * values[0]))))
+    u, values, vh = np.linalg.svd(a, full_matrices=False)
+    each = float(np.sqrt(np.mean(sigma**2)))
+    noise = each * (np.sqrt(a.shape[0]) + np.sqrt(a.shape[1]) + SIGMAS)
+    rank = max(1, int(np.sum((values > noise) & (values > share * values[0]))))
+    parts = u.T[:rank, :, None] * values[:rank, None, None] * vh[:rank, None]
+    # Noise turns about as many numbers of a part as the matrix has rows and columns, half of it in quadrature.
+    by_noise = MORE * each**2 * sum(a.shape) / 2
+    return 1 + _in_phase(parts, by_noise)
+
+
+def _in_phase(parts: Complex, by_noise: float) -> int:
+    """How many of the parts after the first are modes by their phases, up to the first that is not."""
+    first = parts[0]
+    turned = parts * np.exp(-0.5j * np.angle(np.sum(first**2)))
+    off = np.sum(turned.imag**2, axis=(1, 2))
+    power = np.sum(np.abs(parts) ** 2, axis=(1, 2))
+    # A structure whose modes are complex may have others that are.
+    allowed = max(OUT_OF_PHASE**2, MORE**2 * off[0] / power[0])
+    kept = off[1:] <= allowed * power[1:] + by_noise
+    return int(kept.size if kept.all() else np.argmin(kept))
 
 
 def _reciprocal_rank(a: Complex, rank: int, driven: list[tuple[int, int]]) -> int:

@@ -15,6 +15,7 @@ from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.frf.distortions import Distortions
 from modallab.frf.estimate import convert
+from modallab.frf.left_out import LeftOut
 from modallab.identification.selection.criteria import mpd
 
 Assumption = Literal["linearity", "time invariance", "reciprocity", "proportional damping", "driving point"]
@@ -69,8 +70,8 @@ def linearity(low: Frf, high: Frf, allowed: Allowance = USUAL) -> Verdict:
     return _unchanged("linearity", low, high, "The FRFs of the two levels", allowed)
 
 
-def distorted(found: Distortions) -> Verdict:
-    """What waves of other phases do not agree on beyond noise: of a linear structure nothing.
+def distorted(found: Distortions | LeftOut) -> Verdict:
+    """What a linear structure does not do: answer other lines than the driven ones, or wave by wave otherwise.
 
     Raises:
         DataError: noise hides as much as is allowed.
@@ -78,11 +79,22 @@ def distorted(found: Distortions) -> Verdict:
     level, noise = float(np.max(found.level)), float(np.max(found.noise_level)) / np.sqrt(found.periods * found.waves)
     if noise > CHANGE_LIMIT:
         raise DataError(f"{CANNOT_BE_SAID}: noise of {100 * noise:.2g} % hides what is allowed")
-    words = (
-        f"What changes from one random wave to the next, beyond noise, is at most {100 * level:.2g} % of a response; "
-        f"up to {100 * CHANGE_LIMIT:.2g} % is allowed."
-    )
-    return Verdict("linearity", level <= CHANGE_LIMIT, level, CHANGE_LIMIT, words)
+    if isinstance(found, LeftOut):
+        most = int(np.argmax(found.level))
+        words = (
+            f"Beyond noise, at most {100 * level:.2g} % of a response is distortion, by lines that the drive leaves"
+            f" out: odd {_percent(found.odd[most], found.odd_sigma[most])} %, even "
+            f"{_percent(found.even[most], found.even_sigma[most])} %"
+        )
+    else:
+        what = "What changes from one random wave to the next, beyond noise,"
+        words = f"{what} is at most {100 * level:.2g} % of a response"
+    allowed = f"; up to {100 * CHANGE_LIMIT:.2g} % is allowed."
+    return Verdict("linearity", level <= CHANGE_LIMIT, level, CHANGE_LIMIT, words + allowed)
+
+
+def _percent(share: float, sigma: float) -> str:
+    return f"{100 * share:.2g} ± {100 * sigma:.1g}"
 
 
 def time_invariance(first: Frf, last: Frf, allowed: Allowance = USUAL) -> Verdict:

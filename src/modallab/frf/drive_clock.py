@@ -1,0 +1,69 @@
+"""Blocks of a periodic drive as the drive's own clock would have cut them.
+
+Generator and converter each have a clock. Where one runs some millionths faster, a block is a little less or more than
+a period: every line leaks into its neighbours, and lines that the drive leaves out seem to be answered.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from modallab.frf.distortions import ALIKE
+from modallab.frf.joined import contiguous
+from modallab.signals.signals import Signals
+
+Real = NDArray[np.float64]
+
+DEGREE = 7
+"""Of the splines between samples: below 2e-5 off up to a fifth of the rate."""
+
+LEAST = 1e-8
+"""Share by which two clocks may differ without a trace."""
+
+
+def clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> float:
+    """How fast the drive's clock runs against the converter's, less one; 0 where no two blocks follow each other.
+
+    A drive that runs fast by c is c periods ahead from block to block, so that line k turns by 2 pi k c.
+
+    Args:
+        signals: blocks of a periodic drive, each about a period.
+        lines: of the DFT, that are driven.
+    """
+    turned = weight = 0.0
+    for run in contiguous(signals):
+        force = np.stack([np.fft.rfft(s.force)[lines] for s in run])
+        unit = force / np.linalg.norm(force, axis=1, keepdims=True)
+        # One wave may follow another without a gap.
+        same = np.abs(np.sum(unit[1:] * unit[:-1].conj(), axis=1)) > ALIKE
+        cross = (force[1:] * force[:-1].conj())[same]
+        turned += float(np.sum(np.abs(cross) * lines * np.angle(cross)))
+        weight += 2 * np.pi * float(np.sum(np.abs(cross) * lines**2))
+    return turned / weight if weight else 0.0
+
+
+def on_clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> list[Signals]:
+    """The blocks resampled so that each is one period of the drive.
+
+    Args:
+        signals: blocks of a periodic drive, each about a period.
+        lines: of the DFT, that are driven.
+    """
+    clock = clock_of_drive(signals, lines)
+    if abs(clock) < LEAST:
+        return list(signals)
+    return [one for run in contiguous(signals) for one in _resampled(run, clock)]
+
+
+def _resampled(run: Sequence[Signals], clock: float) -> list[Signals]:
+    n = run[0].force.size
+    rows = np.concatenate([np.vstack([s.force, s.responses]) for s in run], axis=1)
+    at = np.arange(rows.shape[1], dtype=np.float64)
+    # About the middle, so that at either end as little as can be lies beyond the record.
+    middle = at[-1] / 2
+    made: Real = make_interp_spline(at, rows, k=DEGREE, axis=1)(middle + (at - middle) / (1 + clock))
+    cut = made.reshape(len(rows), len(run), n)
+    return [replace(s, force=cut[0, b], responses=cut[1:, b]) for b, s in enumerate(run)]
