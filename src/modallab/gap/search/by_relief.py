@@ -10,13 +10,15 @@ from functools import partial
 
 from modallab.core.progress import counted
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.search.fitting import Bench, annealed, completed, short
+from modallab.gap.search.fitting import Bench, annealed, completed, settled, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.round import WORKERS, Level
 from modallab.gap.search.screen import Begin, Screen
 
 FORGIVEN = 0.01
 """Relative model error that is forgiven while effects are screened: what first order leaves of a size that shows."""
+STEPS = 6
+"""Slopes that are evaluated at first."""
 LIKELY = 6
 """Effects that are fitted."""
 FINISHED = 2
@@ -32,12 +34,15 @@ def round_by_relief(bench: Bench, base: Fit) -> Level:
         screened = counted(workers.map(screen.begins, listed), len(listed), "explanations that would relieve the bench")
         begins = sorted((b[0] for b in screened), key=_left)[:LIKELY]
         looks = sorted(workers.map(partial(_looked, bench), begins), key=_cost)
-        best = sorted(workers.map(partial(completed, bench), looks[:FINISHED]), key=_cost)
-    return Level(base, tuple(best), tuple((f.problem.candidates, f.cost) for f in looks))
+        if not looks:
+            return Level(base, (), ())
+        first, *others = sorted(workers.map(partial(completed, bench), looks[:FINISHED]), key=_cost)
+    return Level(base, (settled(first), *others), tuple((f.problem.candidates, f.cost) for f in looks))
 
 
 def _looked(bench: Bench, begin: Begin) -> Fit:
-    return annealed(bench, short(bench, begin.problem.candidates, begin.u, FORGIVEN), FORGIVEN / 2)
+    # Little is left to see where it begins: whatever is forgiven would excuse it all.
+    return annealed(bench, short(bench, begin.problem.candidates, begin.u, 0.0, STEPS), 0.0)
 
 
 def _left(begin: Begin) -> float:
