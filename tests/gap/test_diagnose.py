@@ -104,6 +104,10 @@ def test_a_noisy_channel_is_seen_without_a_model(make: Make) -> None:
     found = diagnose(make(spoil=noisy))
     assert [f.effect for f in found.effects] == ["noisy_channel"]
     assert found.effects[0].parameters["factor"] == pytest.approx(40, rel=0.06)
+    low, high = found.effects[0].interval["factor"]
+    assert low < 40 < high
+    # All other rows have the noise that is stated, and say that this one would.
+    assert high / low < 1.2
     assert found.where.channels == ["a04"]
 
 

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 SURE = 0.98
 """Probability of an effect that the records show as such."""
+LEVEL = 0.03
+"""Relative deviation of a row's noise as it is measured."""
 ALIKE = 1.5
 """Factor within which what no force predicts is of the size that it was before: it differs from record to record."""
 PLAIN = 6.0
@@ -101,15 +103,18 @@ def _noisy(prepared: Prepared, twin: Twin) -> list[Found]:
 
 def _noisy_row(prepared: Prepared, row: int) -> Found:
     others = np.delete(prepared.measured_v, row)
-    # The quantile the measurement takes reads all rows a little low: the other rows say by how much.
-    bias = float(np.median(others / np.delete(prepared.believed_v, row)))
+    ratios = others / np.delete(prepared.believed_v, row)
+    # The quantile the measurement takes reads all rows a little low: the other rows say by how much, and how far from
+    # its stated noise a sound row may be.
+    bias, sound = float(np.median(ratios)), float(np.std(np.log(ratios)))
     rig = prepared.campaign.rig
     counted = prepared.blocks[0].samples.dtype.kind in "iu"
     step = abs(float(prepared.blocks[0].scale[row])) / np.sqrt(12) if counted else 0.0
     own = rig.converter.noise_rms_v if rig.converter is not None else float(np.median(others))
     level = prepared.measured_v[row] / min(max(bias, 0.8), 1.0)
     factor = float(np.sqrt(max(level**2 - step**2, own**2)) / own)
-    return _found("noisy_channel", {"factor": factor}, {"factor": (factor * 0.94, factor * 1.06)}, {"channel": row})
+    half = float(np.exp(1.96 * np.hypot(LEVEL, sound)))
+    return _found("noisy_channel", {"factor": factor}, {"factor": (factor / half, factor * half)}, {"channel": row})
 
 
 def _hums(prepared: Prepared) -> bool:
