@@ -148,7 +148,7 @@ def _calibrate(fit: Fit, rows: Sequence[BudgetRow]) -> list[str]:
     narrows = narrowing(fit)
     said = [m.said for m in moved(fit.problem, fit.u[: fit.problem.free.size])]
     best = [int(k) for k in np.argsort(-narrows)[:MOST] if narrows[k] > NARROWS]
-    return [f"If this were known, the intervals would be {narrows[k]:.0%} narrower: {said[k]}." for k in best]
+    return [f"The intervals would be {narrows[k]:.0%} narrower if this were measured: {said[k]}." for k in best]
 
 
 def _within(row: BudgetRow) -> str:

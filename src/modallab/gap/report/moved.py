@@ -30,6 +30,9 @@ class Moved:
     said: str
 
 
+TIMES = {1: "once", 2: "twice"}
+
+
 def moved(problem: Problem, u: Array) -> list[Moved]:
     """One for each free number at u, in their order."""
     free, rig = problem.free, problem.data.rig
@@ -40,7 +43,8 @@ def moved(problem: Problem, u: Array) -> list[Moved]:
     ]
     ratios = problem.free.build(u[: free.size]).structure.zeta
     found += [
-        Moved("damping_ratio", f"mode {k + 1}", f"damping of mode {k + 1} {ratios[k]:.3%}") for k in range(free.modes)
+        Moved("damping_ratio", f"mode {k + 1}", f"damping ratio of mode {k + 1}: {ratios[k]:.3%}")
+        for k in range(free.modes)
     ]
     first = 3 + free.modes
     for k, channel in enumerate(free.gains):
@@ -70,14 +74,16 @@ def _deviation(d: Deviation, u: float, rig: Rig) -> Moved:
         off = f"land {1e3 * value:+.2f} mm off" if d.tolerance == "hit_position_m" else f"give the beam {value:+.2%}"
         return Moved(d.tolerance, place, f"{place} {off} in the mean")
     if d.tolerance in ("stiffness_field", "mass_field"):
-        what = "EI" if d.tolerance == "stiffness_field" else "rho A"
-        return Moved(d.tolerance, f"cos {int(d.at) + 1} pi x / L", f"{what} {value:+.2%} cos {int(d.at) + 1} pi x / L")
+        # A share a cos(k pi x / L): a at the clamp, then k changes of sign.
+        what, k = "bending stiffness" if d.tolerance == "stiffness_field" else "mass per length", int(d.at) + 1
+        along = f"at the clamp, changing sign {TIMES.get(k, f'{k} times')} along the beam"
+        return Moved(d.tolerance, f"cos {k} pi x / L", f"{what} {value:+.2%} {along}")
     if d.tolerance == "damper_n_s_per_m":
         return Moved(d.tolerance, f"{d.at:.3f} m", f"damper of {value:+.2g} N s/m at {d.at:.3f} m")
     said = {
         "clamp_compliance": f"root turns by {value:.2g} L/EI",
         "shaker_mass_kg": f"{1e3 * value:+.2f} g at the shaker",
         "stinger_rotation": f"stinger holds the rotation with {value:+.2g} EI/L",
-        "stiffness_drift": f"EI drifts by {value:+.3%}",
+        "stiffness_drift": f"bending stiffness drifts by {value:+.3%}",
     }
     return Moved(d.tolerance, "", said[d.tolerance])
