@@ -20,4 +20,4 @@ def eigh(stiffness: Floats, mass: Floats | None = None) -> tuple[Floats, Floats]
     half = np.linalg.solve(lower, stiffness)
     standard = np.linalg.solve(lower, half.T)
     values, vectors = np.linalg.eigh((standard + standard.T) / 2)
-    return values, np.linalg.solve(lower.T, vectors)
+    return values, np.asarray(np.linalg.solve(lower.T, vectors), dtype=np.float64)
