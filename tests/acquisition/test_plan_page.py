@@ -25,4 +25,5 @@ def test_every_default_that_is_a_number_is_there(model: type[BaseModel], heading
     for name, field in model.model_fields.items():
         if isinstance(field.default, int | float):
             row = next(line for line in text.splitlines() if line.startswith("| `") and f"`{name}`" in line)
-            assert f"{field.default:g}" in row.split("|")[-2], name
+            said = str(field.default).lower() if isinstance(field.default, bool) else f"{field.default:g}"
+            assert said in row.split("|")[-2], name
