@@ -212,7 +212,7 @@ class BroadbandPlan(Frozen):
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     blocks: PositiveInt = 10
     blocks_per_wave: PositiveInt | None = None
-    detection_lines: bool = False
+    detection_lines: Annotated[bool, Field(strict=True)] = False
     seed: Annotated[int, Field(ge=0, strict=True)] = 1
     burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3
     rate_hz: PositiveFloat = 2000.0
