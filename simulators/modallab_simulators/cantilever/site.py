@@ -8,9 +8,11 @@ import numpy as np
 from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab_simulators.cantilever.assembled import elements_of
+from modallab_simulators.cantilever.basis import Basis
 from modallab_simulators.cantilever.chain import Chain, Hum
 from modallab_simulators.cantilever.channels import outputs_of
 from modallab_simulators.cantilever.draw import Stream, generator
+from modallab_simulators.cantilever.drifting import Drifting
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Contact
 from modallab_simulators.cantilever.injected import Injected
@@ -34,6 +36,7 @@ class Site:
         self.rate_hz = rate_hz * (1 + truth.effects.altered.chain.clock)
         self.oversample = oversampling(rate_hz)
         self._progress = 0.0
+        self._drifting = Drifting(lambda progress: self._basis(truth, progress))
         self.structure = self._built(truth, self._progress)
         self.chain = self._clipped(Chain.of(rig, test, truth.effects.altered.chain))
 
@@ -97,16 +100,21 @@ class Site:
         return Chain.of(self._rig, self._test, Injected().altered.chain)
 
     def _built(self, truth: Truth, progress: float) -> Moving:
-        basis = truth.basis(self.rate_hz, self._test, progress, self.oversample)
-        linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
         changes = truth.effects.altered.structure
         elements = elements_of(truth.beam_at(progress), changes)
+        # Nonlinear elements ask for more than a basis between others knows.
+        along = truth is self._truth and not elements and not changes.drag
+        basis = self._drifting.basis(progress) if along else self._basis(truth, progress)
+        linear = Structure(basis, outputs_of(self._rig, truth.effects.altered.chain), self.rate_hz, self.oversample)
         if not elements and not changes.drag:
             return linear
         # The compiled loop: a bench without local nonlinearities does not pay for the import.
         from modallab_simulators.cantilever.feedback.structure import FedStructure
 
         return FedStructure(linear, elements, changes.drag, self.step_s)
+
+    def _basis(self, truth: Truth, progress: float) -> Basis:
+        return truth.basis(self.rate_hz, self._test, progress, self.oversample)
 
     def _clipped(self, chain: Chain) -> Chain:
         for clip in self._truth.effects.altered.chain.clips:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from modallab_simulators.cantilever.antialias import DELAY, lowpass
 from modallab_simulators.cantilever.basis import Basis
+from modallab_simulators.cantilever.drifting import same_way
 from modallab_simulators.cantilever.feeds import plain_feeds, sensed_feeds, transfer
 from modallab_simulators.cantilever.hold import REACH, difference_taps
 from modallab_simulators.cantilever.lift import modal_taps, state_taps
@@ -104,9 +105,7 @@ class Structure:
     def _same_way(self, other: "Structure") -> Floats:
         """-1 for each mode whose shape stands upside down to the other structure's, else 1, (modes,)."""
         at = np.linspace(0.0, self._basis.modes.length_m, _ALONG)
-        ours, theirs = self._basis.shapes(at), other._basis.shapes(at)
-        along: Floats = np.sum(ours * theirs.conj(), axis=0).real
-        return np.where(along < 0, -1.0, 1.0)
+        return same_way(self._basis.shapes(at), other._basis.shapes(at))
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
