@@ -34,6 +34,9 @@ LEAST_RATE_HZ = 1000.0
 SAMPLES_PER_PERIOD = 32
 """What is looked at is averaged down to a rate not far above both, so that a look takes the same time at any rate."""
 
+DRIVEN = 1e-6
+"""Part of its amplitude from which on there is any drive."""
+
 MOST_SAMPLES = 2000
 """Longest window, in averaged samples; above 600 Hz the windows get shorter for it."""
 
@@ -60,29 +63,29 @@ class BurstLook:
         self._first = 0
         self._raw: Samples = rest[:, :0]
         self._raw_count = ceil(max(EARLIER_S, 1 / burst.frequency_hz) * rate_hz)
-        self._hop = 0
-        self._earlier = self._whole_periods(EARLIER_S)
-        self._gap = round(GAP_S / self._dt)
+        self.hop = 0
+        self.earlier = self._whole_periods(EARLIER_S)
+        self.gap = round(GAP_S / self._dt)
         self.later_s = min(max(LATER_S, LATER_PERIODS / burst.frequency_hz), WEAK_LATER_S)
         averaged = _averaged(rest * self._volts, self._step)
         rounding = np.maximum(noise.step * volts, np.finfo(float).tiny) / np.sqrt(12 * self._step)
         self.noise_v = np.maximum(averaged.std(axis=1), rounding)
         # What has not rung down, or hums, must not pass for a noise that a lost tone falls back to.
         self.white_v = np.minimum(self.noise_v, np.maximum(noise.rms * volts / np.sqrt(self._step), rounding))
-        self.sigma_v = self.noise_v * np.sqrt(2 / self._earlier)
-        self._places = ChangedPlaces(averaged, self.white_v)
+        self.sigma_v = self.noise_v * np.sqrt(2 / self.earlier)
+        self.places = ChangedPlaces(averaged, self.white_v)
 
     @property
     def envelope_earlier(self) -> float:
         """Of the drive in the middle of the earlier window, 0 to 1."""
-        middle = self._at(self._hop * HOP_S) - self._count(self.later_s) - self._gap - self._earlier // 2
+        middle = self._at(self.hop * HOP_S) - self.count(self.later_s) - self.gap - self.earlier // 2
         return float(np.hypot(*self._drive[middle - self._first, 1:]))
 
     def steady(self, later_s: float | None = None, earlier_s: float = EARLIER_S) -> bool:
         """Whether both windows of this look lie past the rise and before the fall."""
-        end_s = self._hop * HOP_S
+        end_s = self.hop * HOP_S
         later_s = self.later_s if later_s is None else later_s
-        begins_s = end_s - (self._whole_periods(earlier_s) + self._gap) * self._dt - later_s
+        begins_s = end_s - (self._whole_periods(earlier_s) + self.gap) * self._dt - later_s
         return begins_s >= self.burst.ramp_s and end_s <= self.burst.duration_s - self.burst.ramp_s
 
     def cut_off(self, samples: Samples) -> NDArray[np.bool_]:
@@ -106,46 +109,64 @@ class BurstLook:
 
     def next_hop(self) -> bool:
         """Go on to the next look, if all it needs has come."""
-        end = self._at((self._hop + 1) * HOP_S)
+        end = self._at((self.hop + 1) * HOP_S)
         if end > self._first + self._kept.shape[1]:
             return False
-        self._hop += 1
-        needed = self._whole_periods(WEAK_EARLIER_S) + self._gap + self._count(WEAK_LATER_S)
+        self.hop += 1
+        needed = self._whole_periods(WEAK_EARLIER_S) + self.gap + self.count(WEAK_LATER_S)
         drop = max(0, end - needed - self._first)
         if drop > needed:
             self._kept, self._drive = self._kept[:, drop:].copy(), self._drive[drop:].copy()
             self._first += drop
         return True
 
+    def ends_ready(self) -> NDArray[np.int64]:
+        """Where the looks end for which all samples have come, (looks,)."""
+        most = int((self._kept.shape[1] * self._dt) / HOP_S) + 2
+        ends = [self._at((self.hop + n) * HOP_S) for n in range(1, most)]
+        return np.array([end for end in ends if end <= self._first + self._kept.shape[1]], dtype=np.int64)
+
+    def holds(self, ends: NDArray[np.int64], longest: int) -> bool:
+        """Whether windows of so many samples, to each of the ends, lie in the burst and are remembered."""
+        return bool(ends[0] - longest >= max(self._first, 0) and ends[-1] * self._dt <= self.burst.duration_s)
+
+    def windows(self, ends: NDArray[np.int64], count: int) -> Real:
+        """(looks, channels, count) the samples before each of the ends."""
+        return np.array([self._cut(end - count, end) for end in ends.tolist()])
+
+    def drives(self, ends: NDArray[np.int64], count: int) -> Real:
+        """(looks, count, 3) what the drive lets every channel do there."""
+        return np.array([self._drive[end - count - self._first : end - self._first] for end in ends.tolist()])
+
     def foreseen(self, later_s: float, earlier_s: float = EARLIER_S) -> tuple[Real, Foreseen] | None:
         """The later window of this look, and what the earlier one says of it; None where it is not all of the burst."""
-        end, count = self._at(self._hop * HOP_S), self._count(later_s)
+        end, count = self._at(self.hop * HOP_S), self.count(later_s)
         middle = end - count
-        begin = middle - self._gap - self._whole_periods(earlier_s)
-        stop = middle - self._gap
+        begin = middle - self.gap - self._whole_periods(earlier_s)
+        stop = middle - self.gap
         windows = (begin, stop), (middle, end)
         if begin < 0 or end * self._dt > self.burst.duration_s:
             return None
         earlier, later = (self._drive[first - self._first : last - self._first] for first, last in windows)
-        if not np.abs(earlier[:, 1:]).max() > 1e-6:
+        if not driven(earlier):
             return None
         foreseen = foresee(self._cut(begin, stop), earlier, later)
         return self._cut(middle, end), foreseen
 
     def changed_places(self) -> tuple[int, int] | None:
         """Two channels that have changed places, by the shapes in which the structure moves; once a look."""
-        end = self._at(self._hop * HOP_S)
-        middle = end - self._count(self.later_s)
-        known = middle - self._gap
-        begin = max(known - self._count(HOP_S), self._first, 0)
+        end = self._at(self.hop * HOP_S)
+        middle = end - self.count(self.later_s)
+        known = middle - self.gap
+        begin = max(known - self.count(HOP_S), self._first, 0)
         if known > begin:
-            self._places.learn(self._cut(begin, known))
-        return self._places.look(self._cut(middle, end)) if middle >= self._first else None
+            self.places.learn(self._cut(begin, known))
+        return self.places.look(self._cut(middle, end)) if middle >= self._first else None
 
     def latest(self, seconds: float) -> Real:
         """(channels, n) the samples up to this look, of so long or of all the burst so far."""
-        end = self._at(self._hop * HOP_S)
-        return self._cut(max(end - self._count(seconds), self._first), end)
+        end = self._at(self.hop * HOP_S)
+        return self._cut(max(end - self.count(seconds), self._first), end)
 
     def _at(self, seconds: float) -> int:
         return int((seconds - self._early_s) / self._dt + 1e-9)
@@ -155,7 +176,8 @@ class BurstLook:
         most = max(1, int(MOST_SAMPLES * self._dt * frequency_hz))
         return round(min(ceil(seconds * frequency_hz), most) / (frequency_hz * self._dt))
 
-    def _count(self, seconds: float) -> int:
+    def count(self, seconds: float) -> int:
+        """Averaged samples of a window."""
         return min(max(8, round(seconds / self._dt)), MOST_SAMPLES)
 
     def _cut(self, begin: int, end: int) -> Real:
@@ -166,6 +188,11 @@ class BurstLook:
         middles = np.arange(begin, end, dtype=np.float64) + (self._step - 1) / (2 * self._step)
         times = middles * self._dt + self._early_s
         return tone_basis(times, self.burst.frequency_hz, self.burst.envelope(times))
+
+
+def driven(basis: Real) -> NDArray[np.bool_]:
+    """Whether there is any drive in the (..., n, 3) basis of a window."""
+    return np.abs(basis[..., 1:]).max(axis=(-1, -2)) > DRIVEN
 
 
 def _averaged(values: Real, step: int) -> Real:

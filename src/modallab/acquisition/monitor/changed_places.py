@@ -43,6 +43,28 @@ class ChangedPlaces:
         self._moments += moves @ moves.T
         self._count += moves.shape[1]
 
+    def kept_to(self, learned: Real, latest: Real) -> tuple[NDArray[np.bool_], Real]:
+        """Whether looks one after another keep to the shapes, (looks,), and the moments each adds to them.
+
+        Args:
+            learned: (looks, channels, n) what each look learns first.
+            latest: (looks, channels, m) the window it looks at.
+        """
+        moves = learned - self._offset
+        moments = moves @ np.swapaxes(moves, 1, 2)
+        count = self._count + learned.shape[2] * np.arange(1, len(learned) + 1)
+        known = (self._moments + np.cumsum(moments, axis=0)) / count[:, None, None]
+        now = latest - self._offset
+        seconds = now @ np.swapaxes(now, 1, 2) / now.shape[2]
+        own = np.sum(np.linalg.inv(known + self._noise) * seconds, axis=(1, 2))
+        return own < LEAVES * learned.shape[1], moments
+
+    def pass_over(self, moments: Real, count: int) -> None:
+        """Take in the (channels, channels) moments of `count` samples, and that the look kept to the shapes."""
+        self._moments += moments
+        self._count += count
+        self._suspect, self._looks = None, 0
+
     def look(self, values: Real) -> tuple[int, int] | None:
         """The two channels that have changed places, if a (channels, n) window is the last of several that say so."""
         found = self._exchanged(values)

@@ -74,6 +74,16 @@ class ExpectedForce:
                 )
         self.last = LastBurst(frequency_hz, found)
 
+    def believes(self, look: BurstLook, foreseen: Foreseen) -> NDArray[np.bool_]:
+        """(looks,) whether the force is seen, and within the bracket or no clean tone; of many looks at once."""
+        force = self._channel
+        level, misfit = foreseen.level[:, force], foreseen.misfit[:, force]
+        seen = np.sqrt(2) * level > SEEN * look.sigma_v[force]
+        if self.last is None:
+            return seen
+        change = foreseen.amplitude[:, force] * self._scale / look.burst.amplitude_v / self.last.force_n_per_v
+        return seen & ((misfit >= 0.1 * level) | ((change >= 1 / FORCE_BRACKET) & (change <= FORCE_BRACKET)))
+
     def require(self, look: BurstLook, foreseen: Foreseen) -> None:
         """The force must be seen once another channel is, or the burst is at full level; and within the bracket."""
         least = SEEN * look.sigma_v

@@ -1,5 +1,7 @@
 """Whether a channel still does what the drive made it do a moment ago; pure functions of samples.
 
+All but `faults` and `lost` take one look or many: then looks are the first axis of samples, bases and what is returned.
+
 While a sine is on, x(t) = c + e(t) Re(A exp(j omega t)) holds from one moment to the next, e the drive's known
 envelope: a structure changes its amplitude slowly. It is fitted to an earlier window and compared with a later one.
 Where the two part, what the channel does instead says what has become of it: nothing (dead, frozen, unplugged), the
@@ -84,26 +86,35 @@ def tone_basis(times_s: Real, frequency_hz: float, envelope: Real) -> Real:
 
 def foresee(earlier: Real, earlier_basis: Real, later_basis: Real) -> Foreseen:
     """Fit (channels, n) samples by least squares and carry the fit on to a later window."""
-    solved = _least_squares(earlier_basis, earlier.T)
+    values = np.swapaxes(earlier, -1, -2)
+    solved = _least_squares(earlier_basis, values)
     fitted = earlier_basis @ solved
+    cosine, sine = solved[..., 1, :], solved[..., 2, :]
     return Foreseen(
-        amplitude=np.hypot(solved[1], solved[2]),
-        phase=np.exp(-1j * np.arctan2(solved[2], solved[1])),
-        misfit=_rms(earlier.T - fitted, axis=0),
-        level=_rms(fitted - solved[0], axis=0),
-        later=(later_basis @ solved).T,
+        amplitude=np.hypot(cosine, sine),
+        phase=np.exp(-1j * np.arctan2(sine, cosine)),
+        misfit=_rms(values - fitted, axis=-2),
+        level=_rms(fitted - solved[..., :1, :], axis=-2),
+        later=np.swapaxes(later_basis @ solved, -1, -2),
     )
 
 
 def _least_squares(basis: Real, values: Real) -> Real:
     """(3, channels) of the (n, 3) basis that are nearest to (n, channels) values."""
     # At size one each, the columns are as good as orthogonal over a period, however low the drive still is.
-    size = np.maximum(np.sqrt(np.add.reduce(basis * basis, axis=0)), np.finfo(float).tiny)
-    unit = basis / size
+    size = np.maximum(np.sqrt(np.add.reduce(basis * basis, axis=-2)), np.finfo(float).tiny)
+    unit = basis / size[..., None, :]
+    across = np.swapaxes(unit, -1, -2)
     try:
-        return np.linalg.solve(unit.T @ unit, unit.T @ values) / size[:, None]
+        return np.linalg.solve(across @ unit, across @ values) / size[..., None]
     except np.linalg.LinAlgError:
         return np.linalg.pinv(basis) @ values
+
+
+def parts(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
+    """(channels,) whether a channel parts from what was foreseen by more than noise and a change of amplitude do."""
+    least = np.maximum(OVER_MISFIT * foreseen.misfit, OVER_SIGNAL * np.sqrt(2) * foreseen.level)
+    return _rms(seen - foreseen.later, axis=-1) > np.maximum(least, OVER_NOISE * noise)
 
 
 def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int, str]:
@@ -115,14 +126,11 @@ def faults(seen: Real, foreseen: Foreseen, noise: Real, white: Real) -> dict[int
         noise: (channels,) rms at rest.
         white: (channels,) the part of it that goes from sample to sample, to which a dead channel falls.
     """
-    parted = _rms(seen - foreseen.later, axis=1)
-    least = np.maximum.reduce(
-        [OVER_NOISE * noise, OVER_MISFIT * foreseen.misfit, OVER_SIGNAL * np.sqrt(2) * foreseen.level]
-    )
     found: dict[int, str] = {}
-    suspects = parted > least
+    suspects = parts(seen, foreseen, noise)
     if not suspects.any():
         return found
+    parted = _rms(seen - foreseen.later, axis=1)
     for channel in np.flatnonzero(suspects):
         top = _cut_at(seen[channel], foreseen.later[channel], float(white[channel]), float(parted[channel]) / BETTER)
         if top is not None:
@@ -163,8 +171,8 @@ def dead(seen: Real, foreseen: Foreseen, white: Real) -> NDArray[np.bool_]:
     if not still.any():
         return still
     # In a low tone a whole window may lie near a straight line: then it must be far from where it was to be.
-    least = np.maximum.reduce([MOVING * white, OVER_MISFIT * foreseen.misfit, APART * foreseen.level])
-    moving = (about_line_rms(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=1) > least)
+    least = np.maximum(np.maximum(MOVING * white, OVER_MISFIT * foreseen.misfit), APART * foreseen.level)
+    moving = (about_line_rms(foreseen.later) > MOVING * white) | (_rms(seen - foreseen.later, axis=-1) > least)
     return still & moving
 
 
@@ -176,8 +184,8 @@ def astray(seen: Real, foreseen: Foreseen, noise: Real) -> NDArray[np.bool_]:
 
 def about_line_rms(values: Real) -> Real:
     """(channels,) rms about a straight line: what is left of a channel that decays or drifts, but does not move."""
-    line = _line(values.shape[1])
-    return _rms(values - (values @ line.T) @ line, axis=1)
+    line = _line(values.shape[-1])
+    return _rms(values - (values @ line.T) @ line, axis=-1)
 
 
 @lru_cache
@@ -201,7 +209,7 @@ def _cut_at(own: Real, later: Real, white: float, at_most: float) -> float | Non
 
 
 def _noise_spread(seen: Real) -> float:
-    return LOST_SIGMA / float(np.sqrt(2 * seen.shape[1]))
+    return LOST_SIGMA / float(np.sqrt(2 * seen.shape[-1]))
 
 
 def _rms(values: Real, axis: int) -> Real:
