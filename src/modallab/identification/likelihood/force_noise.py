@@ -20,33 +20,75 @@ from numpy.typing import NDArray
 from modallab.identification.likelihood.excitation import Excitation, Grid, HitExcitation
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.likelihood.projection import GroupSolution, Point, Problem
-from modallab.identification.likelihood.rows import stack_lines
+from modallab.identification.likelihood.rows import stack_lines, unstack
 
 Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Structure:
+    """What all hits at one input share, outputs in noise units.
+
+    Attributes:
+        poles: (2 modes,) both of every pair.
+        grid: lines and samples of every block.
+        frf: (lines, outputs).
+        tail: (lines, 2 modes) what each pole carries beyond the block's end, per residue.
+        residues: (2 modes, outputs).
+    """
+
+    poles: NDArray[np.complex128]
+    grid: Grid
+    frf: NDArray[np.complex128]
+    tail: NDArray[np.complex128]
+    residues: NDArray[np.complex128]
 
 
 class Window:
     """Slopes by the force at each sample of a stretch that several blocks of one input share.
 
     What a force at a sample does is the same in every block: hits a few samples apart differ by where they begin.
+    By output o, line l and sample w a slope is F[l, o] turn[l, w] - sum over poles of tail[l, p] R[p, o] left[p, w].
+    Sums over outputs and lines are taken over F, tail and R: their cost does not grow with outputs times samples.
+
+    Args:
+        samples: of the stretch.
+        structure: what all hits at the input share.
 
     Attributes:
         first: sample.
-        slopes: (rows, outputs, samples) in noise units.
     """
 
-    def __init__(self, first: int, slopes: Real) -> None:
-        self.first, self.slopes = first, slopes
+    def __init__(self, samples: NDArray[np.int64], structure: _Structure) -> None:
+        grid = structure.grid
+        self.first, self._structure = int(samples[0]), structure
+        self._turn = np.exp(-1j * np.outer(grid.omega * grid.dt, samples))
+        self._left = np.exp(np.outer(structure.poles, (grid.n - samples) * grid.dt))
 
-    @property
-    def flat(self) -> Real:
-        """(rows times outputs, samples) slopes."""
-        return self.slopes.reshape(-1, self.slopes.shape[2])
+    @cached_property
+    def slopes(self) -> Real:
+        """(rows, outputs, samples) in noise units, each line's real part above its imaginary part."""
+        of = self._structure
+        value = of.frf[:, :, None] * self._turn[:, None, :]
+        carried = of.tail[:, None, :] * of.residues.T
+        value -= (carried.reshape(-1, len(self._left)) @ self._left).reshape(value.shape)
+        return stack_lines(value)
 
     @cached_property
     def gram(self) -> Real:
         """(samples, samples) products of the slopes."""
-        return self.flat.T @ self.flat
+        of, turn, left = self._structure, self._turn, self._left
+        energy = np.sum(of.frf.real**2 + of.frf.imag**2, axis=1)
+        among = (turn.conj().T * energy) @ turn
+        mixed = turn.conj().T @ (of.tail * (of.frf.conj() @ of.residues.T)) @ left
+        behind = left.conj().T @ ((of.tail.conj().T @ of.tail) * (of.residues.conj() @ of.residues.T)) @ left
+        return (among - mixed - mixed.conj().T + behind).real
+
+    def products(self, vectors: Real, weights: Real) -> Real:
+        """(vectors, samples) of (rows, vectors) with the slopes, outputs summed by (vectors, outputs) weights."""
+        of, lines = self._structure, unstack(vectors).conj()
+        ahead = (lines * (weights @ of.frf.T)) @ self._turn
+        return (ahead - ((lines @ of.tail) * (weights @ of.residues.T)) @ self._left).real
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -87,23 +129,6 @@ def force_parts(problem: Problem, point: Point, group: GroupSolution) -> ForcePa
     return ForceParts(windows, places, on_q)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Structure:
-    """What all hits at one input share, outputs in noise units.
-
-    Attributes:
-        poles: (2 modes,) both of every pair.
-        grid: lines and samples of every block.
-        frf: (lines, outputs).
-        tail: (lines, outputs, 2 modes) what each pole carries beyond the block's end.
-    """
-
-    poles: NDArray[np.complex128]
-    grid: Grid
-    frf: NDArray[np.complex128]
-    tail: NDArray[np.complex128]
-
-
 def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structure:
     at, grid = point.parameters, _hit(problem.blocks[group.members[0]].excitation).grid
     poles = poles_of(at.omega, at.zeta)
@@ -117,25 +142,15 @@ def _structure(problem: Problem, point: Point, group: GroupSolution) -> _Structu
     for power, term in zip(problem.powers, coefficients[n:], strict=True):
         frf = frf + s ** (grid.p + power) * term
     tail = both**grid.p * grid.dt / (1 - np.exp((both - s) * grid.dt))
-    return _Structure(both, grid, frf, tail[:, None, :] * residues.T)
+    return _Structure(both, grid, frf, tail, residues)
 
 
 def _windows(firsts: Sequence[int], width: int, structure: _Structure) -> tuple[Window, ...]:
     """The stretch of each hit: one for all, unless they lie so far apart that it would cost more than it saves."""
     begin, end = min(firsts), max(firsts) + width
     if end - begin <= 2 * width:
-        return (Window(begin, _slopes(np.arange(begin, end), structure)),) * len(firsts)
-    return tuple(Window(first, _slopes(first + np.arange(width), structure)) for first in firsts)
-
-
-def _slopes(sample: NDArray[np.int64], structure: _Structure) -> Real:
-    """(rows, outputs, samples), each line's real part above its imaginary part."""
-    grid = structure.grid
-    turn = np.exp(-1j * np.outer(grid.omega * grid.dt, sample))
-    left = np.exp(np.outer(structure.poles, (grid.n - sample) * grid.dt))
-    value = structure.frf[:, :, None] * turn[:, None, :]
-    value -= (structure.tail.reshape(-1, len(left)) @ left).reshape(value.shape)
-    return stack_lines(value)
+        return (Window(np.arange(begin, end), structure),) * len(firsts)
+    return tuple(Window(first + np.arange(width), structure) for first in firsts)
 
 
 def _hit(excitation: Excitation) -> HitExcitation:
@@ -167,8 +182,9 @@ def force_equations(
     for m, (window, own, on_q) in enumerate(zip(parts.windows, parts.places, parts.all_on_q, strict=True)):
         here, place = slice(m * rows, (m + 1) * rows), slice(n_others + m * width, n_others + (m + 1) * width)
         matrix[place, place] += window.gram[own, own]
-        gradient[place] = (window.flat.T @ (group.residual[here] / point.noise).ravel())[own]
-        matrix[:n_others, place] = vectors.across(m, window.slopes, on_q)[:, own]
+        residual = group.residual[here] / point.noise
+        gradient[place] = window.products(residual, np.eye(residual.shape[1])).sum(axis=0)[own]
+        matrix[:n_others, place] = vectors.across(m, window, on_q)[:, own]
         matrix[place, :n_others] = matrix[:n_others, place].T
     return matrix, gradient
 
@@ -184,21 +200,23 @@ class _Vectors:
         poles = np.sum([part.T @ c.poles.values for part, c in zip(q, found, strict=True)], axis=0)
         states = [part.T @ c.local.values for part, c in zip(q, found, strict=True)] if self._width else []
         self._on_q: Real = np.concatenate([poles, *states], axis=1)
-        column = np.concatenate([found[0].poles.column, *[c.local.column for c in found]])
-        self._weight = (group.coefficients / noise)[column]
+        self._column = np.concatenate([found[0].poles.column, *[c.local.column for c in found]])
+        self._weights = group.coefficients / noise
         firsts = np.flatnonzero(np.diff(found[0].poles.parameter, prepend=-1))
         own = np.flatnonzero(np.diff(found[0].local.parameter, prepend=-1))
         begin = [self._n_poles + m * self._width + own for m in range(len(found))]
         self._starts = np.concatenate([firsts, *begin]) if self._width else firsts
 
-    def across(self, member: int, slopes: Real, on_q: Real) -> Real:
-        """J^T J (poles and states, width) with one member's force samples."""
-        rows, _, width = slopes.shape
-        product = -self._on_q.T @ on_q.reshape(len(on_q), -1)
-        found, flat = self._columns[member], slopes.reshape(rows, -1)
-        product[: self._n_poles] += found.poles.values.T @ flat
+    def across(self, member: int, window: Window, on_q: Real) -> Real:
+        """J^T J (poles and states, samples) with the force samples of one member's window."""
+        found = self._columns[member]
+        # Vectors of one column are weighed alike: the outputs are summed before the many vectors come in.
+        weighed = np.tensordot(self._weights, on_q, axes=(1, 1))
+        product = -np.einsum("kv,vkw->vw", self._on_q, weighed[self._column], optimize=True)
+        product[: self._n_poles] += window.products(found.poles.values, self._weights[found.poles.column])
         if self._width:
             begin = self._n_poles + member * self._width
-            product[begin : begin + self._width] += found.local.values.T @ flat
-        across = np.einsum("vow,vo->vw", product.reshape(len(product), -1, width), self._weight)
-        return np.add.reduceat(across, self._starts, axis=0)
+            product[begin : begin + self._width] += window.products(
+                found.local.values, self._weights[found.local.column]
+            )
+        return np.add.reduceat(product, self._starts, axis=0)
