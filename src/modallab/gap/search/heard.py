@@ -43,13 +43,12 @@ def heard(bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared,
 
 
 def _matters(fit: Fit, unseen: Reduced) -> bool:
-    """Whether its law moves sines by more than the tolerance, and what is left of them without a name does not.
+    """Whether its law moves the response by more than the tolerance, and what is left of sines without a name does not.
 
     A hit runs through every state of the law, and no law that is a little off follows it.
     """
     least, sines = unseen.rig.tolerance.response, replace(unseen, impacts=())
-    twin = twin_of(fit, sines)
-    answers = forward(twin, sines)
-    if unexplained(sines, answers) >= least:
+    if unexplained(sines, forward(twin_of(fit, sines), sines)) >= least:
         return False
-    return apart(sines, answers, forward(replace(twin, element=None), sines)) >= least
+    twin = twin_of(fit, unseen)
+    return apart(unseen, forward(twin, unseen), forward(replace(twin, element=None), unseen)) >= least
