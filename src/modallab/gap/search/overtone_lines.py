@@ -48,6 +48,4 @@ def with_overtones(data: Reduced, overtones: Sequence[Overtone]) -> Reduced:
     count = blocks * groups * LINES
     common, direction = np.zeros(count), np.zeros((channels, count), dtype=np.complex128)
     kept = Rows(y.reshape(channels, -1), sigma.reshape(channels, -1), common, direction)
-    return replace(
-        data, sines=replace(data.sines, source=replace(source, lines=lines.reshape(blocks, -1)), rows=kept)
-    )
+    return replace(data, sines=replace(data.sines, source=replace(source, lines=lines.reshape(blocks, -1)), rows=kept))

@@ -49,7 +49,7 @@ def followed_on_all(bench: Bench, fit: Fit) -> Fit:
     """A fit to few sines brought to its end on all, then with what the hits say of the high modes' damping."""
     whole = Problem(bench.data, bench.free, fit.problem.candidates)
     sines = replace(whole, data=with_overtones(replace(bench.data, impacts=()), bench.overtones))
-    u = followed(sines, fit.u, 3)
+    u = followed(sines, fit.u, 2)
     return seen(whole, _with_hits(sines, bench.data, u))
 
 
