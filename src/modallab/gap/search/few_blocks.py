@@ -36,14 +36,8 @@ def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
     return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
 
 
-def even_blocks(data: Reduced, count: int) -> Reduced:
-    """One sine block at each of so many frequencies, evenly over those there are, the levels in turn."""
-    assert data.sines is not None
-    return replace(data, impacts=(), sines=_blocks(data.sines, _even(data.sines, count)))
-
-
 def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduced:
-    """Even blocks and those with the most overtones, with the lines about these."""
+    """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
     clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]
     heard = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
@@ -53,6 +47,7 @@ def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduc
 
 
 def _even(d: SineData, count: int) -> list[int]:
+    """Blocks evenly over the frequencies there are, the levels in turn."""
     hz = np.round(d.source.frequency_hz, 3)
     each = np.unique(hz)
     places = np.unique(np.linspace(0, len(each) - 1, min(count, len(each))).round().astype(int))

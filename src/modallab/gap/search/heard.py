@@ -38,8 +38,8 @@ def heard(bench: Bench, choice: Choice, levels: list[Level], prepared: Prepared,
     if not stepped(fit) or not _matters(fit, unseen) or overtones_closed(fit, prepared, unseen) < HEARD:
         return choice
     others = tuple(f for f in (*levels[-1].fits[1:], *choice.rivals) if names(f) != names(fit))
-    fit = beam_of_hits(bench, fit)
-    return Choice(levels[0].base, fit, others, True, False)
+    best = min(fit, beam_of_hits(bench, fit), key=lambda f: f.cost)
+    return Choice(levels[0].base, best, others, True, False)
 
 
 def _matters(fit: Fit, unseen: Reduced) -> bool:
