@@ -39,6 +39,8 @@ class Overtone:
         hz: its frequency.
         y: (channels,) complex amplitude of each accelerometer, SI units.
         beside: (channels,) the largest amplitude within two lines of it.
+        lines: (5,) DFT lines about it.
+        spectrum: (channels, 5) the record's DFT there, as amplitudes.
     """
 
     record: str
@@ -46,6 +48,8 @@ class Overtone:
     hz: float
     y: Complex
     beside: Array
+    lines: NDArray[np.int64]
+    spectrum: Complex
 
     @property
     def clear(self) -> NDArray[np.bool_]:
@@ -81,9 +85,12 @@ def of_record(name: str, responses: Array, rate_hz: float, frequency_hz: float) 
     basis = np.concatenate([np.ones((1, n)), waves.real, -waves.imag])
     solution = np.linalg.lstsq(basis.T, responses.T, rcond=None)[0]
     left = responses - solution.T @ basis
+    whole = np.fft.rfft(responses, axis=1) * 2 / n
     found: list[Overtone] = []
     for k in orders:
         around = np.exp(-np.outer(at, k * frequency_hz + line * np.array([-2, -1, 1, 2])))
         beside = np.max(np.abs(left @ around), axis=1) * 2 / n
-        found.append(Overtone(name, k, k * frequency_hz, solution[k] + 1j * solution[count + k], beside))
+        lines = round(k * frequency_hz / line) + np.arange(-2, 3)
+        y = solution[k] + 1j * solution[count + k]
+        found.append(Overtone(name, k, k * frequency_hz, y, beside, lines, whole[:, lines]))
     return found

@@ -42,8 +42,8 @@ ROOT = 0.02
 """Place next to the clamp: a force there moves the beam as a couple at a root does that gives way."""
 NEXT_TO_ROOT = 0.05
 """Place up to which a force does little but that: such overtones are the root's."""
-NEARBY = 0.006
-"""Share of the length by which a place may be off that the overtones show."""
+NEARBY = 0.04
+"""Share of the length by which a place may be off that the overtones show: where a crack bends is no point."""
 NOWHERE = 0.15
 """Share of the overtones from which no place along the beam makes them."""
 

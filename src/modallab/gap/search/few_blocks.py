@@ -1,15 +1,20 @@
 """The few sine blocks on which stepped effects are compared: where a linear beam is wrong, and others."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.reduce import Reduced, Rows, SineData
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
+from modallab.gap.search.overtone_lines import with_overtones
 
 SPREAD = 5
 """Every so many frequencies are looked at as well: about a resonance a start is right or wrong, not nearly right."""
+LOUDEST = 5
+"""Sines with the most overtones that are looked at as well."""
 
 
 def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
@@ -31,17 +36,26 @@ def worst_blocks(data: Reduced, base: Fit, count: int) -> Reduced:
     return replace(data, impacts=(), sines=_blocks(d, sorted(chosen)))
 
 
-def even_blocks(data: Reduced, count: int) -> Reduced:
-    """One sine block at each of so many frequencies, evenly over those there are, the levels in turn."""
+def looked_at(data: Reduced, overtones: Sequence[Overtone], count: int) -> Reduced:
+    """One sine at each of so many frequencies, and those with the most overtones, with the lines about these."""
     assert data.sines is not None
-    hz = np.round(data.sines.source.frequency_hz, 3)
+    clear = [(o.record, int(np.count_nonzero(o.clear))) for o in overtones]
+    heard = [sum(n for record, n in clear if record == p.name) for p in data.sines.pieces]
+    loudest = [int(j) for j in np.argsort(heard, kind="stable")[::-1][:LOUDEST] if heard[j]]
+    chosen = sorted({*_even(data.sines, count), *loudest})
+    return with_overtones(replace(data, impacts=(), sines=_blocks(data.sines, chosen)), overtones)
+
+
+def _even(d: SineData, count: int) -> list[int]:
+    """Blocks evenly over the frequencies there are, the levels in turn."""
+    hz = np.round(d.source.frequency_hz, 3)
     each = np.unique(hz)
     places = np.unique(np.linspace(0, len(each) - 1, min(count, len(each))).round().astype(int))
     chosen: list[int] = []
     for turn, at in enumerate(places):
         own = np.flatnonzero(hz == each[at])
         chosen.append(int(own[turn % len(own)]))
-    return replace(data, impacts=(), sines=_blocks(data.sines, sorted(chosen)))
+    return sorted(chosen)
 
 
 def _blocks(d: SineData, at: list[int]) -> SineData:

@@ -15,7 +15,7 @@ from modallab.core.progress import report
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.few_blocks import even_blocks, worst_blocks
+from modallab.gap.search.few_blocks import looked_at, worst_blocks
 from modallab.gap.search.fitting import NEAR, Bench
 from modallab.gap.search.rough_fit import followed_on_all, follows
 from modallab.gap.search.rough_starts import FREQUENCIES, score
@@ -48,7 +48,7 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     if not listed or bench.data.sines is None:
         return Level(base, (), ())
     few, fewest = (worst_blocks(bench.data, base, count) for count in (BLOCKS, FEWEST))
-    even = even_blocks(bench.data, FREQUENCIES)
+    even = looked_at(bench.data, bench.overtones, FREQUENCIES)
 
     def score_of(fit: Fit) -> float:
         return score(replace(fit.problem, data=even, floor=0.0), fit.u)

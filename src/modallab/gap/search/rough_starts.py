@@ -17,6 +17,7 @@ from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import WORKERS
+from modallab.gap.search.overtone_lines import LINES
 from modallab.twin.candidate import Slot
 
 Array = NDArray[np.float64]
@@ -30,6 +31,8 @@ TRIES = 16
 """Looks a number while one is polished."""
 EXACT = 0.003
 """Share of a sine's size that any law leaves: less is no better."""
+EXACT_OVERTONE = 0.03
+"""The same of an overtone's size."""
 COUNTS = 1.0
 """Independent numbers that a sine on one accelerometer counts for: its lines, and other channels, are wrong with it."""
 LEAST = 0.1
@@ -68,18 +71,33 @@ def apart(problem: Problem, begins: list[Array]) -> list[Array]:
 def score(problem: Problem, u: Array) -> float:
     """How far the sines are off, each as a share of its own size, and the numbers from their priors."""
     off = relative(problem, u)
-    return COUNTS / 2 * float(np.sum(np.log1p((off / EXACT) ** 2))) + problem.priors(u)[0]
+    return COUNTS / 2 * float(np.sum(np.log1p((off / exact(problem.data)) ** 2))) + problem.priors(u)[0]
+
+
+def exact(data: Reduced) -> Array:
+    """(channels, groups) share of its own size that any law, or the noise, leaves of each sine and overtone."""
+    assert data.sines is not None
+    noise = np.where(np.isfinite(data.sines.rows.sigma), data.sines.rows.sigma, 0.0)
+    own = np.sqrt(np.mean(noise.reshape(len(noise), -1, LINES) ** 2, axis=2)) / sizes(data)
+    return np.where(is_overtone(data), np.hypot(EXACT_OVERTONE, own), EXACT)
+
+
+def is_overtone(data: Reduced) -> NDArray[np.bool_]:
+    """(groups,) which of the groups of lines stand about an overtone."""
+    assert data.sines is not None
+    groups = data.sines.source.lines.shape[1] // LINES
+    return np.tile(np.arange(groups) > 0, len(data.sines.source.lines))
 
 
 def relative(problem: Problem, u: Array) -> Array:
-    """(channels, blocks) what is left of each sine on each accelerometer over its size; 0 where it is not used."""
+    """(channels, groups) what is left of each sine, and overtone, on each accelerometer over its size; 0 if unused."""
     assert problem.data.sines is not None
     left = problem.data.sines.rows.y - forward(problem.twin(u), problem.data)[-1]
     return _by_block(problem.data, left) / sizes(problem.data)
 
 
 def sizes(data: Reduced) -> Array:
-    """(channels, blocks) length of each sine's numbers on each accelerometer, no less than a share of what all have."""
+    """(channels, groups) length of each sine's numbers on each accelerometer, no less than a share of what all have."""
     assert data.sines is not None
     own = _by_block(data, data.sines.rows.y)
     return np.maximum(own, np.maximum(LEAST * np.sqrt(np.mean(own**2, axis=0)), 1e-300))
@@ -88,7 +106,7 @@ def sizes(data: Reduced) -> Array:
 def _by_block(data: Reduced, values: Complex) -> Array:
     assert data.sines is not None
     used = np.isfinite(data.sines.rows.sigma)
-    squares = np.where(used, np.abs(values) ** 2, 0.0).reshape(len(values), *data.sines.source.lines.shape)
+    squares = np.where(used, np.abs(values) ** 2, 0.0).reshape(len(values), -1, LINES)
     return np.sqrt(np.sum(squares, axis=2))
 
 
@@ -102,7 +120,7 @@ def _same(problem: Problem, u: Array, other: Array) -> bool:
 def _polished(problem: Problem, u: Array) -> Array:
     """The beam's stiffness and the effect's own numbers moved to where they leave less nearby."""
     slots = problem.candidates[-1].slots
-    moving = [i for i, s in enumerate(slots) if not _known(s)]
+    moving = [i for i, s in enumerate(slots) if len(s.starts) > 1 or s.name == "x"]
     at = [0, *(len(u) - len(slots) + i for i in moving)]
     steps = np.array([_step(slots[i]) for i in moving])
     steps = np.array([np.min(steps), *steps])
@@ -125,9 +143,4 @@ def _polished(problem: Problem, u: Array) -> Array:
 def _step(slot: Slot) -> float:
     """Half of what lies between two starts; of a first simplex."""
     at = [slot.coordinate(v) for v in slot.starts]
-    return min([0.04 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])
-
-
-def _known(slot: Slot) -> bool:
-    """Whether it is a place that the overtones show."""
-    return slot.name == "x" and len(slot.starts) == 1
+    return min([0.015 if slot.name == "x" else 0.3, *(np.diff(at) / 2)])

@@ -22,6 +22,7 @@ from modallab.gap.search.choose import Choice, choose, names, stepped
 from modallab.gap.search.clock import with_clock
 from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.heard import heard
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.gap.search.round import Level
@@ -49,7 +50,8 @@ class _Asked:
 
     def judged(self, levels: list[Level]) -> Choice:
         """What these rounds say, explained only if the law makes the overtones that were measured."""
-        return _by_overtones(choose(self.bench, levels, self.matters, self.unseen), self.prepared, self.unseen)
+        choice = _by_overtones(choose(self.bench, levels, self.matters, self.unseen), self.prepared, self.unseen)
+        return heard(self.bench, choice, levels, self.prepared, self.unseen)
 
 
 def search_stepped(

@@ -14,7 +14,7 @@ from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, minimise
 from modallab.gap.model.prefit import start
 from modallab.gap.search.acting import acting_at
-from modallab.gap.search.few_blocks import even_blocks
+from modallab.gap.search.few_blocks import looked_at
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import FREQUENCIES, apart, likeliest, score
@@ -46,7 +46,7 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
         for u in _begins(bench, base, located, own)
     ]
     if search_of(candidate.effect).by_sine:
-        even = replace(problem, data=even_blocks(bench.data, FREQUENCIES), floor=0.0)
+        even = replace(problem, data=looked_at(bench.data, bench.overtones, FREQUENCIES), floor=0.0)
         u = _by_sine(even, [u for _, u in begins], search_of(candidate.effect).rough)
         return [seen(problem, u)]
     chosen = _one_a_place(replace(problem, data=some[1]), begins)

@@ -13,7 +13,9 @@ from modallab.twin.nonlinear.element import Element, Law
 
 WIDTH = 0.05
 """Half width of the loss over L."""
-SHARES = tuple(float(v) for v in 1 / (1 + np.exp(-np.arange(-0.6, 3.01, 0.12))))
+SHARES = tuple(
+    float(v) for v in 1 / (1 + np.exp(-np.array([-3.5, -2.7, -2.1, -1.6, -1.2, -0.9, *np.arange(-0.6, 3.01, 0.12)])))
+)
 """Worth a first look, so close together that the frequency of the lowest mode moves by few percent between two."""
 
 

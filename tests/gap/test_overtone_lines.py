@@ -1,0 +1,82 @@
+"""A small crack is nearly a small loss of stiffness: the lines about its overtones say what it is."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.choose import Choice
+from modallab.gap.search.few_blocks import looked_at
+from modallab.gap.search.fitting import Bench
+from modallab.gap.search.heard import heard
+from modallab.gap.search.overtone_lines import LINES, with_overtones
+from modallab.gap.search.rough_fit import followed
+from modallab.gap.search.rough_starts import is_overtone, relative
+from modallab.gap.search.round import Level
+from modallab.twin.effects import model_of
+
+LOSS = 0.2
+CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": LOSS}, place={"x": 0.31})
+
+
+@pytest.fixture(scope="module")
+def cracked(make: Callable[..., Campaign]) -> tuple[Bench, Prepared]:
+    campaign = make(CRACK, tests=("sine",))
+    prepared = prepare(replace(campaign, blocks=campaign.blocks[::4]))
+    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True), prepared
+
+
+def fitted(on: Bench, loss: float) -> Fit:
+    """The crack at its place, so large; no crack at 0."""
+    problem = Problem(on.data, on.free)
+    if not loss:
+        return seen(problem, np.zeros(on.free.size))
+    candidate = model_of("breathing_crack").candidates(on.data.rig)[0]
+    own = [s.coordinate({"EI_loss_open": loss, "x": 0.31}[s.name]) for s in candidate.slots]
+    return seen(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
+
+
+def test_the_law_makes_what_stands_about_the_overtones_and_a_linear_beam_nothing(
+    cracked: tuple[Bench, Prepared],
+) -> None:
+    on, _ = cracked
+    few = looked_at(on.data, on.overtones, 6)
+    assert few.sines is not None
+    above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
+    assert np.any(above)
+    left = {loss: relative(replace(fitted(on, loss).problem, data=few), fitted(on, loss).u) for loss in (0.0, LOSS)}
+    # The bench's crack weakens the beam beside it a little otherwise than the twin's.
+    assert np.median(left[LOSS][:, above][used[:, above]]) < 0.35
+    assert np.median(left[0.0][:, above][used[:, above]]) > 0.95
+    # Half of the loss is worse: the overtones know the size.
+    half = fitted(on, LOSS / 2)
+    assert np.median(relative(replace(half.problem, data=few), half.u)[:, above][used[:, above]]) > 0.5
+
+
+@pytest.fixture(scope="module")
+def law(cracked: tuple[Bench, Prepared]) -> Fit:
+    """The crack of the right size on the beam that sines and overtones show."""
+    on, _ = cracked
+    fit = fitted(on, LOSS)
+    sines = replace(fit.problem, data=with_overtones(on.data, on.overtones))
+    return seen(fit.problem, np.concatenate([followed(sines, fit.u, 2)[:-2], fit.u[-2:]]))
+
+
+@pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
+def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
+    cracked: tuple[Bench, Prepared], law: Fit, share: float, named: bool
+) -> None:
+    on, prepared = cracked
+    base = fitted(on, 0.0)
+    nothing = Choice(base, base, (), explained=False, flat=False)
+    small = fitted(on, share * LOSS)
+    fit = seen(law.problem, np.concatenate([law.u[:-2], small.u[-2:]]))
+    said = heard(on, nothing, [Level(base, (fit,), ())], prepared, on.data)
+    assert said.explained is named
+    assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
