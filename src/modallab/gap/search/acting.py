@@ -16,6 +16,7 @@ from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.fitting import Bench
+from modallab.gap.search.overtone_lines import FEWEST
 from modallab.twin.bench import Twin, transfer
 from modallab.twin.candidate import Candidate
 from modallab.twin.effect_model import Acts
@@ -33,8 +34,6 @@ SPREAD = 0.04
 """Half width over L of what bends at a crack."""
 INEXACT = 0.03
 """Relative error of the shapes: the beam is known to a percent, the sensitivities to one or two."""
-FEWEST = 4
-"""Channels on which an overtone must be clear."""
 MOST = 0.3
 """Share of an overtone's squares beyond which it is as wrong as can be: one resonance must not decide."""
 
