@@ -47,6 +47,9 @@ class Search:
             couple that bends it, or a couple at the root; None where it acts all along the beam.
         by_sine: of an effect that is stepped, whether each sine counts by its own relative error: beside a resonance
             such a law is right or wrong, and squares in noise units would follow the one that is furthest off.
+        on_slowest: power of the slowest mode's shape at its place with which its first number acts on that mode, which
+            says little more of where it is; 0 where the number has no place.
+        drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
@@ -67,6 +70,8 @@ class Search:
     overtones: Overtones = "odd"
     acts: Acts | None = None
     by_sine: bool = False
+    on_slowest: int = 0
+    drowns: bool = False
     rough: bool = False
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
     deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf

@@ -46,7 +46,9 @@ BENT = 1.5
 """A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
 
-def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, alike: bool = False) -> Fit:
+def minimise(
+    problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, alike: bool = False, whole: bool = False
+) -> Fit:
     """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
 
     Args:
@@ -56,13 +58,14 @@ def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float =
         tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
         alike: with tolerances, whether steps are held back alike along all numbers; else more along those that the data
             determine.
+        whole: see `jacobian`.
     """
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
     damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
     here, normal = _at(problem, u, damping), np.eye(len(u))
     for _ in range(iterations):
         before = here.cost
-        here, normal = _descended(problem, here, alike)
+        here, normal = _descended(problem, here, alike, whole)
         if before - here.cost < tolerance * before + 1e-2:
             break
     return Fit(problem, here.u, here.cost, here.r, normal)
@@ -83,9 +86,9 @@ def _at(problem: Problem, u: Array, damping: float) -> _Here:
     return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
 
 
-def _descended(problem: Problem, begin: _Here, alike: bool) -> tuple[_Here, Array]:
+def _descended(problem: Problem, begin: _Here, alike: bool, whole: bool) -> tuple[_Here, Array]:
     """Where the slopes at a place lead to, and the curvature there."""
-    J, n, here = jacobian(problem, begin.u, begin.r), problem.free.size, begin
+    J, n, here = jacobian(problem, begin.u, begin.r, whole), problem.free.size, begin
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(begin.u)[2]
     scale = np.eye(len(normal)) if alike and problem.free.deviations else _scale(problem, normal)
@@ -101,8 +104,16 @@ def _descended(problem: Problem, begin: _Here, alike: bool) -> tuple[_Here, Arra
     return here, normal
 
 
-def jacobian(problem: Problem, u: Array, r: Array) -> Array:
-    """(residuals, u): through poles and residues where the beam, its places or gains move, else by differences."""
+def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array:
+    """(residuals, u): through poles and residues where the beam, its places or gains move, else by differences.
+
+    Args:
+        problem: what is fitted.
+        u: (u,) where.
+        r: (residuals,) there.
+        whole: whether what an element that is stepped in time makes of an ordinary bench's deviations is counted: each
+            costs a step through all records.
+    """
     # A row each, as they come: the products that follow run along them.
     J = np.zeros((len(u), len(r)))
     here = problem.twin(u)
@@ -112,8 +123,8 @@ def jacobian(problem: Problem, u: Array, r: Array) -> Array:
     # While more is forgiven than the deviations can do, they stay where their priors want them.
     used = [k for k in range(len(u)) if k not in deviations or problem.floor < FELT]
     twins = {k: problem.twin(moved[k]) for k in used}
-    if here.element is not None:
-        # An ordinary bench's deviations are many and small: what the element makes of them is left to further steps.
+    if here.element is not None and not whole:
+        # They are many and small: what the element makes of them is left to further steps.
         here = replace(here, element=None)
         twins |= {k: replace(twin, element=None) for k, twin in twins.items() if k in deviations}
     smooth = [k for k, twin in twins.items() if smooth_in(here, twin)]

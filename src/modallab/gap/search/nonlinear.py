@@ -15,6 +15,7 @@ from modallab.core.progress import report
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
+from modallab.gap.search.along_beam import along_the_beam
 from modallab.gap.search.few_blocks import looked_at, worst_blocks
 from modallab.gap.search.fitting import NEAR, Bench
 from modallab.gap.search.rough_fit import followed_on_all, follows
@@ -115,9 +116,14 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
 
     The law may not be exact.
     """
-    if _by_sine(fit):
-        return followed_on_all(bench, fit)
     exact = Problem(bench.data, bench.free, fit.problem.candidates)
+    if _by_sine(fit):
+        found = followed_on_all(bench, fit)
+        law = search_of(fit.problem.candidates[-1].effect)
+        if law.inexact:
+            return found
+        found = along_the_beam(minimise(exact, found.u, 3, 1e-2))
+        return minimise(exact, found.u, 6, 1e-3, whole=True)
     first = seen(exact, fit.u)
     # A hit runs through every state of a law at once: what is a little wrong there must not lead the sines astray.
     sines = replace(exact, data=replace(bench.data, impacts=()))

@@ -37,6 +37,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a drag spreads along the beam is a convention: evenly, or lumped at a few stations as simulators do.
-    search=Search(rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05),
+    search=Search(rank=100, slots=_slots, forms=((), (("stations", STATIONS),)), inexact=0.05, drowns=True),
     experiment="Repeat the sines at a third level: drag damps in proportion to the amplitude, the frequencies stay.",
 )

@@ -1,0 +1,86 @@
+"""A smooth law at other places along the beam, each time as strong on the slowest mode.
+
+Sines and the first hits know how much the slowest mode stiffens, k phi(x)^4 of a cubic spring with that mode's shape
+phi, and hardly where the spring sits: costs along that valley have a low on either side of other modes' nodes, and a
+fit stays in the one where it began.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.minimise import WORKERS, jacobian
+from modallab.twin.effects import search_of
+from modallab.twin.structure import solve
+
+Array = NDArray[np.float64]
+
+PLACES = tuple(np.linspace(0.3, 1.0, 15).tolist())
+"""Places over L that are tried."""
+STEPS = 4
+"""Steps at each with the slopes of the first."""
+FIRST = 1e-2
+"""Damping of the first step, as a share of each number's curvature."""
+
+
+def along_the_beam(fit: Fit) -> Fit:
+    """The fit, or that at the place where its law does best; other numbers follow by the slopes of the fit.
+
+    Args:
+        fit: to all records, its last effect with a place and a number first; see `Search.on_slowest`.
+    """
+    law = fit.problem.candidates[-1]
+    power, names = search_of(law.effect).on_slowest, [s.name for s in law.slots]
+    if not power:
+        return fit
+    J = jacobian(fit.problem, fit.u, fit.residual, whole=True)
+    first = len(fit.u) - len(law.slots)
+    place = first + names.index("x")
+    x, strength = law.slots[names.index("x")], law.slots[0]
+    at = x.value(float(fit.u[place]))
+
+    def there(other: float) -> Fit:
+        u = fit.u.copy()
+        u[place] = x.coordinate(other)
+        ratio = (_slowest(fit, at) / _slowest(fit, other)) ** power
+        u[first] = strength.coordinate(strength.value(float(u[first])) * ratio)
+        return _followed(fit.problem, u, J, place)
+
+    with ThreadPoolExecutor(WORKERS) as workers:
+        found = list(workers.map(there, PLACES))
+    return min([fit, *found, there(_lowest([f.cost for f in found]))], key=lambda f: f.cost)
+
+
+def _lowest(costs: list[float]) -> float:
+    """Where a parabola through the least of these and its neighbours is least."""
+    i = min(max(int(np.argmin(costs)), 1), len(costs) - 2)
+    before, here, after = costs[i - 1 : i + 2]
+    bend = before - 2 * here + after
+    step = PLACES[1] - PLACES[0]
+    return float(np.clip(PLACES[i] + step * (before - after) / (2 * bend), PLACES[i - 1], PLACES[i + 1]))
+
+
+def _slowest(fit: Fit, x: float) -> float:
+    """Size of the slowest mode's shape at a place over L."""
+    structure = fit.problem.twin(fit.u).structure
+    modes = solve(structure)
+    return float(abs(modes.at(np.array([x * structure.length_m]))[0, np.argmin(abs(modes.poles))]))
+
+
+def _followed(problem: Problem, u: Array, J: Array, place: int) -> Fit:
+    """A few steps of all numbers but the place, with slopes that are known."""
+    moving = np.delete(np.arange(len(u)), place)
+    n, here, damping = problem.free.size, seen(problem, u), FIRST
+    normal = J.T @ J
+    normal[np.arange(n), np.arange(n)] += problem.priors(u)[2]
+    held = normal[np.ix_(moving, moving)]
+    for _ in range(STEPS):
+        gradient = J.T @ here.residual
+        gradient[:n] += problem.priors(here.u)[1]
+        there = here.u.copy()
+        there[moving] -= np.linalg.solve(held + damping * np.diag(np.diag(held)), gradient[moving])
+        after = seen(problem, there)
+        here, damping = (after, damping / 10) if after.cost < here.cost else (here, damping * 10)
+    return here
