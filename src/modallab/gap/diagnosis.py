@@ -36,7 +36,7 @@ from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
 from modallab.gap.search.choose import Choice, choose, probabilities, stepped
 from modallab.gap.search.explain import explain, rounds
-from modallab.gap.search.faint import faint
+from modallab.gap.search.faint import linear_or_faint
 from modallab.gap.search.fitting import Bench, baseline, ordinary, settled
 from modallab.gap.search.intervals import intervals
 from modallab.gap.search.stepped import search_stepped
@@ -140,12 +140,12 @@ def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | N
     whose transients the twin has wrong, does so.
     """
     many = levels_differ(base)
+    if not (many or some_levels_differ(base)):
+        return linear_or_faint(bench, base, matters)
     linear = rounds(bench, base, 1) if many else explain(bench, base)
     choice = choose(bench, linear, matters)
     if choice.explained:
         return choice
-    if not (many or some_levels_differ(base)):
-        return faint(bench, base, choice, matters)
     # What answers to the level, not only to the side, makes odd overtones.
     known = partial(explain, bench, base, linear[0]) if many else lambda: linear
     return search_stepped(bench, prepared, base, "odd", matters, unseen, known)

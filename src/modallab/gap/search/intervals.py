@@ -14,7 +14,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
 from modallab.gap.model.minimise import jacobian
-from modallab.gap.search.choose import Choice, stepped
+from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess, ordinary
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
@@ -153,7 +153,9 @@ def deviations(fit: Fit) -> Array:
     The curvature is that at the fit: a fit's own is that of its last slopes, from where it has moved on since.
     """
     problem, n = fit.problem, fit.problem.free.size
-    J = jacobian(problem, fit.u, fit.residual, whole=_smooth(fit))
+    # Where a smooth law sits shows in little more than what it makes of an ordinary bench's deviations.
+    placed = any(search_of(c.effect).on_slowest for c in problem.candidates)
+    J = jacobian(problem, fit.u, fit.residual, whole=placed)
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(fit.u)[2]
     curvature = np.diag(normal)
@@ -165,11 +167,6 @@ def deviations(fit: Fit) -> Array:
     found = np.full(len(curvature), UNFELT)
     found[felt] = np.sqrt(np.maximum(np.maximum(variance, np.sum(moved**2, axis=0)), 0))
     return found
-
-
-def _smooth(fit: Fit) -> bool:
-    """Whether a law is known exactly, so that all that an ordinary bench's deviations do to it is worth its time."""
-    return stepped(fit) and not any(search_of(c.effect).inexact for c in fit.problem.candidates)
 
 
 def _pulls(fit: Fit, J: Array) -> Array:
