@@ -22,8 +22,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_slip", "log", spread(7 * unit, 70 * unit, 3)),
-        Slot("k_stick", "log", spread(40 * unit, 500 * unit, 3), power=-1.0),
+        Slot("k_slip", "log", spread(7 * unit, 220 * unit, 4)),
+        Slot("k_stick", "log", spread(40 * unit, 1500 * unit, 4), power=-1.0),
         Slot("moment_limit", "log", spread(1.5e-5 * unit, 2e-3 * unit, 5), power=-1.0),
         Slot("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )

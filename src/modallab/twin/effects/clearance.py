@@ -24,8 +24,8 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
-        Slot("k_contact", "log", spread(20 * unit, 120 * unit, 3), power=-1.0),
-        Slot("gap", "log", spread(2.5e-5, 6e-4, 6)),
+        Slot("k_contact", "log", spread(20 * unit, 400 * unit, 4), power=-1.0),
+        Slot("gap", "log", spread(3e-6, 6e-4, 9)),
         # What still holds the root within the play; no joint lets a beam hang on nothing.
         Slot("k_within", "log", (8 * unit,), low=WITHIN * unit, power=0.0),
     )
