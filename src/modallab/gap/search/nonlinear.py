@@ -65,7 +65,7 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     report(0.5, "the likeliest of them")
     looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of))
     left = tuple((f.problem.candidates, f.cost) for f in looks)
-    if not looks or not _explains(bench, looks[0], base):
+    if not looks or not _explains(bench, looks[0], base, score_of):
         return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
@@ -82,9 +82,13 @@ def _near_the_best(fits: list[Fit], score_of: Callable[[Fit], float], within: fl
     return [fit for own, fit in scored if own < scored[0][0] + within]
 
 
-def _explains(bench: Bench, fit: Fit, base: Fit) -> bool:
-    if _by_sine(fit):
-        return follows(bench, fit, base, WRONG)
+def _explains(bench: Bench, fit: Fit, base: Fit, score_of: Callable[[Fit], float]) -> bool:
+    law = search_of(fit.problem.candidates[-1].effect)
+    if law.by_sine:
+        # A linear beam may follow each sine, stretched far beyond its tolerances: a law that is exact needs no more
+        # than to stand well within them.
+        stretched = not law.inexact and score_of(fit) <= WRONG * score_of(base)
+        return stretched or follows(bench, fit, base, WRONG)
     linear = seen(replace(fit.problem, candidates=base.problem.candidates, held=beam_at(base.u)), base.u)
     return fit.cost <= WRONG * linear.cost
 
