@@ -42,7 +42,7 @@ class FedState:
         g: forces there.
         memory: of sliders.
         past: forces over the samples before, (channels, samples).
-        position: internal sample of z.
+        position: number of internal samples solved; z stands at the last of them, and first at the one before 0.
     """
 
     linear: Complex
@@ -127,7 +127,7 @@ class FedStructure:
         return loads, replace(new, past=forces[:, step:])
 
     def _marched(self, state: FedState, drives: Sequence[Drive], count: int) -> tuple[FedState, Floats]:
-        begin = state.past.shape[1] - REACH
+        begin = state.past.shape[1] - 1 - REACH
         forces = np.zeros((len(drives), count + 2 * REACH + 1))
         into, direct = np.zeros((len(drives), len(state.z)), complex), np.zeros((len(self._local), len(drives)))
         for row, drive in enumerate(drives):
