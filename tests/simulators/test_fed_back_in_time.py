@@ -14,7 +14,7 @@ from test_cantilever_structure import BEAM, OUTPUTS, X, basis, receptance
 from modallab_simulators.cantilever.feedback.elements import PointElement
 from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.hammer import Contact
-from modallab_simulators.cantilever.loads import BLOCK, Drive
+from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import oversampling
 
