@@ -77,7 +77,7 @@ def test_twice_the_force_is_not_twice_the_motion(element: Element) -> None:
 
 
 def test_a_crack_answers_in_proportion_but_not_alike_both_ways() -> None:
-    bench = twin(0.0, Element(Law.CRACK, 0.2, (0.6, 0.036)))
+    bench = twin(0.0, Element(Law.CRACK, 0.2, (0.6, 0.036, 0.0)))
     assert off(sine(bench, 3.0), 3 * sine(bench, 1.0)) < 1e-9
     assert off(hit(bench, -50.0), -hit(bench, 50.0)) > 0.05
 

@@ -111,6 +111,12 @@ class Twin:
     residual_compliance: float = 0.0
     element: Element | None = None
 
+    @property
+    def felt_share(self) -> float:
+        """Share of the static compliance of the modes above that `element` feels."""
+        whole = self.element is not None and self.element.of_all_modes
+        return 1.0 if whole else self.residual_compliance
+
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""
         if not self.drift_curve:

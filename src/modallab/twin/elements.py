@@ -96,6 +96,15 @@ def patterns(length_m: float) -> Patterns:
     return Patterns(stiffness, mass, rotary)
 
 
+@lru_cache(maxsize=8)
+def flexibility(length_m: float) -> Array:
+    """(n, n) deflection of a clamped beam of unit EI to unit loads on its degrees of freedom; not to be written to."""
+    answer = np.zeros((2 * ELEMENTS + 2,) * 2)
+    answer[2:, 2:] = np.linalg.inv(patterns(length_m).stiffness[0][2:, 2:])
+    answer.flags.writeable = False
+    return answer
+
+
 def _hermite(xi: Array, size: float, derivative: int) -> Array:
     """(points, 4) Hermite cubics on [0, 1], differentiated by x."""
     one = np.ones_like(xi)

@@ -94,7 +94,7 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
 
 
 def _with_share(twin: Twin, modes: Modes) -> Modes:
-    return replace(modes, out_of_band=twin.residual_compliance * modes.out_of_band)
+    return replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
 
 
 def _on_lines(added: Added, lines: Array) -> tuple[Complex, Complex]:

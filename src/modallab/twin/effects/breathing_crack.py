@@ -18,10 +18,14 @@ SHARES = tuple(
 )
 """Worth a first look, so close together that the frequency of the lowest mode moves by few percent between two."""
 
+FORMS = ((("all_modes", 1.0),), (("all_modes", 0.0),))
+"""Whether a crack is felt by all modes of the beam, as in a continuum, or by those alone that a bench or model has."""
+
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
-    numbers = (effect.parameters["EI_loss_open"], WIDTH * twin.structure.length_m)
-    return replace(twin, element=Element(Law.CRACK, x_of(effect, rig), numbers))
+    share, length = effect.parameters["EI_loss_open"], twin.structure.length_m
+    all_modes = effect.parameters.get("all_modes", 0.0)
+    return replace(twin, element=Element(Law.CRACK, x_of(effect, rig), (share, WIDTH * length, all_modes)))
 
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
@@ -43,6 +47,8 @@ MODEL = EffectModel(
     moves_poles=True,
     once=False,
     # How far a crack weakens the beam beside it is a convention.
-    search=Search(rank=90, slots=_slots, inexact=0.05, by_sine=True, rough=True, overtones="even", acts="couple"),
+    search=Search(
+        rank=90, slots=_slots, forms=FORMS, inexact=0.05, by_sine=True, rough=True, overtones="even", acts="couple"
+    ),
     experiment="Look for even overtones in the sine responses: a crack that breathes makes them at every level.",
 )

@@ -12,14 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.quadrature import gauss_legendre
-from modallab.twin.elements import ELEMENTS, curvature_rows, shape_rows, slope_rows, weakened
+from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened
 from modallab.twin.structure import Modes, Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 PATTERNS = 6
-"""Ways in which the beam bends about a crack that are followed."""
+"""Ways in which the beam bends about a crack that are followed where only its low modes do."""
+MOMENTS = 2
+"""Ways in which it bends where all do: one for each power of the place in the bending moment over the crack."""
 PLACES = 12
 """Places along the beam at which a drag is taken."""
 
@@ -43,13 +45,19 @@ class Element:
         x_m: its place from the clamp, m; of a drag, anywhere.
         numbers: of the law. Cubic: (k3 in N/m^3,). Friction: (stiffness of the slider in N m/rad, limit in N m), and
             how sharply it yields, if it is not ideal. Play: (stiffness in N m/rad, half the gap in rad). Crack: (share
-            of EI lost while open, half width in m). Drag: (force per length and squared velocity in N s^2/m^3, number
-            of stations at which it acts; 0 for evenly).
+            of EI lost while open, half width in m, 1 where all modes of the beam feel it and 0 where those that are
+            kept do). Drag: (force per length and squared velocity in N s^2/m^3, number of stations at which it acts; 0
+            for evenly).
     """
 
     law: Law
     x_m: float
     numbers: tuple[float, ...]
+
+    @property
+    def of_all_modes(self) -> bool:
+        """Whether it feels all modes of the beam, however many are said to answer elsewhere."""
+        return self.law is Law.CRACK and bool(self.numbers[2])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -81,7 +89,7 @@ def coupling(element: Element, structure: Structure, modes: Modes) -> Coupling:
     elif element.law in (Law.FRICTION, Law.PLAY):
         rows, gate = slope_rows(element.x_m, length), none
     elif element.law is Law.CRACK:
-        rows, gate = _opening(element, structure, modes), curvature_rows(element.x_m, length)[0]
+        rows, gate = _opening(element, structure, modes)
     else:
         per_length, *stations = numbers
         at, weights = _dragged(round(stations[0]) if stations else 0)
@@ -102,17 +110,43 @@ def _dragged(stations: int) -> tuple[Array, Array]:
     return np.arange(1, stations + 1) / stations, share / np.sum(share)
 
 
-def _opening(element: Element, structure: Structure, modes: Modes) -> Array:
-    """(m, n) what bends about a crack, so that its stiffness is the sum of squares of these.
+def _opening(element: Element, structure: Structure, modes: Modes) -> tuple[Array, Array]:
+    """(m, n) what bends about a crack, so that its stiffness is the sum of squares of these, and (n,) what opens it.
 
-    What a crack takes off the stiffness is of many patterns; those count that the low modes bend.
+    What a crack takes off the stiffness is of many patterns; those count that the beam bends.
     """
-    share, width = element.numbers
+    share, width, _ = element.numbers
     loss = -structure.bending_stiffness * weakened(element.x_m, width, structure.length_m, share)
     values, vectors = np.linalg.eigh(loss)
     kept = values > 1e-12 * values[-1]
     rows = (vectors[:, kept] * np.sqrt(values[kept])).T
+    if element.of_all_modes:
+        return _by_moments(rows, element.x_m, structure)
     # Each mode at the same energy.
     bent = rows @ np.real(modes.columns * np.sqrt(2j * modes.poles.imag)) / np.abs(modes.poles)
     turned = np.linalg.svd(bent)[0]
-    return turned.T[:PATTERNS] @ rows
+    return turned.T[:PATTERNS] @ rows, curvature_rows(element.x_m, structure.length_m)[0]
+
+
+def _by_moments(rows: Array, x_m: float, structure: Structure) -> tuple[Array, Array]:
+    """The ways in which an open crack bends under a constant moment over it, and under one that falls, and the moment.
+
+    A deep crack bends far more sharply in its middle than any mode of the intact beam.
+    """
+    rigidity, length = structure.bending_stiffness, structure.length_m
+    # Of unit moments where the crack is closed, and where it is open.
+    closed = rows @ _bent(x_m, length) / rigidity
+    opened = np.linalg.solve(np.eye(len(rows)) - rows @ (flexibility(length) / rigidity) @ rows.T, closed)
+    turned = np.linalg.qr(opened)[0]
+    channels = turned.T @ rows
+    return channels, np.linalg.solve(turned.T @ closed, channels)[0]
+
+
+def _bent(x_m: float, length_m: float) -> Array:
+    """(n, MOMENTS) deflection of unit EI under moments (s - x)^j / L^j, s along the beam."""
+    arm = np.linspace(0, length_m, ELEMENTS + 1) - x_m
+    bent = np.empty((2 * ELEMENTS + 2, MOMENTS))
+    for j in range(MOMENTS):
+        bent[1::2, j] = arm ** (j + 1) / (j + 1) / length_m**j
+        bent[::2, j] = arm ** (j + 2) / (j + 1) / (j + 2) / length_m**j
+    return bent

@@ -1,10 +1,12 @@
 """What an element adds to the motion of the modes in a record: a hit, or a sine from its start on."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import firwin
 
 from modallab.twin.elements import shape_rows
 from modallab.twin.nonlinear.element import Coupling, Law
@@ -21,6 +23,8 @@ LEAST = {Law.CUBIC: 2, Law.DRAG: 1}
 """Steps a sample of a sine at least, where a law is smooth; 4 otherwise."""
 MOST = 8
 """Steps a sample of a sine at most."""
+REACH = 12
+"""Samples to either side of the filter that keeps what rings above the band from folding back into it."""
 SWIFT = 1.25
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
 where its own oscillation is stepped over."""
@@ -56,8 +60,9 @@ def in_hit(modes: Modes, own: Coupling, pulse: Array, first: int, n: int, dt: fl
     record[first : first + len(pulse)] = pulse[: n - first]
     spectrum = np.fft.rfft(record)
     fine = np.asarray(np.fft.irfft(spectrum, n * HIT_STEPS) * HIT_STEPS, dtype=np.float64)
-    # The last sample's own value stays whatever follows it.
-    stepped = _stepped(modes, own, fine[begin * HIT_STEPS :], HIT_STEPS, 0, n - begin, dt, x_m)
+    still_after = np.zeros(REACH * HIT_STEPS)
+    force = np.concatenate([fine[begin * HIT_STEPS :], still_after])
+    stepped = _stepped(modes, own, force, HIT_STEPS, 0, n - begin, dt, x_m)
     before = np.zeros((len(stepped.modes), begin), dtype=np.complex128)
     still = np.zeros((begin, stepped.force.shape[1]))
     return Added(np.concatenate([before, stepped.modes], axis=1), np.concatenate([still, stepped.force]))
@@ -79,7 +84,7 @@ def in_sine(
     every = int(np.clip(np.ceil(PER_PERIOD * frequency_hz * dt), LEAST.get(own.law, 4), MOST))
     h = dt / every
     skip = round(history_s / h)
-    t = (np.arange(skip + (n - 1) * every + 1) - skip) * h
+    t = (np.arange(skip + (n - 1 + REACH) * every + 1) - skip) * h
     rise = np.clip((t + history_s) / max(ramp_s, 1e-6), 0.0, 1.0)
     if cosine:
         rise = (1 - np.cos(np.pi * rise)) / 2
@@ -115,13 +120,15 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
     swift = np.real(-2 * modes.columns[:, kept:] / modes.poles[kept:] @ modes.columns[:, kept:].T)
     static = own.rows[1:] @ (modes.out_of_band + swift) @ own.rows[1:].T
     direct = own.rows @ ((modes.out_of_band + swift) @ load)
-    out, count = np.zeros((2, len(poles), n)), len(shapes)
-    pushed = np.zeros((n, count))
+    # Every step about the record is kept, and what rings above its band taken out as a converter does.
+    before, steps = min(skip, REACH * every), len(force) - skip
+    count, kept_steps = len(shapes), before + steps
+    out, pushed = np.zeros((2, len(poles), kept_steps)), np.zeros((kept_steps, count))
     if own.law in (Law.CUBIC, Law.FRICTION, Law.PLAY):
         numbers, row = np.array((*own.numbers, 0.0, 0.0)[:3]), pushed[:, 0].copy()
         seen, stiff, straight = _split(shapes[0]), float(static[0, 0]), float(direct[1])
         stepping.step_one(
-            int(own.law), numbers, decay, alpha, beta, seen, drive, stiff, straight, force, every, skip, out, row
+            int(own.law), numbers, decay, alpha, beta, seen, drive, stiff, straight, force, 1, skip - before, out, row
         )
         pushed[:, 0] = row
     else:
@@ -142,15 +149,36 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
             drive,
             direct,
             force,
-            every,
-            skip,
+            1,
+            skip - before,
             out,
             pushed,
         )
     # Motion that grew without bound stays infinite: no product with 1j may make it undefined.
-    added = out[0].astype(complex)
-    added.imag = out[1]
-    return Added(added, pushed)
+    motion = _in_band(out, every, before, n)
+    added = motion[0].astype(complex)
+    added.imag = motion[1]
+    return Added(added, np.ascontiguousarray(_in_band(pushed.T, every, before, n).T))
+
+
+def _in_band(fine: Array, every: int, before: int, n: int) -> Array:
+    """(..., n) of (..., steps) every so many steps, `before` steps on, without what would fold back."""
+    if every == 1:
+        return fine[..., before : before + n]
+    from modallab.twin.nonlinear import stepping
+
+    first, needed = REACH * every - before, (n - 1 + 2 * REACH) * every + 1
+    some = min(fine.shape[-1], needed - first)
+    padded = np.zeros((*fine.shape[:-1], needed))
+    padded[..., first : first + some] = fine[..., :some]
+    found = np.empty((padded[..., 0].size, n))
+    stepping.decimate(padded.reshape(-1, needed), _taps(every), every, found)
+    return found.reshape(*fine.shape[:-1], n)
+
+
+@lru_cache(maxsize=16)
+def _taps(every: int) -> Array:
+    return np.asarray(firwin(2 * REACH * every + 1, 1 / every, window=("kaiser", 8.0)), dtype=np.float64)
 
 
 def _split(values: Complex) -> Array:

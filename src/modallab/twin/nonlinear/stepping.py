@@ -269,3 +269,14 @@ def step_many(
             pushed[sample] = g
             out[:, :, sample] = z
             sample += 1
+
+
+@_compiled
+def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
+    """One in `every` samples of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
+    for row in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            total = 0.0
+            for j in range(taps.shape[0]):
+                total += taps[j] * fine[row, k * every + j]
+            out[row, k] = total
