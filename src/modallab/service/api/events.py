@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import AsyncGenerator
 from concurrent.futures import wait
+from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Event as Flag
 from threading import Thread
@@ -62,6 +63,7 @@ class Feed:
         self._new = Flag()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._read = (time.monotonic(), utc_now())
+        self._last: int | None = None
         self._thread = Thread(target=self._look, name="events", daemon=True)
 
     @property
@@ -78,6 +80,9 @@ class Feed:
     def open(self) -> None:
         """Begin; from the event loop."""
         self._loop = asyncio.get_running_loop()
+        # Before anyone can listen: what comes between their first look and the thread's is handed out too.
+        with suppress(ModallabError):
+            self._last = self._log.last()
         self._thread.start()
 
     def close(self) -> None:
@@ -130,8 +135,7 @@ class Feed:
         self._new.set()
 
     def _look(self) -> None:
-        last: int | None = None
-        lost = False
+        last, lost = self._last, False
         while not self._closing.is_set():
             self._new.wait(LOOK_S)
             self._new.clear()
