@@ -128,7 +128,7 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
         numbers, row = np.array((*own.numbers, 0.0, 0.0)[:3]), pushed[:, 0].copy()
         seen, stiff, straight = _split(shapes[0]), float(static[0, 0]), float(direct[1])
         stepping.step_one(
-            int(own.law), numbers, decay, alpha, beta, seen, drive, stiff, straight, force, 1, skip - before, out, row
+            int(own.law), numbers, decay, alpha, beta, seen, drive, stiff, straight, force, skip - before, out, row
         )
         pushed[:, 0] = row
     else:
@@ -149,7 +149,6 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
             drive,
             direct,
             force,
-            1,
             skip - before,
             out,
             pushed,

@@ -104,7 +104,6 @@ def step_one(
     static: float,
     direct: float,
     force: Array,
-    every: int,
     skip: int,
     out: Array,
     pushed: Array,
@@ -122,10 +121,9 @@ def step_one(
         static: m/N at the element of what follows at once.
         direct: m/N there of what follows the known force at once.
         force: (steps,) N.
-        every: steps a sample.
-        skip: steps before the first sample.
-        out: (2, p, samples) of the modes' motion that the element adds.
-        pushed: (samples,) force of the element.
+        skip: steps before the first that is kept.
+        out: (2, p, steps kept) of the modes' motion that the element adds.
+        pushed: (steps kept,) force of the element.
     """
     p = decay.shape[1]
     x, z = np.zeros((2, p)), np.zeros((2, p))
@@ -135,7 +133,6 @@ def step_one(
     for k in range(p):
         d += 2.0 * (seen[0, k] * late[0, k] - seen[1, k] * late[1, k])
     g, stuck, before = 0.0, 0.0, 0.0
-    sample = 0
     for n in range(force.shape[0]):
         f = force[n]
         free = 0.5 * direct * f
@@ -161,10 +158,9 @@ def step_one(
             z[0, k] += late[0, k] * g
             z[1, k] += late[1, k] * g
         before = f
-        if n >= skip and (n - skip) % every == 0 and sample < pushed.shape[0]:
-            pushed[sample] = g
-            out[:, :, sample] = z
-            sample += 1
+        if n >= skip:
+            pushed[n - skip] = g
+            out[:, :, n - skip] = z
 
 
 @_compiled
@@ -203,7 +199,6 @@ def step_many(
     drive: Array,
     direct: Array,
     force: Array,
-    every: int,
     skip: int,
     out: Array,
     pushed: Array,
@@ -222,10 +217,9 @@ def step_many(
         drive: (2, p) shape at the known force.
         direct: (1 + m,) of what follows the known force at once, what is felt of it.
         force: (steps,) N.
-        every: steps a sample.
-        skip: steps before the first sample.
-        out: (2, p, samples) of the modes' motion that the element adds.
-        pushed: (samples, m) force of the element.
+        skip: steps before the first that is kept.
+        out: (2, p, steps kept) of the modes' motion that the element adds.
+        pushed: (steps kept, m) force of the element.
     """
     p, m = decay.shape[1], seen.shape[0]
     x, z, acting = np.zeros((2, p)), np.zeros((2, p)), np.zeros((2, p))
@@ -234,7 +228,6 @@ def step_many(
     # A drag changes little in a step: its motion is felt as if the force stayed.
     ahead = 0.0 if law == CRACK else 1.0
     before = 0.0
-    sample = 0
     for n in range(force.shape[0]):
         f = force[n]
         for k in range(p):
@@ -265,10 +258,9 @@ def step_many(
             z[0, k] += br * acting[0, k] - bi * acting[1, k]
             z[1, k] += br * acting[1, k] + bi * acting[0, k]
         before = f
-        if n >= skip and (n - skip) % every == 0 and sample < pushed.shape[0]:
-            pushed[sample] = g
-            out[:, :, sample] = z
-            sample += 1
+        if n >= skip:
+            pushed[n - skip] = g
+            out[:, :, n - skip] = z
 
 
 @_compiled
