@@ -9,12 +9,11 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from test_cantilever_structure import BEAM, OUTPUTS, X, basis, receptance
+from test_cantilever_structure import BEAM, OUTPUTS, X, basis, receptance, strike
 
 from modallab_simulators.cantilever.feedback.elements import PointElement
 from modallab_simulators.cantilever.feedback.structure import FedStructure
 from modallab_simulators.cantilever.hammer import Contact
-from modallab_simulators.cantilever.loads import Drive
 from modallab_simulators.cantilever.structure import Structure
 from modallab_simulators.cantilever.truth import oversampling
 
@@ -28,13 +27,7 @@ def struck(element: PointElement, point: int) -> NDArray[np.float64]:
     times = oversampling(RATE_HZ)
     linear = Structure(basis(RATE_HZ, 0.03), OUTPUTS, RATE_HZ, times)
     fed = FedStructure(linear, [element], None, 1 / (RATE_HZ * times))
-    contact, state, pieces = Contact(0.0123, 0.0015, 100.0), fed.at_rest, []
-    for block in range(BLOCKS):
-        first, count = fed.times(block)
-        force = contact.force(np.arange(first, first + count) / (RATE_HZ * times))
-        seen, state = fed.advance(state, [Drive(float(X[point]), force)] if force.any() else [])
-        pieces.append(seen)
-    return np.concatenate(pieces, axis=1)
+    return strike(fed, RATE_HZ, float(X[point]), Contact(0.0123, 0.0015, 100.0), BLOCKS)[0]
 
 
 @pytest.mark.parametrize("stiffness", [0.3, 30.0])

@@ -121,8 +121,8 @@ def _stepped(modes: Modes, own: Coupling, force: Array, every: int, skip: int, n
     static = own.rows[1:] @ (modes.out_of_band + swift) @ own.rows[1:].T
     direct = own.rows @ ((modes.out_of_band + swift) @ load)
     # Every step about the record is kept, and what rings above its band taken out as a converter does.
-    before, steps = min(skip, REACH * every), len(force) - skip
-    count, kept_steps = len(shapes), before + steps
+    before = min(skip, REACH * every)
+    count, kept_steps = len(shapes), len(force) - skip + before
     out, pushed = np.zeros((2, len(poles), kept_steps)), np.zeros((kept_steps, count))
     if own.law in (Law.CUBIC, Law.FRICTION, Law.PLAY):
         numbers, row = np.array((*own.numbers, 0.0, 0.0)[:3]), pushed[:, 0].copy()
