@@ -89,7 +89,7 @@ def test_a_drag_only_takes_energy() -> None:
 
 
 def test_a_joint_that_turns_back_is_as_stiff_as_one_that_never_slipped() -> None:
-    onward, back = (stepping.hysteresis(100.0, 1.0, 1.2, moved, 0.0, 0.0, 0.9) for moved in (0.001, -0.001))
+    onward, back = (stepping.hysteresis(100.0, 1.0, 1.2, moved, 0.0, 0.0, 0.9, 0.9) for moved in (0.001, -0.001))
     assert back == pytest.approx(0.9 - 100.0 * 0.001)
     assert onward < 0.9 + 0.3 * 100.0 * 0.001
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.twin.bench import Chain, Twin, exchanged, transfer
 from modallab.twin.nonlinear.element import coupling
-from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine
+from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
 from modallab.twin.response import Hits, Rise, Sines
 from modallab.twin.structure import Modes, solve
 
@@ -52,7 +52,7 @@ def predict_hit(
         stiff = replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
         own = coupling(twin.element, twin.structure, stiff)
         gain = twin.hit_gain(drive_x_m)
-        added = in_hit(stiff, own, gain * force_n[first:last], first, n, dt, x)
+        added = in_hit(ready(stiff, own, dt, x), gain * force_n[first:last], first, n)
         seen = acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt)
         total += np.nan_to_num(chain) * np.fft.rfft(seen, axis=1) / gain
     # A high-pass has no answer at rest: 0 / 0 there.
@@ -117,7 +117,7 @@ def predict_sine(
         own = coupling(twin.element, twin.in_sine(drive_x_m), stiff)
         began = source.rise
         times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])
-        added = in_sine(stiff, own, amplitude_n, world_hz, n, dt, drive_x_m, *times)
+        added = in_sine(ready(stiff, own, dt, drive_x_m), own.law, amplitude_n, world_hz, n, dt, *times)
         seen = np.fft.rfft(acceleration(stiff, own, _outputs(twin.chain, stiff, channels, x_m), added, dt), axis=1)
         s = 2j * np.pi * np.fft.rfftfreq(n, dt)
         rings += np.fft.irfft(np.nan_to_num(transfer(twin.chain, channels, s)) * seen, n=n, axis=1)

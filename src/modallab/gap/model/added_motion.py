@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
 from modallab.twin.nonlinear.element import Coupling, coupling
-from modallab.twin.nonlinear.records import Added, in_hit, in_sine
+from modallab.twin.nonlinear.records import in_hit, in_sine, ready
 from modallab.twin.predict import drifted, sensor_positions
 from modallab.twin.response import Hits, Sines
 from modallab.twin.structure import Modes, undamped_key
@@ -37,9 +37,9 @@ def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: R
 
     def step() -> tuple[Complex, Complex]:
         total, pushed = None, None
+        steps = ready(modes, own, source.dt, x)
         for pulse, first, weight in zip(source.pulses, source.first, source.weights, strict=True):
-            found = in_hit(modes, own, gain * pulse, int(first), source.n, source.dt, x)
-            motion, force = _on_lines(found, source.lines)
+            motion, force = in_hit(steps, gain * pulse, int(first), source.n).on_lines(source.lines)
             total = motion * weight if total is None else total + motion * weight
             pushed = force * weight if pushed is None else pushed + force * weight
         assert total is not None
@@ -64,21 +64,20 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     def step() -> tuple[list[Complex], list[Complex]]:
         motions: list[Complex] = []
         forces: list[Complex] = []
-        rise = source.rise
+        rise, same_steps = source.rise, ready(modes, same, source.dt, x)
         for j, (m, own) in enumerate(zip(of_block, owns, strict=True)):
             found = in_sine(
-                m,
-                own,
+                ready(m, own, source.dt, x) if twin.ei_drift else same_steps,
+                own.law,
                 complex(source.force[j]),
                 float(source.frequency_hz[j]),
                 source.n,
                 source.dt,
-                x,
                 float(rise.history_s[j]),
                 float(rise.ramp_s[j]),
                 bool(rise.cosine[j]),
             )
-            motion, force = _on_lines(found, source.lines[j])
+            motion, force = found.on_lines(source.lines[j])
             per_newton = 2 / source.n / source.force[j]
             motions.append(motion * per_newton)
             forces.append(force * per_newton)
@@ -97,15 +96,6 @@ def _with_share(twin: Twin, modes: Modes) -> Modes:
     return replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
 
 
-def _on_lines(added: Added, lines: Array) -> tuple[Complex, Complex]:
-    """(2 p, lines) of the modes' real parts, then their imaginary parts; (m, lines) of the force."""
-    at = np.abs(lines).astype(int)
-    whole = np.fft.rfft(np.concatenate([added.modes.real, added.modes.imag, added.force.T]))[:, at]
-    whole = np.where(lines < 0, whole.conj(), whole)
-    parts = 2 * len(added.modes)
-    return whole[:parts], whole[parts:]
-
-
 def _read(
     twin: Twin, modes: Modes, own: Coupling, data: Reduced, s: Complex, motion: Complex, force: Complex
 ) -> Complex:
@@ -116,10 +106,9 @@ def _read(
     straight = 2 * np.real((psi[:, :p] * modes.poles[:p]) @ own.shapes[:, :p].T)
     total = swing.real @ motion[:p] - swing.imag @ motion[p:] + straight @ force
     # The modes that follow at once, by their exact response to the element's force.
-    for pole, shape, row in zip(modes.poles[p:], psi[:, p:].T, own.shapes[:, p:].T, strict=True):
-        up, down = np.outer(shape, row @ force), np.outer(shape.conj(), row.conj() @ force)
-        total += s**2 * (up / (s - pole) + down / (s - pole.conj()))
-    return total
+    poles, beyond, rows = modes.poles[p:, None], psi[:, p:], own.shapes[:, p:].T
+    up, down = (rows @ force) / (s - poles), (rows.conj() @ force) / (s - poles.conj())
+    return total + s**2 * (beyond @ up + beyond.conj() @ down)
 
 
 def _remembered(twin: Twin, more: tuple[object, ...], d: ImpactData | SineData, dt: float, step: Any) -> Any:

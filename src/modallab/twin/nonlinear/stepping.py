@@ -2,12 +2,15 @@
 
 Each mode is stepped exactly under forces that run straight from one step to the next (first-order hold), and the
 element's force is found at the end of each step from the motion it itself changes there (as Newmark's implicit rule, J.
-Eng. Mech. Div. ASCE 85 (1959), 67, on exact modes). The motion that the known force alone makes and what the element
-adds are kept apart: only the second is needed, the first the twin knows in closed form.
+Eng. Mech. Div. ASCE 85 (1959), 67, on exact modes). What the forces of a step do at its end is taken out of the state
+of the modes, so that nothing but the law itself stands between one force and the next: a processor steps the modes
+while it solves the law.
 
-Complex numbers are pairs (2, ...) of real and imaginary parts, which compilers turn into vector instructions.
+Complex numbers are pairs (2, p) of real and imaginary parts with p a multiple of LANES, which compilers turn into
+vector instructions.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -18,6 +21,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CUBIC, PLAY, CRACK = 0, 2, 3
+LANES = 8
+"""Modes come in so many: the widest vectors of today's processors."""
+NEARBY = 0.02
+"""Relative change of a power up to which four terms give it to a part in a hundred million."""
+THIRD = 1.0 / 3.0
 YIELDS = 0.5
 """Share of the yielding that stops when the motion turns round: what turns back is as stiff as what never slipped."""
 
@@ -30,15 +38,16 @@ def _compiled(function: _Function) -> _Function:
 
 
 @_compiled
-def cubic(k3: float, free: float, d: float) -> float:
-    """Force of a cubic spring where the motion without it is `free` and a unit of force adds `d` to it."""
-    w = free
+def cubic(k3: float, free: float, d: float, guess: float) -> float:
+    """Motion at a cubic spring, where without it it is `free` and a unit of force adds `d` to it; from a guess."""
+    w = guess
     for _ in range(30):
         step = (w + d * k3 * w * w * w - free) / (1.0 + 3.0 * d * k3 * w * w)
         w -= step
-        if abs(step) <= 1e-14 * abs(w):
+        # The next step would be as small as the square of this one.
+        if abs(step) <= 1e-8 * abs(w):
             break
-    return -k3 * w * w * w
+    return w
 
 
 @_compiled
@@ -62,20 +71,35 @@ def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) 
 
 @_compiled
 def hysteresis(
-    stiffness: float, limit: float, sharpness: float, free: float, d: float, last: float, pull: float
+    stiffness: float, limit: float, sharpness: float, free: float, d: float, last: float, pull: float, guess: float
 ) -> float:
     """Pull of a joint that yields little by little, from where it last stood and pulled (Bouc-Wen, midpoint rule)."""
-    found = pull
+    found, near, power = guess, 0.0, 0.0
     for _ in range(12):
         middle = 0.5 * (pull + found)
         moved = free - d * found - last
+        slope, steeper = stiffness, 0.0
         share = 1.0 if middle * moved > 0 else 1.0 - 2.0 * YIELDS
-        used = (abs(middle) / limit) ** sharpness
-        slope = stiffness * (1.0 - share * used)
-        steeper = 0.5 * sharpness * stiffness * share * used * moved / middle if used > 0 else 0.0
+        if share != 0.0:
+            off = middle / near - 1.0 if near != 0.0 else 1.0
+            if abs(off) * sharpness > NEARBY:
+                near, off = middle, 0.0
+                power = (abs(middle) / limit) ** sharpness
+            # A power is dear; about one that is known the first terms of its binomial series do.
+            used = (
+                share
+                * power
+                * (
+                    1.0
+                    + sharpness * off * (1.0 + 0.5 * (sharpness - 1.0) * off * (1.0 + THIRD * (sharpness - 2.0) * off))
+                )
+            )
+            slope = stiffness * (1.0 - used)
+            steeper = 0.5 * sharpness * stiffness * used * moved / middle
         new = found - (found - pull - slope * moved) / (1.0 + slope * d + steeper)
         new = min(max(new, -limit), limit)
-        done = abs(new - found) <= 1e-8 * limit
+        # The next step would be as small as the square of this one.
+        done = abs(new - found) <= 1e-5 * limit
         found = new
         if done:
             break
@@ -83,13 +107,20 @@ def hysteresis(
 
 
 @_compiled
-def weighted(weights: Array, shapes: Array) -> Array:
-    """(2, p) product of two rows of complex numbers."""
-    real = weights[0] * shapes[0] - weights[1] * shapes[1]
-    imag = weights[0] * shapes[1] + weights[1] * shapes[0]
-    both = np.empty((2, len(real)))
-    both[0], both[1] = real, imag
-    return both
+def answer(
+    law: int, a: float, b: float, c: float, free: float, d: float, m0: float, m1: float, m2: float
+) -> tuple[float, float, float, float]:
+    """Force of a law of one motion, and what it remembers of the last two steps."""
+    if law == CUBIC:
+        w = cubic(a, free, d, 2.0 * m0 - m1)
+        return -a * w * w * w, w, m0, 0.0
+    if law == PLAY:
+        return play(a, b, free, d), 0.0, 0.0, 0.0
+    if c == 0.0:
+        g, stuck = slider(a, b, free, d, m0)
+        return g, stuck, 0.0, 0.0
+    pull = hysteresis(a, b, c, free, d, m0, m1, min(max(2.0 * m1 - m2, -b), b))
+    return -pull, free - d * pull, pull, m1
 
 
 @_compiled
@@ -97,93 +128,112 @@ def step_one(
     law: int,
     numbers: Array,
     decay: Array,
-    alpha: Array,
-    beta: Array,
-    seen: Array,
+    push: Array,
     drive: Array,
-    static: float,
-    direct: float,
+    ahead: Array,
+    d: float,
+    own: float,
+    now: float,
+    before: float,
     force: Array,
     skip: int,
-    out: Array,
+    begun: Array,
     pushed: Array,
 ) -> None:
     """Step a law of one motion.
+
+    The state of the modes is what the forces up to a step leave at the end of the next one.
 
     Args:
         law: CUBIC, PLAY, or anything else for friction.
         numbers: (3,) of the law.
         decay: (2, p) exp(pole dt).
-        alpha: (2, p) weight of the force at the start of a step.
-        beta: (2, p) weight at its end.
-        seen: (2, p) shape at the element.
-        drive: (2, p) shape at the known force.
-        static: m/N at the element of what follows at once.
-        direct: m/N there of what follows the known force at once.
+        push: (2, p) what a unit of the element's force adds to the state.
+        drive: (2, p) what a unit of the known force adds to it.
+        ahead: (2, p) weights by which the motion at the element after a further step follows from the state.
+        d: m/N at the element of its own force at the same time.
+        own: the same one step after.
+        now: m/N there of the known force at the same time.
+        before: the same one step after.
         force: (steps,) N.
         skip: steps before the first that is kept.
-        out: (2, p, steps kept) of the modes' motion that the element adds.
+        begun: (2, p) state before the first step that is kept.
         pushed: (steps kept,) force of the element.
     """
-    p = decay.shape[1]
-    x, z = np.zeros((2, p)), np.zeros((2, p))
-    late, early = weighted(beta, seen), weighted(alpha, seen)
-    late_f, early_f = weighted(beta, drive), weighted(alpha, drive)
-    d = static
-    for k in range(p):
-        d += 2.0 * (seen[0, k] * late[0, k] - seen[1, k] * late[1, k])
-    g, stuck, before = 0.0, 0.0, 0.0
+    decay_r, decay_i, push_r, push_i = decay[0], decay[1], push[0], push[1]
+    drive_r, drive_i, ahead_r, ahead_i = drive[0], drive[1], ahead[0], ahead[1]
+    p = len(decay_r)
+    real, imag = np.zeros(p), np.zeros(p)
+    a, b, c = numbers[0], numbers[1], numbers[2]
+    m0, m1, m2 = 0.0, 0.0, 0.0
+    g, f, rest = 0.0, 0.0, 0.0
     for n in range(force.shape[0]):
-        f = force[n]
-        free = 0.5 * direct * f
+        last, f = f, force[n]
+        free = rest + now * f + before * last + own * g
+        new, m0, m1, m2 = answer(law, a, b, c, free, d, m0, m1, m2)
+        rest = 0.0
         for k in range(p):
-            r, i = decay[0, k], decay[1, k]
-            ar = r * x[0, k] - i * x[1, k] + early_f[0, k] * before + late_f[0, k] * f
-            ai = r * x[1, k] + i * x[0, k] + early_f[1, k] * before + late_f[1, k] * f
-            br = r * z[0, k] - i * z[1, k] + early[0, k] * g
-            bi = r * z[1, k] + i * z[0, k] + early[1, k] * g
-            x[0, k], x[1, k], z[0, k], z[1, k] = ar, ai, br, bi
-            free += seen[0, k] * (ar + br) - seen[1, k] * (ai + bi)
-        if law == CUBIC:
-            g = cubic(numbers[0], 2.0 * free, d)
-        elif law == PLAY:
-            g = play(numbers[0], numbers[1], 2.0 * free, d)
-        else:
-            if numbers[2] == 0.0:
-                g, stuck = slider(numbers[0], numbers[1], 2.0 * free, d, stuck)
-            else:
-                g = -hysteresis(numbers[0], numbers[1], numbers[2], 2.0 * free, d, stuck, -g)
-                stuck = 2.0 * free + d * g
-        for k in range(p):
-            z[0, k] += late[0, k] * g
-            z[1, k] += late[1, k] * g
-        before = f
+            r, i = decay_r[k], decay_i[k]
+            xr = r * real[k] - i * imag[k] + push_r[k] * g + drive_r[k] * last
+            xi = r * imag[k] + i * real[k] + push_i[k] * g + drive_i[k] * last
+            real[k], imag[k] = xr, xi
+            rest += ahead_r[k] * xr - ahead_i[k] * xi
+        g = new
+        if n == skip:
+            begun[0], begun[1] = real, imag
         if n >= skip:
             pushed[n - skip] = g
-            out[:, :, n - skip] = z
 
 
 @_compiled
-def motions(felt: Array, direct: Array, f: float, x: Array, z: Array, found: Array) -> None:
-    """What an element of several motions feels, into `found`."""
-    for j in range(felt.shape[0]):
-        total = 0.0
-        for k in range(felt.shape[2]):
-            total += felt[j, 0, k] * (x[0, k] + z[0, k]) - felt[j, 1, k] * (x[1, k] + z[1, k])
-        found[j] = 2.0 * total + direct[j] * f
+def motion(felt: Array, real: Array, imag: Array) -> float:
+    """What an element feels of the modes by one of its motions."""
+    felt_r, felt_i = felt[0], felt[1]
+    total = 0.0
+    for k in range(len(real)):
+        total += felt_r[k] * real[k] - felt_i[k] * imag[k]
+    return total
 
 
 @_compiled
-def answered(law: int, numbers: Array, opened: Array, found: Array, g: Array) -> None:
-    """Forces of a crack that opens where the first motion is positive, or of a drag on the others, into `g`."""
-    m = g.shape[0]
-    for j in range(m):
-        g[j] = 0.0
-        if law != CRACK:
-            g[j] = -numbers[j] * abs(found[1 + j]) * found[1 + j]
-        elif found[0] > 0:
-            for other in range(m):
-                g[j] += opened[j, other] * found[1 + other]
+def opening(opened: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array) -> None:
+    """Forces of a crack that is open where the first motion is positive, into `g`."""
+    g[:] = 0.0
+    if motion(felt[0], real, imag) + now[0] * f > 0:
+        for j in range(len(g)):
+            found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
+        for j in range(len(g)):
+            for other in range(len(g)):
+                g[j] += opened[j, other] * found[other]
+
+
+@_compiled
+def dragged(
+    numbers: Array, stays: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
+) -> None:
+    """Forces of a drag, which change so little in a step that it feels those before, into `g`."""
+    for j in range(len(g)):
+        found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
+        for other in range(len(g)):
+            found[j] += stays[1 + j, other] * g[other]
+    for j in range(len(g)):
+        g[j] = -numbers[j] * abs(found[j]) * found[j]
+
+
+@_compiled
+def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None:
+    """Take a state of the modes one step on, under the forces of that step."""
+    decay_r, decay_i = decay[0], decay[1]
+    for k in range(len(real)):
+        xr = decay_r[k] * real[k] - decay_i[k] * imag[k]
+        imag[k] = decay_r[k] * imag[k] + decay_i[k] * real[k]
+        real[k] = xr
+    for j in range(g.shape[0]):
+        push_r, push_i, own = push[j, 0], push[j, 1], g[j]
+        if own != 0.0:
+            for k in range(len(real)):
+                real[k] += push_r[k] * own
+                imag[k] += push_i[k] * own
 
 
 @_compiled
@@ -192,15 +242,13 @@ def step_many(
     numbers: Array,
     opened: Array,
     decay: Array,
-    alpha: Array,
-    beta: Array,
-    seen: Array,
+    push: Array,
     felt: Array,
-    drive: Array,
-    direct: Array,
+    now: Array,
+    stays: Array,
     force: Array,
     skip: int,
-    out: Array,
+    begun: Array,
     pushed: Array,
 ) -> None:
     """Step a law of several motions: a crack, or a drag.
@@ -210,57 +258,78 @@ def step_many(
         numbers: (m,) of a drag, N s^2/m^2 at each place.
         opened: (m, m) motion of an open crack per motion without its force.
         decay: (2, p) exp(pole dt).
-        alpha: (2, p) weight of the force at the start of a step.
-        beta: (2, p) weight at its end.
-        seen: (m, 2, p) shapes at which the forces act.
+        push: (m + 1, 2, p) what a unit of each force adds to the state, the known force last; as in `step_one`.
         felt: (1 + m, 2, p) for a crack the motion that opens it, then those of its channels; for a drag velocities.
-        drive: (2, p) shape at the known force.
-        direct: (1 + m,) of what follows the known force at once, what is felt of it.
+        now: (1 + m,) what is felt of the known force at the same time.
+        stays: (1 + m, m) what a drag feels of its forces if they stay: they change little in a step.
         force: (steps,) N.
         skip: steps before the first that is kept.
-        out: (2, p, steps kept) of the modes' motion that the element adds.
+        begun: (2, p) state before the first step that is kept.
         pushed: (steps kept, m) force of the element.
     """
-    p, m = decay.shape[1], seen.shape[0]
-    x, z, acting = np.zeros((2, p)), np.zeros((2, p)), np.zeros((2, p))
-    late_f, early_f = weighted(beta, drive), weighted(alpha, drive)
-    g, found = np.zeros(m), np.empty(m + 1)
-    # A drag changes little in a step: its motion is felt as if the force stayed.
-    ahead = 0.0 if law == CRACK else 1.0
-    before = 0.0
+    p, m = decay.shape[1], pushed.shape[1]
+    real, imag = np.zeros(p), np.zeros(p)
+    acting, found = np.zeros(m + 1), np.zeros(m)
+    g = acting[:m]
     for n in range(force.shape[0]):
-        f = force[n]
-        for k in range(p):
-            r, i, a, b = decay[0, k], decay[1, k], acting[0, k], acting[1, k]
-            xr = r * x[0, k] - i * x[1, k] + early_f[0, k] * before + late_f[0, k] * f
-            xi = r * x[1, k] + i * x[0, k] + early_f[1, k] * before + late_f[1, k] * f
-            cr, ci = alpha[0, k] + ahead * beta[0, k], alpha[1, k] + ahead * beta[1, k]
-            zr = r * z[0, k] - i * z[1, k] + cr * a - ci * b
-            zi = r * z[1, k] + i * z[0, k] + cr * b + ci * a
-            x[0, k], x[1, k], z[0, k], z[1, k] = xr, xi, zr, zi
-        motions(felt, direct, f, x, z, found)
-        answered(law, numbers, opened, found, g)
-        # What was felt ahead of the new force is taken back.
-        for k in range(p):
-            br, bi = beta[0, k], beta[1, k]
-            a, b = ahead * acting[0, k], ahead * acting[1, k]
-            z[0, k] -= br * a - bi * b
-            z[1, k] -= br * b + bi * a
-            acting[0, k], acting[1, k] = 0.0, 0.0
-        for j in range(m):
-            push = g[j]
-            if push != 0.0:
-                for k in range(p):
-                    acting[0, k] += push * seen[j, 0, k]
-                    acting[1, k] += push * seen[j, 1, k]
-        for k in range(p):
-            br, bi = beta[0, k], beta[1, k]
-            z[0, k] += br * acting[0, k] - bi * acting[1, k]
-            z[1, k] += br * acting[1, k] + bi * acting[0, k]
-        before = f
+        carry(decay, push, acting, real, imag)
+        if law == CRACK:
+            opening(opened, felt, real, imag, now, force[n], found, g)
+        else:
+            dragged(numbers, stays, felt, real, imag, now, force[n], found, g)
+        acting[m] = force[n]
+        if n == skip:
+            begun[0], begun[1] = real, imag
         if n >= skip:
             pushed[n - skip] = g
-            out[:, :, n - skip] = z
+
+
+@_compiled
+def follow(decay: Array, push: Array, late: Array, begun: Array, pushed: Array, out: Array) -> None:
+    """The modes under known forces.
+
+    Args:
+        decay: (2, p) exp(pole dt).
+        push: (m, 2, p) what a unit of each force adds to the state, as in `step_one`.
+        late: (m, 2, p) what it adds to the modes at once.
+        begun: (2, p) state before the first step.
+        pushed: (steps, m) the forces.
+        out: (steps, 2, p) of the modes' motion.
+    """
+    real, imag = begun[0].copy(), begun[1].copy()
+    for n in range(pushed.shape[0]):
+        g = pushed[n]
+        out[n, 0], out[n, 1] = real, imag
+        for j in range(g.shape[0]):
+            if g[j] != 0.0:
+                for k in range(len(real)):
+                    out[n, 0, k] += late[j, 0, k] * g[j]
+                    out[n, 1, k] += late[j, 1, k] * g[j]
+        carry(decay, push, g, real, imag)
+
+
+@_compiled
+def rising_sine(
+    amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Array
+) -> None:
+    """A sine that rises from rest, into `out`.
+
+    Args:
+        amplitude: of Re(amplitude exp(j phase)), where the phase is 0 after `ahead` steps.
+        step: rad of phase a step.
+        ahead: steps before that.
+        since: steps from its start to the first.
+        ramp: steps for which it rises.
+        cosine: whether along a cosine; else along a straight line.
+        out: (steps,)
+    """
+    turn = complex(math.cos(step), math.sin(step))
+    now = amplitude * complex(math.cos(step * ahead), -math.sin(step * ahead))
+    for n in range(out.shape[0]):
+        share = min(max((n + since) / ramp, 0.0), 1.0)
+        out[n] = now.real * (0.5 - 0.5 * math.cos(math.pi * share) if cosine else share)
+        # Rounding makes each turn longer or shorter by 1e-16 of it.
+        now *= turn
 
 
 @_compiled

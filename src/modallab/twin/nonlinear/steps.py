@@ -1,0 +1,153 @@
+"""A beam and an element made ready to be stepped in time, with steps of one length."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.elements import shape_rows
+from modallab.twin.nonlinear.element import Coupling, Law
+from modallab.twin.structure import Modes
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+SWIFT = 1.25
+"""Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
+where its own oscillation is stepped over."""
+OF_ONE_MOTION = (Law.CUBIC, Law.FRICTION, Law.PLAY)
+CHUNK = 256
+"""Steps that a known force is taken in."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Steps:
+    """What a step does to the modes, in the terms of `stepping`.
+
+    Attributes:
+        own: the element on the modes.
+        kept: modes that are followed in time.
+        decay: (kept,) of a step.
+        push: (m, kept) what a unit of the element's force adds to the state of the modes.
+        late: (m, kept) what it adds to the modes at once.
+        drive: (kept,) what a unit of the known force adds to their state.
+        drive_late: (kept,) what that adds at once.
+        static: (m, m) m/N at the element of what follows its force at once.
+        direct: (1 + m,) m/N there of what follows the known force at once.
+        poles: (kept,) rad/s.
+        chunk: (CHUNK, 2 kept) what is left of each of so many steps after the last, real and imaginary parts.
+    """
+
+    own: Coupling
+    kept: int
+    decay: Complex
+    push: Complex
+    late: Complex
+    drive: Complex
+    drive_late: Complex
+    static: Array
+    direct: Array
+    poles: Complex
+    chunk: Array
+
+    @classmethod
+    def of(cls, modes: Modes, own: Coupling, h: float, x_m: float) -> Self:
+        """Of a beam that a known force drives at `x_m`, in steps of `h` s."""
+        kept = int(np.count_nonzero(np.abs(modes.poles) * h < SWIFT))
+        poles, shapes = modes.poles[:kept], own.shapes[:, :kept]
+        x = poles * h
+        first = np.expm1(x) / x
+        second = (np.expm1(x) - x) / x**2
+        decay, early, late = np.exp(x), h * (first - second), h * second
+        load = shape_rows(x_m, modes.length_m)[0]
+        drive = load @ modes.columns[:, :kept]
+        after = decay * late + early
+        swift = np.real(-2 * modes.columns[:, kept:] / modes.poles[kept:] @ modes.columns[:, kept:].T)
+        at_once = modes.out_of_band + swift
+        static, direct = own.rows[1:] @ at_once @ own.rows[1:].T, own.rows @ (at_once @ load)
+        left = np.exp(x * np.arange(CHUNK)[::-1, None])
+        chunk = np.concatenate([np.real(left), np.imag(left)], axis=1)
+        pushes = after * shapes, late * shapes, after * drive, late * drive
+        return cls(own, kept, decay, *pushes, static, direct, poles, chunk)
+
+    def state_after(self, force: Array) -> Complex:
+        """(kept,) state in which a known force (steps,) from rest leaves the modes by itself."""
+        chunks = np.concatenate([np.zeros(-len(force) % CHUNK), force]).reshape(-1, CHUNK)
+        parts = chunks @ self.chunk
+        later = np.exp(CHUNK * np.log(self.decay) * np.arange(len(chunks))[::-1, None])
+        return self.drive * np.sum((parts[:, : self.kept] + 1j * parts[:, self.kept :]) * later, axis=0)
+
+    def run(self, force: Array, skip: int) -> tuple[Array, Array]:
+        """Step the element under a known force.
+
+        Args:
+            force: (steps,) N.
+            skip: steps before the first that is kept.
+
+        Returns:
+            (2 kept, steps kept) of the modes' motion that the element adds, real parts and then imaginary ones, and
+            (m, steps kept) of its force.
+        """
+        # Loaded where it is needed: what is linear needs no compiled loop.
+        from modallab.twin.nonlinear.stepping import follow
+
+        width, count = self._padded(self.decay).shape[-1], len(self.own.shapes)
+        total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
+        (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed)
+        begun = total - self._padded(self.state_after(force[:skip]))
+        out = np.empty((len(pushed), 2, width))
+        follow(self._padded(self.decay), self._padded(self.push), self._padded(self.late), begun, pushed, out)
+        return out[:, :, : self.kept].reshape(len(out), -1).T, pushed.T
+
+    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array) -> None:
+        from modallab.twin.nonlinear.stepping import step_one
+
+        seen, push, late = 2 * self.own.shapes[0, : self.kept], self.push[0], self.late[0]
+        row = pushed[:, 0].copy()
+        step_one(
+            int(self.own.law),
+            np.array((*self.own.numbers, 0.0, 0.0)[:3]),
+            self._padded(self.decay),
+            self._padded(push),
+            self._padded(self.drive),
+            self._padded(seen * self.decay),
+            float(self.static[0, 0] + np.real(seen @ late)),
+            float(np.real(seen @ push)),
+            float(self.direct[1] + np.real(seen @ self.drive_late)),
+            float(np.real(seen @ self.drive)),
+            force,
+            skip,
+            begun,
+            row,
+        )
+        pushed[:, 0] = row
+
+    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array) -> None:
+        from modallab.twin.nonlinear.stepping import step_many
+
+        cracked, shapes = self.own.law is Law.CRACK, self.own.shapes[:, : self.kept]
+        felt = 2 * np.concatenate([self.own.switch[None, : self.kept], shapes * (1.0 if cracked else self.poles)])
+        whole = np.eye(len(shapes)) - self.static - 2 * np.real(self.late @ shapes.T)
+        step_many(
+            int(self.own.law),
+            np.array(self.own.numbers),
+            np.asarray(np.linalg.inv(whole) if cracked else whole, dtype=np.float64),
+            self._padded(self.decay),
+            self._padded(np.concatenate([self.push, self.drive[None]])),
+            self._padded(felt),
+            (self.direct if cracked else 0.0) + np.real(felt @ self.drive_late),
+            np.real(felt @ self.late.T),
+            force,
+            skip,
+            begun,
+            pushed,
+        )
+
+    def _padded(self, values: Complex) -> Array:
+        """(..., 2, p) real and imaginary parts, p a multiple of LANES."""
+        from modallab.twin.nonlinear.stepping import LANES
+
+        found = np.zeros((*values.shape[:-1], 2, -(-self.kept // LANES) * LANES))
+        found[..., 0, : self.kept], found[..., 1, : self.kept] = values.real, values.imag
+        return found
