@@ -19,8 +19,8 @@ PER_PERIOD = 36
 """Steps a period of a sine, where there may be as many."""
 HIT_STEPS = 8
 """Steps a sample of a hit."""
-LEAST = {Law.CUBIC: 2, Law.DRAG: 1}
-"""Steps a sample of a sine at least, where a law is smooth; 4 otherwise."""
+LEAST = {Law.CUBIC: 2, Law.DRAG: 1, Law.PLAY: 8, Law.CRACK: 3}
+"""Steps a sample of a sine at least: fewer where a law is smooth, more where a stiff contact strikes; 4 otherwise."""
 MOST = 8
 """Steps a sample of a sine at most."""
 

@@ -6,6 +6,10 @@ Eng. Mech. Div. ASCE 85 (1959), 67, on exact modes). What the forces of a step d
 of the modes, so that nothing but the law itself stands between one force and the next: a processor steps the modes
 while it solves the law.
 
+The force of a spring that bends, or of an open crack, does not run straight within a step: by its curvature over the
+last steps it has more than its straight line, which is added as an impulse, half at each end of the step. A stiff
+contact must do without: an impulse that lags by a step would make it swing.
+
 Complex numbers are pairs (2, p) of real and imaginary parts with p a multiple of LANES, which compilers turn into
 vector instructions.
 """
@@ -21,6 +25,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CUBIC, PLAY, CRACK = 0, 2, 3
+CURVED = 12.0
+"""Mean of a parabola over its straight line on a step, of its second difference."""
+STRAIGHT = 3
+"""Steps for which a crack must be open to have a curvature."""
 LANES = 8
 """Modes come in so many: the widest vectors of today's processors."""
 NEARBY = 0.02
@@ -115,7 +123,8 @@ def answer(
         w = cubic(a, free, d, 2.0 * m0 - m1)
         return -a * w * w * w, w, m0, 0.0
     if law == PLAY:
-        return play(a, b, free, d), 0.0, 0.0, 0.0
+        g = play(a, b, free, d)
+        return g, free + d * g, 0.0, 0.0
     if c == 0.0:
         g, stuck = slider(a, b, free, d, m0)
         return g, stuck, 0.0, 0.0
@@ -131,14 +140,14 @@ def step_one(
     push: Array,
     drive: Array,
     ahead: Array,
-    d: float,
-    own: float,
-    now: float,
-    before: float,
+    kick: Array,
+    own: Array,
+    known: Array,
     force: Array,
     skip: int,
     begun: Array,
     pushed: Array,
+    bent: Array,
 ) -> None:
     """Step a law of one motion.
 
@@ -151,38 +160,45 @@ def step_one(
         push: (2, p) what a unit of the element's force adds to the state.
         drive: (2, p) what a unit of the known force adds to it.
         ahead: (2, p) weights by which the motion at the element after a further step follows from the state.
-        d: m/N at the element of its own force at the same time.
-        own: the same one step after.
-        now: m/N there of the known force at the same time.
-        before: the same one step after.
+        kick: (2, p) what a force of 1 N over a step, as impulses at both of its ends, adds to the state one step on.
+        own: (3,) m/N at the element of its own force at the same time and one step after, and of such impulses one
+            step after.
+        known: (2,) m/N there of the known force at the same time and one step after.
         force: (steps,) N.
         skip: steps before the first that is kept.
         begun: (2, p) state before the first step that is kept.
         pushed: (steps kept,) force of the element.
+        bent: (steps kept,) mean force that it has more than its straight line over each step.
     """
     decay_r, decay_i, push_r, push_i = decay[0], decay[1], push[0], push[1]
     drive_r, drive_i, ahead_r, ahead_i = drive[0], drive[1], ahead[0], ahead[1]
+    kick_r, kick_i = kick[0], kick[1]
     p = len(decay_r)
     real, imag = np.zeros(p), np.zeros(p)
     a, b, c = numbers[0], numbers[1], numbers[2]
+    d, after, later, now, before = own[0], own[1], own[2], known[0], known[1]
     m0, m1, m2 = 0.0, 0.0, 0.0
     g, f, rest = 0.0, 0.0, 0.0
+    g0, bend = 0.0, 0.0
     for n in range(force.shape[0]):
         last, f = f, force[n]
-        free = rest + now * f + before * last + own * g
+        free = rest + now * f + before * last + after * g + later * bend
         new, m0, m1, m2 = answer(law, a, b, c, free, d, m0, m1, m2)
         rest = 0.0
         for k in range(p):
             r, i = decay_r[k], decay_i[k]
-            xr = r * real[k] - i * imag[k] + push_r[k] * g + drive_r[k] * last
-            xi = r * imag[k] + i * real[k] + push_i[k] * g + drive_i[k] * last
+            xr = r * real[k] - i * imag[k] + push_r[k] * g + drive_r[k] * last + kick_r[k] * bend
+            xi = r * imag[k] + i * real[k] + push_i[k] * g + drive_i[k] * last + kick_i[k] * bend
             real[k], imag[k] = xr, xi
             rest += ahead_r[k] * xr - ahead_i[k] * xi
-        g = new
         if n == skip:
             begun[0], begun[1] = real, imag
+        bend = -(new - 2.0 * g + g0) / CURVED if law == CUBIC else 0.0
         if n >= skip:
-            pushed[n - skip] = g
+            pushed[n - skip] = new
+            bent[n - skip] = bend
+        g0 = g
+        g = new
 
 
 @_compiled
@@ -196,15 +212,20 @@ def motion(felt: Array, real: Array, imag: Array) -> float:
 
 
 @_compiled
-def opening(opened: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array) -> None:
-    """Forces of a crack that is open where the first motion is positive, into `g`."""
-    g[:] = 0.0
-    if motion(felt[0], real, imag) + now[0] * f > 0:
+def opened_by(
+    opened: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
+) -> bool:
+    """Whether a crack is open, which it is where the first motion is positive; its forces into `g`, zero if closed."""
+    open_now = motion(felt[0], real, imag) + now[0] * f > 0
+    if open_now:
         for j in range(len(g)):
             found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
-        for j in range(len(g)):
+    for j in range(len(g)):
+        g[j] = 0.0
+        if open_now:
             for other in range(len(g)):
                 g[j] += opened[j, other] * found[other]
+    return open_now
 
 
 @_compiled
@@ -212,12 +233,23 @@ def dragged(
     numbers: Array, stays: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
 ) -> None:
     """Forces of a drag, which change so little in a step that it feels those before, into `g`."""
-    for j in range(len(g)):
+    for j in range(len(found)):
         found[j] = motion(felt[1 + j], real, imag) + now[1 + j] * f
-        for other in range(len(g)):
+        for other in range(len(found)):
             found[j] += stays[1 + j, other] * g[other]
-    for j in range(len(g)):
+    for j in range(len(found)):
         g[j] = -numbers[j] * abs(found[j]) * found[j]
+
+
+@_compiled
+def add(shapes: Array, weights: Array, real: Array, imag: Array) -> None:
+    """Add shapes (m, 2, p), each by its weight (m,), to real and imaginary parts (p,)."""
+    for j in range(len(weights)):
+        shape_r, shape_i, own = shapes[j, 0], shapes[j, 1], weights[j]
+        if own != 0.0:
+            for k in range(len(real)):
+                real[k] += shape_r[k] * own
+                imag[k] += shape_i[k] * own
 
 
 @_compiled
@@ -228,12 +260,7 @@ def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None
         xr = decay_r[k] * real[k] - decay_i[k] * imag[k]
         imag[k] = decay_r[k] * imag[k] + decay_i[k] * real[k]
         real[k] = xr
-    for j in range(g.shape[0]):
-        push_r, push_i, own = push[j, 0], push[j, 1], g[j]
-        if own != 0.0:
-            for k in range(len(real)):
-                real[k] += push_r[k] * own
-                imag[k] += push_i[k] * own
+    add(push, g, real, imag)
 
 
 @_compiled
@@ -250,6 +277,7 @@ def step_many(
     skip: int,
     begun: Array,
     pushed: Array,
+    bent: Array,
 ) -> None:
     """Step a law of several motions: a crack, or a drag.
 
@@ -258,7 +286,8 @@ def step_many(
         numbers: (m,) of a drag, N s^2/m^2 at each place.
         opened: (m, m) motion of an open crack per motion without its force.
         decay: (2, p) exp(pole dt).
-        push: (m + 1, 2, p) what a unit of each force adds to the state, the known force last; as in `step_one`.
+        push: (2 m + 1, 2, p) what a unit of each force, of the known force, and of what each has more than its
+            straight line, adds to the state; as in `step_one`.
         felt: (1 + m, 2, p) for a crack the motion that opens it, then those of its channels; for a drag velocities.
         now: (1 + m,) what is felt of the known force at the same time.
         stays: (1 + m, m) what a drag feels of its forces if they stay: they change little in a step.
@@ -266,26 +295,32 @@ def step_many(
         skip: steps before the first that is kept.
         begun: (2, p) state before the first step that is kept.
         pushed: (steps kept, m) force of the element.
+        bent: (steps kept, m) mean force that it has more than its straight line over each step.
     """
     p, m = decay.shape[1], pushed.shape[1]
     real, imag = np.zeros(p), np.zeros(p)
-    acting, found = np.zeros(m + 1), np.zeros(m)
-    g = acting[:m]
+    acting, found = np.zeros(2 * m + 1), np.zeros(m)
+    g0, g1, g2, since = np.zeros(m), np.zeros(m), np.zeros(m), 0
     for n in range(force.shape[0]):
         carry(decay, push, acting, real, imag)
-        if law == CRACK:
-            opening(opened, felt, real, imag, now, force[n], found, g)
-        else:
-            dragged(numbers, stays, felt, real, imag, now, force[n], found, g)
-        acting[m] = force[n]
         if n == skip:
             begun[0], begun[1] = real, imag
+        if law == CRACK:
+            since = since + 1 if opened_by(opened, felt, real, imag, now, force[n], found, g2) else 0
+            for j in range(m):
+                acting[j] = g2[j]
+                acting[m + 1 + j] = -(g2[j] - 2.0 * g1[j] + g0[j]) / CURVED if since >= STRAIGHT else 0.0
+            g0, g1, g2 = g1, g2, g0
+        else:
+            dragged(numbers, stays, felt, real, imag, now, force[n], found, acting)
+        acting[m] = force[n]
         if n >= skip:
-            pushed[n - skip] = g
+            for j in range(m):
+                pushed[n - skip, j], bent[n - skip, j] = acting[j], acting[m + 1 + j]
 
 
 @_compiled
-def follow(decay: Array, push: Array, late: Array, begun: Array, pushed: Array, out: Array) -> None:
+def follow(decay: Array, push: Array, late: Array, begun: Array, forces: Array, out: Array) -> None:
     """The modes under known forces.
 
     Args:
@@ -293,19 +328,16 @@ def follow(decay: Array, push: Array, late: Array, begun: Array, pushed: Array, 
         push: (m, 2, p) what a unit of each force adds to the state, as in `step_one`.
         late: (m, 2, p) what it adds to the modes at once.
         begun: (2, p) state before the first step.
-        pushed: (steps, m) the forces.
+        forces: (steps, m) N.
         out: (steps, 2, p) of the modes' motion.
     """
     real, imag = begun[0].copy(), begun[1].copy()
-    for n in range(pushed.shape[0]):
-        g = pushed[n]
-        out[n, 0], out[n, 1] = real, imag
-        for j in range(g.shape[0]):
-            if g[j] != 0.0:
-                for k in range(len(real)):
-                    out[n, 0, k] += late[j, 0, k] * g[j]
-                    out[n, 1, k] += late[j, 1, k] * g[j]
-        carry(decay, push, g, real, imag)
+    for n in range(forces.shape[0]):
+        now_r, now_i, own = out[n, 0], out[n, 1], forces[n]
+        for k in range(len(real)):
+            now_r[k], now_i[k] = real[k], imag[k]
+        add(late, own, now_r, now_i)
+        carry(decay, push, own, real, imag)
 
 
 @_compiled

@@ -13,7 +13,7 @@ from modallab.twin.structure import Modes
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
-SWIFT = 1.25
+SWIFT = 1.7
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
 where its own oscillation is stepped over."""
 OF_ONE_MOTION = (Law.CUBIC, Law.FRICTION, Law.PLAY)
@@ -35,6 +35,7 @@ class Steps:
         drive_late: (kept,) what that adds at once.
         static: (m, m) m/N at the element of what follows its force at once.
         direct: (1 + m,) m/N there of what follows the known force at once.
+        kick: (m, kept) what 1 N over a step adds to the state, as impulses at both of its ends.
         poles: (kept,) rad/s.
         chunk: (CHUNK, 2 kept) what is left of each of so many steps after the last, real and imaginary parts.
     """
@@ -48,6 +49,7 @@ class Steps:
     drive_late: Complex
     static: Array
     direct: Array
+    kick: Complex
     poles: Complex
     chunk: Array
 
@@ -69,7 +71,8 @@ class Steps:
         left = np.exp(x * np.arange(CHUNK)[::-1, None])
         chunk = np.concatenate([np.real(left), np.imag(left)], axis=1)
         pushes = after * shapes, late * shapes, after * drive, late * drive
-        return cls(own, kept, decay, *pushes, static, direct, poles, chunk)
+        kick = h / 2 * (1 + decay) * shapes
+        return cls(own, kept, decay, *pushes, static, direct, kick, poles, chunk)
 
     def state_after(self, force: Array) -> Complex:
         """(kept,) state in which a known force (steps,) from rest leaves the modes by itself."""
@@ -94,17 +97,20 @@ class Steps:
 
         width, count = self._padded(self.decay).shape[-1], len(self.own.shapes)
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
-        (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed)
+        bent, out = np.zeros_like(pushed), np.empty((len(pushed), 2, width))
+        (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, bent)
         begun = total - self._padded(self.state_after(force[:skip]))
-        out = np.empty((len(pushed), 2, width))
-        follow(self._padded(self.decay), self._padded(self.push), self._padded(self.late), begun, pushed, out)
+        push = np.concatenate([self.push, self.decay * self.kick])
+        late = np.concatenate([self.late, self.kick])
+        forces = np.concatenate([pushed, bent], axis=1)
+        follow(self._padded(self.decay), self._padded(push), self._padded(late), begun, forces, out)
         return out[:, :, : self.kept].reshape(len(out), -1).T, pushed.T
 
-    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array) -> None:
+    def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_one
 
         seen, push, late = 2 * self.own.shapes[0, : self.kept], self.push[0], self.late[0]
-        row = pushed[:, 0].copy()
+        row, bend = pushed[:, 0].copy(), bent[:, 0].copy()
         step_one(
             int(self.own.law),
             np.array((*self.own.numbers, 0.0, 0.0)[:3]),
@@ -112,18 +118,18 @@ class Steps:
             self._padded(push),
             self._padded(self.drive),
             self._padded(seen * self.decay),
-            float(self.static[0, 0] + np.real(seen @ late)),
-            float(np.real(seen @ push)),
-            float(self.direct[1] + np.real(seen @ self.drive_late)),
-            float(np.real(seen @ self.drive)),
+            self._padded(self.decay * self.kick[0]),
+            np.array([self.static[0, 0], 0.0, 0.0]) + np.real(np.array([late, push, self.decay * self.kick[0]]) @ seen),
+            np.array([self.direct[1], 0.0]) + np.real(np.array([self.drive_late, self.drive]) @ seen),
             force,
             skip,
             begun,
             row,
+            bend,
         )
-        pushed[:, 0] = row
+        pushed[:, 0], bent[:, 0] = row, bend
 
-    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array) -> None:
+    def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_many
 
         cracked, shapes = self.own.law is Law.CRACK, self.own.shapes[:, : self.kept]
@@ -134,7 +140,7 @@ class Steps:
             np.array(self.own.numbers),
             np.asarray(np.linalg.inv(whole) if cracked else whole, dtype=np.float64),
             self._padded(self.decay),
-            self._padded(np.concatenate([self.push, self.drive[None]])),
+            self._padded(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
             self._padded(felt),
             (self.direct if cracked else 0.0) + np.real(felt @ self.drive_late),
             np.real(felt @ self.late.T),
@@ -142,6 +148,7 @@ class Steps:
             skip,
             begun,
             pushed,
+            bent,
         )
 
     def _padded(self, values: Complex) -> Array:
