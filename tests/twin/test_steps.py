@@ -1,0 +1,98 @@
+"""Steps in time: their lines, their start, and how fine they must be."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from modallab.twin.nonlinear import records
+from modallab.twin.nonlinear.element import Element, Law, coupling
+from modallab.twin.nonlinear.in_band import Fine
+from modallab.twin.nonlinear.stepping import rising_sine
+from modallab.twin.nonlinear.steps import Steps
+from modallab.twin.structure import Structure, solve
+
+BEAM = Structure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006))
+UNIT = BEAM.bending_stiffness / BEAM.length_m
+DT, N, SHAKER = 1e-3, 1024, 0.36
+SPRING = Element(Law.CUBIC, 0.63, (1e9,))
+JOINT = Element(Law.FRICTION, 0.0, (12 * UNIT, 0.05, 1.2))
+PLAY = Element(Law.PLAY, 0.0, (12 * UNIT, 1e-4))
+CRACK = Element(Law.CRACK, 0.2, (0.6, 0.036, 0.0))
+DRAG = Element(Law.DRAG, 0.0, (20.0, 5.0))
+
+
+def in_sine(element: Element, hz: float, monkeypatch: pytest.MonkeyPatch | None = None, least: int = 0) -> Fine:
+    if monkeypatch is not None:
+        monkeypatch.setattr(records, "LEAST", dict.fromkeys(Law, least))
+        monkeypatch.setattr(records, "MOST", least)
+    structure = replace(BEAM, root_rotation=1 / 8 if element.law in (Law.PLAY, Law.FRICTION) else 0.0)
+    modes = solve(structure)
+    steps = records.ready(modes, coupling(element, structure, modes), DT, SHAKER)
+    return records.in_sine(steps, element.law, 3 + 1j, hz, N, DT, 2.0, 0.5, False)
+
+
+def felt(fine: Fine, order: int, hz: float) -> NDArray[np.complex128]:
+    """What the element adds to the accelerations of the low modes at a multiple of the sine."""
+    motion, _ = fine.on_lines(np.round(order * hz * N * DT) + np.arange(-2.0, 3.0))
+    kept = len(motion) // 2
+    swing = solve(BEAM).poles[:4, None] ** 2
+    return swing * (motion[:4] + 1j * motion[kept : kept + 4])
+
+
+@pytest.mark.parametrize("element", [SPRING, JOINT, PLAY, CRACK, DRAG])
+def test_lines_straight_from_the_steps_are_those_of_the_samples(element: Element) -> None:
+    fine = in_sine(element, 23.4)
+    lines = np.array([-24.0, 0.0, 23.0, 24.0, 25.0, 72.0])
+    motion, force = fine.on_lines(lines)
+    modes, sampled = fine.sampled()
+    whole = np.fft.fft(np.concatenate([modes.real, modes.imag, sampled.T]))[:, lines.astype(int)]
+    assert np.concatenate([motion, force]) == pytest.approx(whole, abs=1e-10 * np.abs(whole).max())
+
+
+def test_the_state_that_a_known_force_leaves_is_that_of_all_its_steps() -> None:
+    modes = solve(BEAM)
+    steps = Steps.of(modes, coupling(SPRING, BEAM, modes), DT / 4, SHAKER)
+    force, state = np.random.default_rng(0).normal(size=1300), np.zeros(steps.kept, dtype=complex)
+    for f in force:
+        state = steps.decay * state + steps.drive * f
+    assert steps.state_after(force) == pytest.approx(state)
+
+
+@pytest.mark.parametrize("cosine", [False, True])
+def test_a_sine_rises_from_rest_to_its_amplitude(cosine: bool) -> None:
+    out, step, ahead = np.empty(9000), 0.11, 8000.0
+    rising_sine(2 - 1j, step, ahead, 0.25, 1000.0, cosine, out)
+    share = np.minimum((np.arange(9000) + 0.25) / 1000.0, 1.0)
+    rise = (1 - np.cos(np.pi * share)) / 2 if cosine else share
+    assert out == pytest.approx(rise * np.real((2 - 1j) * np.exp(1j * step * (np.arange(9000) - ahead))), abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("element", "hz", "least", "off"),
+    [
+        # With forces that run straight in a step 8e-3 and 3.5e-4.
+        (SPRING, 101.3, 2, 2e-3),
+        (CRACK, 23.4, 3, 2.5e-4),
+        (JOINT, 23.4, 4, 2.5e-4),
+        (PLAY, 23.4, 8, 5e-5),
+    ],
+)
+def test_as_fine_as_they_are_the_steps_agree_with_far_finer_ones(
+    element: Element, hz: float, least: int, off: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarse = felt(in_sine(element, hz, monkeypatch, least), 1, hz)
+    fine = felt(in_sine(element, hz, monkeypatch, 32), 1, hz)
+    assert np.linalg.norm(coarse - fine) / np.linalg.norm(fine) < off
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 400.0, 5000.0])
+def test_a_stiff_contact_does_not_swing(stiffness: float) -> None:
+    structure = replace(BEAM, root_rotation=10.0)
+    modes = solve(structure)
+    own = coupling(Element(Law.PLAY, 0.0, (stiffness * UNIT, 0.0)), structure, modes)
+    force = np.zeros(8000)
+    force[5:20] = 3.0
+    _, pushed = Steps.of(modes, own, DT / 4, SHAKER).run(force, 0)
+    assert np.abs(pushed[0, 4000:]).max() < np.abs(pushed[0, :2000]).max()
