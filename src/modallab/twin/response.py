@@ -140,6 +140,7 @@ class Sines:
         dt: seconds between samples, on the clock of the world.
         force: (blocks,) complex amplitude of the force in N: f(t) = Re(force exp(j omega t)), t from the block's start.
         rise: how the sines came about.
+        coarse: whether half of the steps will do where a law is stepped in time: only starts are compared.
     """
 
     lines: Array
@@ -148,6 +149,7 @@ class Sines:
     dt: float
     force: Complex
     rise: Rise
+    coarse: bool = False
 
     @property
     def s(self) -> Complex:

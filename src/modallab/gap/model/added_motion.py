@@ -76,6 +76,7 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
                 float(rise.history_s[j]),
                 float(rise.ramp_s[j]),
                 bool(rise.cosine[j]),
+                source.coarse,
             )
             motion, force = found.on_lines(source.lines[j])
             per_newton = 2 / source.n / source.force[j]
@@ -106,9 +107,9 @@ def _read(
     straight = 2 * np.real((psi[:, :p] * modes.poles[:p]) @ own.shapes[:, :p].T)
     total = swing.real @ motion[:p] - swing.imag @ motion[p:] + straight @ force
     # The modes that follow at once, by their exact response to the element's force.
-    poles, beyond, rows = modes.poles[p:, None], psi[:, p:], own.shapes[:, p:].T
+    poles, above, rows = modes.poles[p:, None], psi[:, p:], own.shapes[:, p:].T
     up, down = (rows @ force) / (s - poles), (rows.conj() @ force) / (s - poles.conj())
-    return total + s**2 * (beyond @ up + beyond.conj() @ down)
+    return total + s**2 * (above @ up + above.conj() @ down)
 
 
 def _remembered(twin: Twin, more: tuple[object, ...], d: ImpactData | SineData, dt: float, step: Any) -> Any:

@@ -60,9 +60,12 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
 
 def _by_sine(even: Problem, begins: list[Array], rough: bool) -> Array:
     """Where the sines are followed best; slopes lead there from the likeliest starts, or after these were polished."""
+    assert even.data.sines is not None
+    coarse = replace(even.data.sines.source, coarse=True)
+    starts = replace(even, data=replace(even.data, sines=replace(even.data.sines, source=coarse)))
     if rough:
-        return followed(even, likeliest(even, begins), 2)
-    return min((followed(even, u, 2) for u in apart(even, begins)), key=lambda u: score(even, u))
+        return followed(even, likeliest(starts, begins), 2)
+    return min((followed(even, u, 2) for u in apart(starts, begins)), key=lambda u: score(even, u))
 
 
 def _one_a_place(problem: Problem, begins: list[tuple[float | None, Array]]) -> list[Array]:

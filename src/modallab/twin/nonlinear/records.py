@@ -64,11 +64,16 @@ def in_sine(
     history_s: float,
     ramp_s: float,
     cosine: bool,
+    coarse: bool = False,
 ) -> Fine:
-    """What it adds to a sine block that began `history_s` before, rising for `ramp_s` from rest."""
+    """What it adds to a sine block that began `history_s` before, rising for `ramp_s` from rest.
+
+    Coarse is in half of the steps.
+    """
     from modallab.twin.nonlinear.stepping import rising_sine
 
     every = int(np.clip(np.ceil(PER_PERIOD * frequency_hz * dt), LEAST.get(law, 4), MOST))
+    every = -(-every // 2) if coarse else every
     h = dt / every
     skip = round(history_s / h)
     force = np.empty(skip + (n - 1 + REACH) * every + 1)
