@@ -160,12 +160,20 @@ def drawn(bench: Bench, kind: str, rng: np.random.Generator) -> dict[str, Any]:
     else:
         angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(0.012, 0.05)
         moved = far * np.array([np.cos(angle), np.sin(angle), 0.0])
+    moved = _on_it(bench, channel, moved)
     return {
         "effect": kind,
         "channel": f"a{channel + 1:02d}",
         "moved_m": moved.tolist(),
         "size": float(np.linalg.norm(moved)),
     }
+
+
+def _on_it(bench: Bench, channel: int, moved: Real) -> Real:
+    """The move turned back along each axis in which the sensor would leave the structure: it stands on it somewhere."""
+    there = bench.points[bench.sensors[channel][0] - 1] + moved
+    most = np.array([*PLATE_M, 0.0]) if bench.name == "plate" else np.array([TUBE_M, RADIUS_M, RADIUS_M])
+    return np.where((there < 0) | (there > most + 1e-12), -moved, moved)
 
 
 def put_in(bench: Bench, truth: dict[str, Any], of: Matrices, built: dict[str, Any]) -> tuple[Matrices, dict[str, Any]]:
@@ -181,9 +189,7 @@ def put_in(bench: Bench, truth: dict[str, Any], of: Matrices, built: dict[str, A
         gains[channel] *= truth["size"]
         return of, built | {"gains": gains}
     places = built["sensors_m"].copy()
-    places[channel] = np.clip(
-        places[channel] + truth["moved_m"], 0, [PLATE_M[0] if bench.name == "plate" else TUBE_M, 9, 9]
-    )
+    places[channel] += truth["moved_m"]
     return of, built | {"sensors_m": places}
 
 
