@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 from added_file import added, write_example
+from beam_elements import beam
 from made_diagnosis import made_diagnosis
 from pages import HOW_TO, ROOT, fenced
 from scipy.signal import lfilter
@@ -175,6 +176,21 @@ def _check_the_diagnosis(folder: Path) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
+def _finite_elements(folder: Path) -> Iterator[dict[str, Any]]:
+    """A campaign of a beam, and the beam's matrices with what says so."""
+    rig = link()
+    assert rig.beam is not None
+    write_campaign(built(rig, tests=("impact",)), folder / "campaign.h5")
+    per_m = rig.beam.mass_kg / rig.beam.length_m
+    names = ("K", "M", "freedoms", "nodes")
+    made = beam(rig.beam.bending_stiffness_n_m2, per_m, rig.beam.length_m, 20)
+    np.savez(folder / "beam.npz", **dict(zip(names, made, strict=True)))
+    said = "\n".join(f"{what}: beam.npz" for what in ("stiffness", "mass", "freedoms", "nodes"))
+    (folder / "model.yaml").write_text(said, encoding="utf-8")
+    yield {}
+
+
+@contextmanager
 def _let_people_in(folder: Path) -> Iterator[dict[str, Any]]:
     """The service has run once; the token that is taken back is one that was given before."""
 
@@ -219,6 +235,7 @@ PREPARED: dict[str, Made] = {
     HOW_TO + "add-an-estimator.md": _add_an_estimator,
     HOW_TO + "check-the-diagnosis.md": _check_the_diagnosis,
     HOW_TO + "close-the-gap.md": _close_the_gap,
+    HOW_TO + "compare-with-finite-elements.md": _finite_elements,
     HOW_TO + "first-connection.md": _first_connection,
     HOW_TO + "identify-a-band.md": _identify_a_band,
     HOW_TO + "import-recordings.md": _import,

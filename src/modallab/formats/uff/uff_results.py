@@ -51,12 +51,14 @@ class NodeMode:
         frequency_hz: undamped natural frequency.
         damping_ratio: of critical damping.
         at: node -> (3,) complex motion along x, y, z, scaled as in the file.
+        modal_mass_kg: that belongs to this scale; 0 where the file does not say.
     """
 
     title: str
     frequency_hz: float
     damping_ratio: float
     at: dict[int, NDArray[np.complex128]]
+    modal_mass_kg: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -128,24 +130,29 @@ def _is_mode(content: Mapping[str, Any]) -> bool:
 def _mode_55(content: Mapping[str, Any]) -> NodeMode:
     if int(content["analysis_type"]) == NORMAL:
         frequency, damping = float(content["freq"]), float(content["modal_damp_vis"])
+        mass = float(content["modal_m"])
     else:
-        frequency, damping = _of_pole(complex(content["eig"]))
+        pole = complex(content["eig"])
+        frequency, damping = _of_pole(pole)
+        # Modal A of a mode of mass m is 2 j omega_d m.
+        mass = float((complex(content["modal_a"]) / (2j * pole.imag)).real) if pole.imag else 0.0
     parts = [np.asarray(content[name], np.complex128) for name in ("r1", "r2", "r3")]
     at = dict(zip((int(n) for n in content["node_nums"]), np.stack(parts, axis=1), strict=True))
-    return NodeMode(_title(content), frequency, damping, at)
+    return NodeMode(_title(content), frequency, damping, at, mass)
 
 
 def _mode_2414(content: Mapping[str, Any]) -> NodeMode:
     reals = [float(content[f"record12_field{k}"]) for k in range(1, 7)]
     if int(content["analysis_type"]) == NORMAL:
-        frequency, damping = reals[1], reals[4]
+        frequency, damping, mass = reals[1], reals[4], reals[3]
     else:
+        mass = 0.0
         more = [float(content[f"record13_field{k}"]) for k in range(1, 3)]
         frequency, damping = _of_pole(complex(*more) if any(more) else complex(reals[0], reals[1]))
     rows = np.array([_motion(row) for row in _rows(content)])
     at = dict(zip((int(n) for n in content["node_nums"]), rows, strict=True))
     name = str(content.get("analysis_dataset_name", "")).strip()
-    return NodeMode(name or _title(content), frequency, damping, at)
+    return NodeMode(name or _title(content), frequency, damping, at, mass)
 
 
 def _rows(content: Mapping[str, Any]) -> Sequence[Any]:
