@@ -11,13 +11,13 @@ WAVES = np.stack([np.sin(2 * PLACES[:, 0]), np.sin(9 * PLACES[:, 0])], axis=1)
 def test_at_the_points_a_shape_is_what_was_measured() -> None:
     between = Between.of(PLACES, WAVES)
     np.testing.assert_allclose(between.at(PLACES), WAVES, atol=1e-7)
-    assert between.spread(PLACES).max() < 1e-3 * between.spread(PLACES + [0.05, 0, 0]).max()
+    assert between.spread(PLACES).max() < 1e-3 * between.spread(PLACES + np.array([0.05, 0, 0])).max()
 
 
 def test_beyond_the_last_point_it_is_known_least_and_a_rough_shape_less_than_a_smooth_one() -> None:
-    within, beyond, far = Between.of(PLACES, WAVES).spread(np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]]))
-    assert np.all(within < beyond)
-    assert np.all(beyond < far)
+    within, outside, far = Between.of(PLACES, WAVES).spread(np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]]))
+    assert np.all(within < outside)
+    assert np.all(outside < far)
     assert np.all(10 * far[:1] < far[1:])
 
 

@@ -84,12 +84,14 @@ def _beside(fitted: Fitted) -> int:
 
 
 def moves(free: Free, fitted: Fitted) -> float:
-    """Share of the response that the change moves, at the output where it moves most."""
+    """Share of the response that the change moves, at the output where it moves most.
+
+    Each line counts by its own size, as in `Free.share`: of receptances the first mode would be all that counts.
+    """
     c = free.of
     state = free.state(fitted.u, fitted.change).receptance(c.s, c.outside)
     without = free.state(fitted.u).receptance(c.s, c.outside)
-    squares = np.mean(np.abs(state - without) ** 2, axis=(0, 2)) / np.mean(np.abs(state) ** 2, axis=(0, 2))
-    return float(np.sqrt(np.max(squares)))
+    return float(np.sqrt(np.max(np.mean((np.abs(state - without) / c.sizes) ** 2, axis=(0, 2)))))
 
 
 def within_tolerance(free: Free, fitted: Fitted) -> str:
