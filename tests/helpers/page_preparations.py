@@ -142,7 +142,8 @@ def _identify_a_band(folder: Path) -> Iterator[dict[str, Any]]:
     for name, rows in {"left": [0, 1, 2], "middle": [0, 3, 2], "right": [0, 4, 2]}.items():
         record = ml.responses(_random(128.0, 100.0)[rows], 128.0, points=[row + 1 for row in rows])
         write_campaign(record.campaign, folder / f"{name}.h5")
-    yield {"names": {"y": _random(128.0, 200.0)[:3]}}
+    forces = np.random.default_rng(2).standard_normal((2, 25600))
+    yield {"names": {"y": _random(128.0, 200.0)[:3], "forces": forces, "answers": _shaken(forces, 128.0)}}
 
 
 def _random(rate_hz: float, seconds: float) -> np.ndarray:
@@ -154,6 +155,15 @@ def _random(rate_hz: float, seconds: float) -> np.ndarray:
         mode = lfilter([1.0], [1, -2 * z.real, abs(z) ** 2], rng.standard_normal(n))
         y += np.outer(shape, mode / mode.std())
     return y
+
+
+def _shaken(forces: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Responses at points 1 to 3 of two modes that forces at points 1 and 3 drive."""
+    answers = np.zeros((3, forces.shape[1]))
+    for hz, shape in ((9.0, np.array([1.0, 0.8, 0.3])), (31.0, np.array([1.0, 0.1, -0.7]))):
+        z = np.exp(2 * np.pi * hz * (-0.02 + 1j) / rate_hz)
+        answers += np.outer(shape, lfilter([1.0, -1.0], [1, -2 * z.real, abs(z) ** 2], shape[[0, 2]] @ forces))
+    return answers
 
 
 @contextmanager
