@@ -19,6 +19,8 @@ MOTION = (8, 11, 12)
 AT_NODES = 1
 _OPEN = range(11, 25)
 """Descriptors of rods and beams, whose nodes follow each other along a line."""
+FIRST_SOLID = 101
+"""Descriptors from here on are solids, springs, masses and constraints."""
 _SOLID_EDGES: dict[int, Sequence[tuple[int, int]]] = {
     111: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
     112: ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
@@ -36,10 +38,12 @@ class Geometry:
     Attributes:
         points: node -> x, y, z in m.
         lines: pairs of nodes.
+        surfaces: nodes around each shell element.
     """
 
     points: dict[int, tuple[float, float, float]]
     lines: tuple[Edge, ...]
+    surfaces: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,11 +87,13 @@ def read_results(path: Path) -> Results:
     factor = float(units[0].get("length") or 1.0) if units else 1.0
     nodes = read_nodes(path)
     points = {n: (float(x) / factor, float(y) / factor, float(z) / factor) for n, (x, y, z) in nodes.at.items()}
-    edges = [*_traced(read_datasets(path, 82)), *_of_elements(read_datasets(path, 2412))]
+    elements = [e for content in read_datasets(path, 2412) for e in _elements(content)]
+    edges = [*_traced(read_datasets(path, 82)), *(edge for e in elements for edge in _edges(*e))]
+    faces = tuple(tuple(nodes) for descriptor, nodes in elements if _is_shell(descriptor, nodes, points))
     lines = dict.fromkeys((min(a, b), max(a, b)) for a, b in edges if a != b and a in points and b in points)
     old = (_mode_55(c) for c in read_datasets(path, 55) if int(c["analysis_type"]) in (NORMAL, COMPLEX))
     new = (_mode_2414(c) for c in read_datasets(path, 2414) if _is_mode(c))
-    return Results(Geometry(points, tuple(lines)), tuple(_turned(mode, nodes) for mode in (*old, *new)))
+    return Results(Geometry(points, tuple(lines), faces), tuple(_turned(mode, nodes) for mode in (*old, *new)))
 
 
 def _turned(mode: NodeMode, nodes: Nodes) -> NodeMode:
@@ -101,12 +107,18 @@ def _traced(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
         yield from ((a, b) for a, b in pairwise(nodes) if a and b)
 
 
-def _of_elements(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
-    for content in contents:
-        for descriptor, elements in content.items():
-            if isinstance(descriptor, int):
-                for element in elements:
-                    yield from _edges(descriptor, [int(n) for n in element["nodes_nums"]])
+def _elements(content: Mapping[str, Any]) -> Iterator[tuple[int, list[int]]]:
+    """Descriptor and nodes of each element."""
+    for descriptor, elements in content.items():
+        if isinstance(descriptor, int):
+            for element in elements:
+                yield descriptor, [int(n) for n in element["nodes_nums"]]
+
+
+def _is_shell(descriptor: int, nodes: Sequence[int], points: Mapping[int, object]) -> bool:
+    """Whether an element is a face: neither a rod or a beam nor a solid, all of its nodes known."""
+    line = descriptor in _OPEN or descriptor >= FIRST_SOLID
+    return not line and len(set(nodes)) > 2 and all(node in points for node in nodes)
 
 
 def _edges(descriptor: int, nodes: list[int]) -> Iterator[Edge]:
