@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from twin_campaign import built, link
 from modallab.cli import main
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
-from modallab.core.rig import Rig
+from modallab.core.rig import Rig, Tolerance
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 
 MASS = Effect(effect="added_mass", parameters={"mass": 0.15}, place={"x": 0.8})
@@ -20,8 +21,11 @@ MASS = Effect(effect="added_mass", parameters={"mass": 0.15}, place={"x": 0.8})
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
-    def written(name: str, *effects: Effect) -> str:
+    def written(name: str, *effects: Effect, usual: bool = False) -> str:
         campaign: Campaign = built(link(), *effects, tests=("impact",))
+        if usual:
+            rig = campaign.rig.model_copy(update={"tolerance": Tolerance.usual()})
+            campaign = replace(campaign, rig=rig)
         path: Path = tmp_path_factory.mktemp(name) / "campaign.h5"
         write_campaign(campaign, path)
         return str(path)
@@ -61,13 +65,17 @@ def test_a_mass_is_found_beside_a_finite_element_model(
 ) -> None:
     model, out = tmp_path / "beam.npz", tmp_path / "found.json"
     np.savez(model, **elements_of(link()))
-    assert main(["gap", "diagnose", recorded("after", MASS), "--reference", str(model), "--json", str(out)]) == 0
+    assert (
+        main(["gap", "diagnose", recorded("after", MASS, usual=True), "--reference", str(model), "--json", str(out)])
+        == 0
+    )
     (effect,) = json.loads(out.read_text(encoding="utf-8"))["effects"]
     assert effect["effect"] == "added_mass"
     assert effect["place"]["at_m"][0] == pytest.approx(0.8, abs=0.05)
     assert effect["parameters"]["mass"] == pytest.approx(0.15, rel=0.25)
     capsys.readouterr()
-    assert main(["gap", "diagnose", recorded("before"), "--reference", str(model)]) == 0
+    # These elements have no rotary inertia, which lowers the seventh mode by 0.1 %: a usual tolerance.
+    assert main(["gap", "diagnose", recorded("before", usual=True), "--reference", str(model)]) == 0
     assert "No gap beyond the tolerances" in " ".join(capsys.readouterr().out.split())
 
 

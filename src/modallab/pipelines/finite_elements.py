@@ -11,12 +11,13 @@ from modallab.formats.fem.fem_file import FemModel
 Real = NDArray[np.float64]
 
 ABOVE = 1.1
-"""Modes up to this part of the band's end stay modes; those above it are their static compliance."""
+"""Modes up to this part of the band's end stay modes; of those above it there is what they move in the band."""
 NEAR = 0.03
 """Of the rig's extent: a node farther than that from a point is not the point's."""
 APART = 20.0
 """Ratio of two frequencies that follow each other, from which those below are motions of the whole."""
 RIGID = 6
+POWERS, LINES = (0, 2, 4), 200
 UNSEEN = 1e-6
 """Of the largest modal constant: a mode that no sensor sees by more is left out."""
 
@@ -24,7 +25,7 @@ UNSEEN = 1e-6
 def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> ModalModel:
     """The model's modes at the rig's channels, driven at the points `inputs`, in the band of a test.
 
-    Modes above the band add their static compliance, motions of the whole their inertance.
+    Modes above the band add what they move within it, motions of the whole their inertance.
 
     Raises:
         DataError: a point is at no node, a channel has none, or the band holds no mode.
@@ -45,8 +46,23 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
             remedy="compute more modes, or check its units: units: mm where it is in mm and tonnes",
         )
     above = ~rigid & ~inside
-    static = np.sum(constants[above] / (2 * np.pi * hz[above, None, None]) ** 2, axis=0)
-    return _model(fem, rig, band_hz, channels, inputs, kept, constants, np.stack([np.sum(constants[rigid], 0), static]))
+    # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
+    whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
+    outside = whole | dict(zip(POWERS, _compliance(constants[above], hz[above], band_hz), strict=True))
+    return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
+
+
+def _compliance(constants: Real, hz: Real, band_hz: tuple[float, float]) -> Real:
+    """(terms, outputs, inputs) coefficients of s^p for p in `POWERS` that stand for modes above the band within it.
+
+    A mode near the band's end is no mere compliance there: the terms are those that fit its receptance best.
+    """
+    omega = 2 * np.pi * np.linspace(*band_hz, LINES)
+    # Even powers of s on the axis: (j omega)^p is real.
+    terms = np.stack([(-1) ** (p // 2) * (omega / omega[-1]) ** p for p in POWERS], axis=1)
+    receptance = 1 / ((2 * np.pi * hz) ** 2 - omega[:, None] ** 2)
+    by_mode = np.linalg.lstsq(terms, receptance, rcond=None)[0] / omega[-1] ** np.array(POWERS, float)[:, None]
+    return np.einsum("pm,moi->poi", by_mode, constants)
 
 
 def _model(
@@ -57,7 +73,7 @@ def _model(
     inputs: tuple[int, ...],
     kept: NDArray[np.bool_],
     constants: Real,
-    residuals: Real,
+    outside: dict[int, Real],
 ) -> ModalModel:
     zeta = fem.modes.damping_ratio[kept]
     nothing = np.full(int(kept.sum()), np.nan)
@@ -73,8 +89,8 @@ def _model(
         input_points=inputs,
         modal_constants=constants[kept].astype(np.complex128),
         modal_constant_sigma=np.full(constants[kept].shape, np.nan),
-        residuals=residuals,
-        residual_powers=(-2, 0),
+        residuals=np.stack(list(outside.values())),
+        residual_powers=tuple(outside),
         half_power=nothing,
         half_power_floor=nothing,
         notes=(f"Computed by finite elements: {fem.modes.title}. Its damping ratios are not computed.",),
