@@ -7,7 +7,8 @@ A trial is two modal tests: FRFs of the structure as it was, which modallab iden
 FRFs of it as it is. In between E, density and thickness have strayed, stiffness and mass are spread otherwise, every
 sensor was mounted anew (place, sensitivity, cable), every point struck anew (place, force), damping is another, all
 within a lab's usual tolerances; and one thing is wrong: a mass, a spring to ground, a sensor's gain, a sensor's place.
-With `none` of them the right answer is no gap. Physics: `structures.py`. Noise: 0.1 % of each FRF's rms.
+With `none` of them the right answer is no gap. With --elements the structure's model itself is the simulation.
+Physics: `structures.py`. Noise: 0.1 % of each FRF's rms.
 """
 
 import argparse
@@ -22,10 +23,14 @@ from numpy.typing import NDArray
 from structures import PLATE_M, RADIUS_M, TUBE_M, Material, Matrices, field, plate, tube, with_mass, with_spring
 
 from modallab.core.frf import Frf
+from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig, Tolerance
+from modallab.formats.fem.fem_file import FemModel
+from modallab.formats.fem.node_modes import NodeModes
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.frf_model import identify_frf
 from modallab.identification.options import Options
+from modallab.pipelines.finite_elements import model_of_elements
 
 Real = NDArray[np.float64]
 KINDS = ("added_mass", "ground_spring", "gain_error", "position_error")
@@ -160,12 +165,20 @@ def drawn(bench: Bench, kind: str, rng: np.random.Generator) -> dict[str, Any]:
     else:
         angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(0.012, 0.05)
         moved = far * np.array([np.cos(angle), np.sin(angle), 0.0])
+    moved = _on_it(bench, channel, moved)
     return {
         "effect": kind,
         "channel": f"a{channel + 1:02d}",
         "moved_m": moved.tolist(),
         "size": float(np.linalg.norm(moved)),
     }
+
+
+def _on_it(bench: Bench, channel: int, moved: Real) -> Real:
+    """The move turned back along each axis in which the sensor would leave the structure: it stands on it somewhere."""
+    there = bench.points[bench.sensors[channel][0] - 1] + moved
+    most = np.array([*PLATE_M, 0.0]) if bench.name == "plate" else np.array([TUBE_M, RADIUS_M, RADIUS_M])
+    return np.where((there < 0) | (there > most + 1e-12), -moved, moved)
 
 
 def put_in(bench: Bench, truth: dict[str, Any], of: Matrices, built: dict[str, Any]) -> tuple[Matrices, dict[str, Any]]:
@@ -181,13 +194,21 @@ def put_in(bench: Bench, truth: dict[str, Any], of: Matrices, built: dict[str, A
         gains[channel] *= truth["size"]
         return of, built | {"gains": gains}
     places = built["sensors_m"].copy()
-    places[channel] = np.clip(
-        places[channel] + truth["moved_m"], 0, [PLATE_M[0] if bench.name == "plate" else TUBE_M, 9, 9]
-    )
+    places[channel] += truth["moved_m"]
     return of, built | {"sensors_m": places}
 
 
-def trial(bench: Bench, kind: str, seed: int) -> dict[str, Any]:
+def computed(bench: Bench, now: ModalModel) -> ModalModel:
+    """The structure's model itself as the simulation, as if a finite-element program had written its modes."""
+    omega, vectors = bench.make(Material()).modes(MODES)
+    row = bench.make(Material()).row
+    at = {n + 1: np.array([row(place, axis) @ vectors for axis in "xyz"]).T for n, place in enumerate(bench.points)}
+    places = {n + 1: tuple(place) for n, place in enumerate(bench.points.tolist())}
+    modes = NodeModes(bench.name, omega / (2 * np.pi), at, places, np.full(MODES, ZETA))
+    return model_of_elements(FemModel(modes, {}), bench.rig, now.band_hz, bench.hits)
+
+
+def trial(bench: Bench, kind: str, seed: int, *, elements: bool = False) -> dict[str, Any]:
     """One trial: truth and diagnosis."""
     rng = np.random.default_rng([seed, 17])
     rig = bench.rig
@@ -198,6 +219,8 @@ def trial(bench: Bench, kind: str, seed: int) -> dict[str, Any]:
         truth = drawn(bench, kind, rng)
         of, built = put_in(bench, truth, of, built)
     now, _ = identify_frf(frf(bench, of, rng, built), rig, Options())
+    if elements:
+        reference = computed(bench, now)
     begun = time.process_time()
     found = diagnose_by_model(reference, now, rig)
     took = time.process_time() - begun
@@ -259,6 +282,7 @@ def main() -> None:
     parser.add_argument("--none", type=int, default=0, help="without any")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bench", choices=("plate", "tube"))
+    parser.add_argument("--elements", action="store_true", help="the simulation is computed, not identified")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--score", type=Path)
     a = parser.parse_args()
@@ -271,7 +295,7 @@ def main() -> None:
         print("\n".join(map(printed, entries)))
     else:
         for bench, kind, seed in listed:
-            entries.append(trial(bench, kind, seed))
+            entries.append(trial(bench, kind, seed, elements=a.elements))
             print(printed(entries[-1]), flush=True)
             if a.out is not None:
                 with a.out.open("a") as target:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from modallab.core.lazy import lazily
 
 if TYPE_CHECKING:
+    from modallab.notebook.driven import driven
     from modallab.notebook.gap import GapFound, diagnose, diagnose_by_model
     from modallab.notebook.measured import MeasuredFrf, frf
     from modallab.notebook.model import Model, identify
@@ -27,6 +28,7 @@ __all__ = [
     "__version__",
     "diagnose",
     "diagnose_by_model",
+    "driven",
     "frf",
     "identify",
     "load",
@@ -41,6 +43,7 @@ __getattr__ = lazily(
         "notebook.measured": ("MeasuredFrf", "frf"),
         "notebook.model": ("Model", "identify"),
         "notebook.recording": ("Recording", "load"),
+        "notebook.driven": ("driven",),
         "notebook.response_records": ("responses",),
         "notebook.simulate": ("simulate",),
         "notebook.twin": ("DiagnosedTwin",),

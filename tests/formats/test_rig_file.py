@@ -63,6 +63,7 @@ CASES: list[tuple[str, Any, list[str]]] = [
     ("points", 3, ["points: found 3; allowed: a list"]),
     ("points.1.id", 1, ["points[1].id: found 1, as in points[0]; allowed: each once"]),
     ("points.1.x_m", -0.1, ["points[1].x_m: found -0.1; allowed: 0 to beam.length_m = 0.887"]),
+    ("surfaces", [[1, 2, 99]], ["surfaces[0]: found 99; allowed: three or more ids of points of this rig"]),
     ("points.1.x_m", 2.0, ["points[1].x_m: found 2; allowed: 0 to beam.length_m = 0.887"]),
     ("beam", None, ["beam: missing; allowed: a beam, or model: unknown"]),
     ("beam.length_m", float("inf"), ["beam.length_m: found inf; allowed: a finite number"]),

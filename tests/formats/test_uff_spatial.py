@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import pyuff
 from exchange_records import campaign, uff_set, write_uff
-from test_import_without_rig import MILLIMETRES, NODES, SHAPE, write
+from test_import_without_rig import MILLIMETRES, NODES, SHAPE, SQUARE, write
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -155,3 +155,17 @@ def test_a_peer_reads_the_geometry(exported: Path) -> None:
     points, trace = file.read_sets(types.index(15)), file.read_sets(types.index(82))
     np.testing.assert_allclose(points["z"], [p.z_m for p in rig().points])
     assert list(trace["nodes"][:5]) == [1, 2, 0, 2, 3]
+
+
+def test_shells_are_surfaces_and_bars_and_solids_are_lines_alone(tmp_path: Path) -> None:
+    """By dataset 2412: label, descriptor, property, material, colour, nodes; a beam has a line more."""
+    path = write(tmp_path / "mesh.uff", MILLIMETRES, SQUARE)
+    quad = f"{1:10d}{94:10d}{1:10d}{1:10d}{7:10d}{4:10d}\n{1:10d}{2:10d}{3:10d}{4:10d}\n"
+    triangle = f"{2:10d}{91:10d}{1:10d}{1:10d}{7:10d}{3:10d}\n{1:10d}{2:10d}{3:10d}\n"
+    solid = f"{3:10d}{111:10d}{1:10d}{1:10d}{7:10d}{4:10d}\n{1:10d}{2:10d}{3:10d}{4:10d}\n"
+    beam = f"{4:10d}{21:10d}{1:10d}{1:10d}{7:10d}{2:10d}\n{0:10d}{1:10d}{1:10d}\n{2:10d}{4:10d}\n"
+    with path.open("a", encoding="ascii") as target:
+        target.write(f"    -1\n  2412\n{quad}{triangle}{solid}{beam}    -1\n")
+    found = read_results(path).geometry
+    assert found.surfaces == ((1, 2, 3, 4), (1, 2, 3))
+    assert (2, 4) in found.lines

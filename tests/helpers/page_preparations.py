@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 from added_file import added, write_example
+from beam_elements import beam
 from made_diagnosis import made_diagnosis
 from pages import HOW_TO, ROOT, fenced
 from scipy.signal import lfilter
@@ -141,7 +142,8 @@ def _identify_a_band(folder: Path) -> Iterator[dict[str, Any]]:
     for name, rows in {"left": [0, 1, 2], "middle": [0, 3, 2], "right": [0, 4, 2]}.items():
         record = ml.responses(_random(128.0, 100.0)[rows], 128.0, points=[row + 1 for row in rows])
         write_campaign(record.campaign, folder / f"{name}.h5")
-    yield {"names": {"y": _random(128.0, 200.0)[:3]}}
+    forces = np.random.default_rng(2).standard_normal((2, 25600))
+    yield {"names": {"y": _random(128.0, 200.0)[:3], "forces": forces, "answers": _shaken(forces, 128.0)}}
 
 
 def _random(rate_hz: float, seconds: float) -> np.ndarray:
@@ -153,6 +155,15 @@ def _random(rate_hz: float, seconds: float) -> np.ndarray:
         mode = lfilter([1.0], [1, -2 * z.real, abs(z) ** 2], rng.standard_normal(n))
         y += np.outer(shape, mode / mode.std())
     return y
+
+
+def _shaken(forces: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Responses at points 1 to 3 of two modes that forces at points 1 and 3 drive."""
+    answers = np.zeros((3, forces.shape[1]))
+    for hz, shape in ((9.0, np.array([1.0, 0.8, 0.3])), (31.0, np.array([1.0, 0.1, -0.7]))):
+        z = np.exp(2 * np.pi * hz * (-0.02 + 1j) / rate_hz)
+        answers += np.outer(shape, lfilter([1.0, -1.0], [1, -2 * z.real, abs(z) ** 2], shape[[0, 2]] @ forces))
+    return answers
 
 
 @contextmanager
@@ -171,6 +182,21 @@ def _check_the_diagnosis(folder: Path) -> Iterator[dict[str, Any]]:
     (folder / "truths/one").mkdir(parents=True)
     _write(folder / "campaigns/one", built(link(), tests=("impact",)))
     (folder / "truths/one/truth.yaml").write_text("effects: []\n", encoding="utf-8")
+    yield {}
+
+
+@contextmanager
+def _finite_elements(folder: Path) -> Iterator[dict[str, Any]]:
+    """A campaign of a beam, and the beam's matrices with what says so."""
+    rig = link()
+    assert rig.beam is not None
+    write_campaign(built(rig, tests=("impact",)), folder / "campaign.h5")
+    per_m = rig.beam.mass_kg / rig.beam.length_m
+    names = ("K", "M", "freedoms", "nodes")
+    made = beam(rig.beam.bending_stiffness_n_m2, per_m, rig.beam.length_m, 20)
+    np.savez(folder / "beam.npz", **dict(zip(names, made, strict=True)))
+    said = "\n".join(f"{what}: beam.npz" for what in ("stiffness", "mass", "freedoms", "nodes"))
+    (folder / "model.yaml").write_text(said, encoding="utf-8")
     yield {}
 
 
@@ -219,6 +245,7 @@ PREPARED: dict[str, Made] = {
     HOW_TO + "add-an-estimator.md": _add_an_estimator,
     HOW_TO + "check-the-diagnosis.md": _check_the_diagnosis,
     HOW_TO + "close-the-gap.md": _close_the_gap,
+    HOW_TO + "compare-with-finite-elements.md": _finite_elements,
     HOW_TO + "first-connection.md": _first_connection,
     HOW_TO + "identify-a-band.md": _identify_a_band,
     HOW_TO + "import-recordings.md": _import,

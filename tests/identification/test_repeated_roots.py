@@ -116,3 +116,38 @@ def test_a_rank_in_quadrature_to_the_first_is_no_mode_but_scatter():
     assert split_repeated(*_of_two(0.7), *points).pole.size == 1
     # Against the first, as a sensor's lag turns both.
     assert split_repeated(*_of_two(1.0, 1.0), *points).pole.size == 2
+
+
+def test_a_rank_that_one_point_carries_is_what_that_point_misreads():
+    points = tuple(range(100, 140)), (1, 2, 3)
+    a, sigma = _of_two(0.0)
+    u, values, vh = np.linalg.svd(a[0], full_matrices=False)
+    alone = np.zeros(40)
+    alone[[7, 8]] = 1.0, 0.4
+    misread = a - values[1] * np.outer(u[:, 1], vh[1]) + values[1] * np.outer(alone, vh[1])
+    assert split_repeated(a, sigma, *points).pole.size == 2
+    assert split_repeated(misread, sigma, *points).pole.size == 1
+    # The same where the many points are those that were struck.
+    assert split_repeated(np.swapaxes(misread, 1, 2), np.swapaxes(sigma, 1, 2), *points[::-1]).pole.size == 1
+
+
+def _alone(frequency, zeta, constants):
+    """A single FRF of these modes, with a thousandth of noise."""
+    rng = np.random.default_rng(5)
+    s, w = 2j * np.pi * LINES, 2 * np.pi * np.array(frequency)[:, None]
+    receptance = 1 / (s**2 + 2 * np.array(zeta)[:, None] * w * s + w**2)
+    values = (np.array(constants) @ receptance * s)[None, None]
+    size = 1e-3 * np.sqrt(np.mean(np.abs(values) ** 2))
+    values = values + size * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
+    return Frf(LINES, values, "mobility", ("v1",), (1,), (4,))
+
+
+def test_a_single_frf_does_not_tell_a_second_pole_on_the_flank_of_a_first():
+    """Half a half-width away and more, a resonance that is not quite that of a mode looks the same."""
+    rig = _rig().model_copy(update={"channels": _rig().channels[:2]})
+    beside = _alone([30.0, 60.0, 60.5], [0.006, 0.01, 0.01], [1.0, 1.0, 0.15])
+    model, _ = identify_frf(beside, rig, Options())
+    assert model.n_modes == 2
+    apart = _alone([30.0, 60.0, 62.5], [0.006, 0.01, 0.01], [1.0, 1.0, 0.3])
+    model, _ = identify_frf(apart, rig, Options())
+    np.testing.assert_allclose(model.frequency_hz, [30.0, 60.0, 62.5], rtol=1e-3)

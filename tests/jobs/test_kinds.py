@@ -32,13 +32,14 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak", band_hz=(500.0, 1500.0)))
     with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
         inputs = ["hammer_5hits"]
-        identified, reported, wrong, absent, bad = ended(
+        identified, reported, wrong, absent, bad, estimated = ended(
             jobs,
             jobs.submit("identify", {"method": "peak", "band_hz": [500, 1500]}, inputs),
             jobs.submit("report", {"method": "peak", "band_hz": [500, 1500], "title": "A heading of its own"}, inputs),
             jobs.submit("identify", {"method": "magic"}, inputs),
             jobs.submit("identify", {}, ["nothing"]),
             jobs.submit("diagnose", {}, inputs),
+            jobs.submit("estimate", {}, inputs),
             patience_s=120,
         )
     assert (identified.state, identified.error) == ("done", None)
@@ -49,6 +50,10 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     assert reported.result["document"] == identified.result["document"]
     page = (tmp_path / reported.result["files"]["report.html"]).read_text(encoding="utf-8")
     assert "<h1>A heading of its own</h1>" in page
+    so_far = estimated.result["document"]
+    assert so_far["blocks"] == 5
+    # This rig file has no points.
+    assert so_far["telling_point"] is None
     assert (wrong.state, absent.state) == ("failed", "failed")
     assert "allowed: 'circle', 'era', 'peak' or 'plscf'" in str(wrong.error)
     assert "there is no run 'nothing'" in str(absent.error)

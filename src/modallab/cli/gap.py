@@ -91,10 +91,10 @@ def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespac
     if arguments.report is not None:
         raise ConfigurationError("--reference writes no report yet", remedy="leave --report out; --json holds it all")
     # Imported here: the other ways of a diagnosis need no identification, which takes a second to load.
-    from modallab.pipelines.structure_gap import diagnose_structure, read_reference
+    from modallab.pipelines.structure_gap import diagnose_against
 
     with waiting("identifying", progress=not arguments.hush):
-        found = diagnose_structure(campaign, read_reference(arguments.reference, campaign.rig))
+        found = diagnose_against(campaign, arguments.reference)
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
     if arguments.json is not None:

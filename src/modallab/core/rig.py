@@ -28,6 +28,7 @@ Positive = Annotated[PositiveFloat, Field(allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
+Surface = Annotated[tuple[PositiveInt, ...], Field(min_length=3)]
 FORCE_SHARE = 0.5
 """Of an accelerometer's tolerance: what the force transducer's sensitivity is uncertain by."""
 RESPONSE = 0.02
@@ -304,6 +305,7 @@ class Rig(Frozen):
         drive_direction: of positive force.
         points: where sensors stand and hits land.
         lines: pairs of points that are joined where the structure is drawn.
+        surfaces: points around a face each, which is shaded where the structure is drawn.
         channels: of the chain, the force channel among them; where nothing is known of the structure there may be none.
         converter: behind every channel; None: the device says.
         shaker_point: where the shaker drives; None: there is none.
@@ -325,6 +327,7 @@ class Rig(Frozen):
     drive_direction: Direction = "+z"
     points: tuple[Point, ...] = ()
     lines: tuple[tuple[PositiveInt, PositiveInt], ...] = Field(default=(), exclude_if=unstated)
+    surfaces: tuple[Surface, ...] = Field(default=(), exclude_if=unstated)
     channels: Annotated[tuple[Channel, ...], Field(min_length=1)]
     converter: Converter | None = None
     shaker_point: PositiveInt | None = None

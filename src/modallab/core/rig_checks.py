@@ -44,7 +44,8 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     needs_force = content.get("model", "cantilever") != "unknown"
     return [
         *problems,
-        *_line_problems(content, points),
+        *_drawn_problems(content, points, "lines", "two ids of points of this rig"),
+        *_drawn_problems(content, points, "surfaces", "three or more ids of points of this rig"),
         *_channel_set_problems(channels, needs_force=needs_force),
         *_reference_problems(content, points, channels),
     ]
@@ -92,14 +93,16 @@ def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str,
     return problems
 
 
-def _line_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
-    """Lines between points that are none."""
-    lines, ids = content.get("lines"), [_number(point.get("id")) for point in points]
-    if not isinstance(lines, Sequence) or isinstance(lines, str) or None in ids:
+def _drawn_problems(
+    content: Mapping[str, object], points: Sequence[Mapping[str, object]], what: str, allowed: str
+) -> list[Problem]:
+    """Lines or surfaces between points that are none."""
+    drawn, ids = content.get(what), [_number(point.get("id")) for point in points]
+    if not isinstance(drawn, Sequence) or isinstance(drawn, str) or None in ids:
         return []
-    named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", lines))]
+    named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", drawn))]
     return [
-        Problem(f"lines[{n}]", f"found {end}", "two ids of points of this rig")
+        Problem(f"{what}[{n}]", f"found {end}", allowed)
         for n, ends in named
         if isinstance(ends, Sequence) and not isinstance(ends, str)
         for end in ends

@@ -38,6 +38,7 @@ def rig_of(
     points: tuple[Point, ...] = (),
     lines: tuple[tuple[int, int], ...] = (),
     driven: Iterable[int] = (),
+    surfaces: tuple[tuple[int, ...], ...] = (),
 ) -> Rig:
     """A rig of the channels in their order; where a place is not known, points stand a metre apart.
 
@@ -47,6 +48,7 @@ def rig_of(
         points: the geometry's.
         lines: of the geometry.
         driven: points where a force acts.
+        surfaces: of the geometry.
 
     Raises:
         DataError: several forces.
@@ -69,6 +71,7 @@ def rig_of(
         drive_direction="+z" if force is None else force.direction,
         points=(*points, *more),
         lines=lines,
+        surfaces=surfaces,
         channels=tuple(channels),
     )
 

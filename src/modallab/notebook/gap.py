@@ -19,7 +19,7 @@ from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
-from modallab.pipelines.structure_gap import diagnose_structure, model_to_compare
+from modallab.pipelines.structure_gap import diagnose_against, diagnose_structure, model_to_compare
 from modallab.reporting.waiting import waiting
 
 
@@ -114,21 +114,25 @@ def diagnose(
 
 @one_thread()
 def diagnose_by_model(
-    measured: Recording | MeasuredFrf, reference: Model | Recording | MeasuredFrf, *, progress: bool = True
+    measured: Recording | MeasuredFrf, reference: Model | Recording | MeasuredFrf | Path | str, *, progress: bool = True
 ) -> ModalDiagnosis:
     """Where a structure differs from its modal model, whatever structure it is, beyond the rig's tolerances.
 
     Args:
         measured: of the structure as it is.
-        reference: its modal model, or what was measured before; with the same channels and driven points.
+        reference: its modal model, or what was measured before, with the same channels and driven points; or a file
+            of a finite-element model.
         progress: show how far it is, where somebody looks.
 
     Raises:
         DataError: the two share no band, output or driven point, or no shape has a scale.
+        FormatError: the file can be read as none of these.
         IdentificationError: one of them holds no mode.
     """
     campaign = campaign_in(measured)
     with waiting("identifying", progress=progress):
+        if isinstance(reference, str | Path):
+            return diagnose_against(campaign, Path(reference))
         known = reference.modal if isinstance(reference, Model) else model_to_compare(campaign_in(reference))
         return diagnose_structure(campaign, known)
 

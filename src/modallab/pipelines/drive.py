@@ -21,6 +21,11 @@ from modallab.signals.signals import Signals
 SETTLED_LOOKS = 2
 """Times that the decays are taken off a periodic drive's blocks: the poles of the first look are a little off."""
 
+LEAST_PARTS = 3
+TOO_FEW = (
+    "So few blocks do not show by how much they scatter: the uncertainties are those of the noise alone, and may be"
+    " many times too small. Record four blocks or more."
+)
 UNKNOWN = 0.5
 """Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""
 
@@ -57,11 +62,14 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
         frf = _alike(_made(used, rig, band))
         found, fit = identify_frf(frf, rig, options)
     parts = _parts(used, rig, found.band_hz) if options.refined else []
+    if options.refined and not parts:
+        found = found.model_copy(update={"notes": (*found.notes, TOO_FEW)})
     model = with_scatter_of_parts(found, parts)
     unknown = tuple(float(f) for f in model.frequency_hz[model.damping_sigma > UNKNOWN * model.damping_ratio])
     if not unknown or len(unknown) == model.n_modes or options.pick_hz or options.drop_hz:
         return model, fit, frf
-    found, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown))
+    again, fit = identify_frf(frf, rig, replace(options, drop_hz=unknown))
+    found = again.model_copy(update={"notes": (*again.notes, *(() if parts else (TOO_FEW,)))})
     listed = ", ".join(f"{f:.4g}" for f in unknown)
     note = f"Left out: {listed} Hz, of a damping that stretches of the test do not agree on."
     kept = with_scatter_of_parts(found, parts)
@@ -81,9 +89,12 @@ def _alike(frf: Frf) -> Frf:
 
 def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    each = len(signals) // PARTS
-    if each < 2:
+    # A block of a periodic drive holds a whole period: one by itself will do.
+    least = 1 if signals[0].block.test in PERIODIC else 2
+    each = max(least, len(signals) // PARTS)
+    count = min(PARTS, len(signals) // each)
+    if count < LEAST_PARTS:
         return []
     ordered = sorted(signals, key=lambda s: s.block.order)
-    stretches = [ordered[k * each : (k + 1) * each] for k in range(PARTS)]
+    stretches = [ordered[k * each : (k + 1) * each] for k in range(count)]
     return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in stretches]

@@ -4,6 +4,7 @@ A task is imported where it is computed: whoever hands the jobs out needs none, 
 """
 
 import json
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,6 +16,7 @@ from modallab.core.block import Campaign
 from modallab.core.documents.models import CURVES
 from modallab.core.errors import StorageError
 from modallab.core.frozen import Frozen
+from modallab.core.plan import Precision
 from modallab.core.progress import heard_by, part
 from modallab.formats.atomic import replacing
 from modallab.jobs import Computed, Kind, Notify
@@ -107,13 +109,16 @@ def _identify(payload: tuple[Campaign, IdentifyParameters], notify: Notify) -> C
 def _estimate(payload: tuple[Campaign, EstimateParameters], notify: Notify) -> Computed:
     from modallab.identification.options import Options
     from modallab.pipelines.identify import identify_campaign
+    from modallab.pipelines.telling_point import telling_point
 
     campaign, _ = payload
     with heard_by(notify):
         model = identify_campaign(campaign, Options(), None).identified[-1].model
     names = ("frequency_hz", "frequency_sigma_hz", "damping_ratio", "damping_sigma")
     found = json.loads(model.model_dump_json(include=set(names)))
-    return Computed(_plain({name: found[name] for name in names} | {"blocks": len(campaign.blocks)}))
+    hits = Counter(b.drive_point for b in campaign.blocks if b.drive_point is not None)
+    more = {"blocks": len(campaign.blocks), "telling_point": telling_point(model, campaign.rig, hits, Precision())}
+    return Computed(_plain({name: found[name] for name in names} | more))
 
 
 def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Computed:

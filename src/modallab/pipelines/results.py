@@ -53,7 +53,7 @@ def import_results(path: Path, out: Path) -> tuple[str, ...]:
     ]
     moving = [_moving(n, mode, found) for n, mode in enumerate(found.modes[:MOST_SHAPES], 1)]
     if moving and len(points) > 1:
-        write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving)
+        write_shapes_page(out.with_suffix(".html"), path.stem, points, lines, moving, found.geometry.surfaces)
         said.append(f"shapes, moving: {out.with_suffix('.html')}")
     elif moving:
         said.append("note: the file does not say where its nodes are, so that the shapes cannot be drawn")
@@ -68,6 +68,7 @@ def results_document(found: Results, path: Path) -> dict[str, object]:
         "source": path.name,
         "points": [{"id": n, "x_m": x, "y_m": y, "z_m": z} for n, (x, y, z) in found.geometry.points.items()],
         "lines": [list(pair) for pair in found.geometry.lines],
+        "surfaces": [list(face) for face in found.geometry.surfaces],
         "modes": [
             {
                 "title": mode.title,

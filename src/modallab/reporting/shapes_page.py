@@ -15,6 +15,7 @@ def write_shapes_page(
     points: Mapping[int, tuple[float, float, float]],
     lines: Sequence[tuple[int, int]],
     shapes: Sequence[MovingShape],
+    surfaces: Sequence[Sequence[int]] = (),
 ) -> None:
     """Write one HTML file that holds everything it shows.
 
@@ -24,11 +25,12 @@ def write_shapes_page(
         points: id -> x, y, z in m.
         lines: pairs of ids.
         shapes: with motions in the order of `points`.
+        surfaces: ids around each face.
 
     Raises:
         StorageError: the file cannot be written.
     """
-    drawn = wireframes(points, lines, shapes)
+    drawn = wireframes(points, lines, shapes, surfaces)
     said = tag("p", f"{len(points)} points, {len(lines)} lines, {len(shapes)} shapes.", class_="lead")
     body = tag("body", tag("header", tag("h1", title), said), tag("main", drawn or tag("p", "There is no shape.")))
     with replacing(path) as draft:

@@ -50,7 +50,7 @@ def draft_uff(path: Path) -> Rig:
     found = read_results(path).geometry
     drives = {f.reference_node for f in used if f.reference_node}
     places = {n: Point(id=n, x_m=at[0], y_m=at[1], z_m=at[2]) for n, at in found.points.items() if n > 0}
-    return rig_of(said, path, tuple(places.values()), found.lines, drives)
+    return rig_of(said, path, tuple(places.values()), found.lines, drives, found.surfaces)
 
 
 def _name_at(functions: Sequence[Function]) -> int:

@@ -19,6 +19,8 @@ MOTION = (8, 11, 12)
 AT_NODES = 1
 _OPEN = range(11, 25)
 """Descriptors of rods and beams, whose nodes follow each other along a line."""
+FIRST_SOLID = 101
+"""Descriptors from here on are solids, springs, masses and constraints."""
 _SOLID_EDGES: dict[int, Sequence[tuple[int, int]]] = {
     111: ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
     112: ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)),
@@ -36,10 +38,12 @@ class Geometry:
     Attributes:
         points: node -> x, y, z in m.
         lines: pairs of nodes.
+        surfaces: nodes around each shell element.
     """
 
     points: dict[int, tuple[float, float, float]]
     lines: tuple[Edge, ...]
+    surfaces: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,12 +55,14 @@ class NodeMode:
         frequency_hz: undamped natural frequency.
         damping_ratio: of critical damping.
         at: node -> (3,) complex motion along x, y, z, scaled as in the file.
+        modal_mass_kg: that belongs to this scale; 0 where the file does not say.
     """
 
     title: str
     frequency_hz: float
     damping_ratio: float
     at: dict[int, NDArray[np.complex128]]
+    modal_mass_kg: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -81,11 +87,13 @@ def read_results(path: Path) -> Results:
     factor = float(units[0].get("length") or 1.0) if units else 1.0
     nodes = read_nodes(path)
     points = {n: (float(x) / factor, float(y) / factor, float(z) / factor) for n, (x, y, z) in nodes.at.items()}
-    edges = [*_traced(read_datasets(path, 82)), *_of_elements(read_datasets(path, 2412))]
+    elements = [e for content in read_datasets(path, 2412) for e in _elements(content)]
+    edges = [*_traced(read_datasets(path, 82)), *(edge for e in elements for edge in _edges(*e))]
+    faces = tuple(tuple(nodes) for descriptor, nodes in elements if _is_shell(descriptor, nodes, points))
     lines = dict.fromkeys((min(a, b), max(a, b)) for a, b in edges if a != b and a in points and b in points)
     old = (_mode_55(c) for c in read_datasets(path, 55) if int(c["analysis_type"]) in (NORMAL, COMPLEX))
     new = (_mode_2414(c) for c in read_datasets(path, 2414) if _is_mode(c))
-    return Results(Geometry(points, tuple(lines)), tuple(_turned(mode, nodes) for mode in (*old, *new)))
+    return Results(Geometry(points, tuple(lines), faces), tuple(_turned(mode, nodes) for mode in (*old, *new)))
 
 
 def _turned(mode: NodeMode, nodes: Nodes) -> NodeMode:
@@ -99,12 +107,18 @@ def _traced(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
         yield from ((a, b) for a, b in pairwise(nodes) if a and b)
 
 
-def _of_elements(contents: Iterable[Mapping[str, Any]]) -> Iterator[Edge]:
-    for content in contents:
-        for descriptor, elements in content.items():
-            if isinstance(descriptor, int):
-                for element in elements:
-                    yield from _edges(descriptor, [int(n) for n in element["nodes_nums"]])
+def _elements(content: Mapping[str, Any]) -> Iterator[tuple[int, list[int]]]:
+    """Descriptor and nodes of each element."""
+    for descriptor, elements in content.items():
+        if isinstance(descriptor, int):
+            for element in elements:
+                yield descriptor, [int(n) for n in element["nodes_nums"]]
+
+
+def _is_shell(descriptor: int, nodes: Sequence[int], points: Mapping[int, object]) -> bool:
+    """Whether an element is a face: neither a rod or a beam nor a solid, all of its nodes known."""
+    line = descriptor in _OPEN or descriptor >= FIRST_SOLID
+    return not line and len(set(nodes)) > 2 and all(node in points for node in nodes)
 
 
 def _edges(descriptor: int, nodes: list[int]) -> Iterator[Edge]:
@@ -128,24 +142,29 @@ def _is_mode(content: Mapping[str, Any]) -> bool:
 def _mode_55(content: Mapping[str, Any]) -> NodeMode:
     if int(content["analysis_type"]) == NORMAL:
         frequency, damping = float(content["freq"]), float(content["modal_damp_vis"])
+        mass = float(content["modal_m"])
     else:
-        frequency, damping = _of_pole(complex(content["eig"]))
+        pole = complex(content["eig"])
+        frequency, damping = _of_pole(pole)
+        # Modal A of a mode of mass m is 2 j omega_d m.
+        mass = float((complex(content["modal_a"]) / (2j * pole.imag)).real) if pole.imag else 0.0
     parts = [np.asarray(content[name], np.complex128) for name in ("r1", "r2", "r3")]
     at = dict(zip((int(n) for n in content["node_nums"]), np.stack(parts, axis=1), strict=True))
-    return NodeMode(_title(content), frequency, damping, at)
+    return NodeMode(_title(content), frequency, damping, at, mass)
 
 
 def _mode_2414(content: Mapping[str, Any]) -> NodeMode:
     reals = [float(content[f"record12_field{k}"]) for k in range(1, 7)]
     if int(content["analysis_type"]) == NORMAL:
-        frequency, damping = reals[1], reals[4]
+        frequency, damping, mass = reals[1], reals[4], reals[3]
     else:
+        mass = 0.0
         more = [float(content[f"record13_field{k}"]) for k in range(1, 3)]
         frequency, damping = _of_pole(complex(*more) if any(more) else complex(reals[0], reals[1]))
     rows = np.array([_motion(row) for row in _rows(content)])
     at = dict(zip((int(n) for n in content["node_nums"]), rows, strict=True))
     name = str(content.get("analysis_dataset_name", "")).strip()
-    return NodeMode(name or _title(content), frequency, damping, at)
+    return NodeMode(name or _title(content), frequency, damping, at, mass)
 
 
 def _rows(content: Mapping[str, Any]) -> Sequence[Any]:

@@ -40,6 +40,7 @@ class Candidate:
         starts: numbers to begin with.
         prior: (numbers,) deviation of each about its start's, infinite where nothing is believed.
         centre: (numbers,) about which.
+        beside: so many of the numbers, the last ones, are not the change but what is not known of it.
     """
 
     effect: str
@@ -49,6 +50,7 @@ class Candidate:
     starts: tuple[Real, ...]
     prior: Real
     centre: Real
+    beside: int = 0
 
 
 def candidates(c: Compared) -> list[Candidate]:
@@ -148,19 +150,22 @@ def _gains(c: Compared) -> Iterator[Candidate]:
 
 def _places(c: Compared) -> Iterator[Candidate]:
     step = spacing(c)
-    angles = np.arange(8) * np.pi / 4
+    angles, modes = np.arange(8) * np.pi / 4, c.model.n_modes
     for o, slopes in enumerate(c.out_slopes):
         free = np.any(slopes != 0, axis=1)
         if not np.any(free):
             continue
         directions = np.unique(np.round(np.stack([np.cos(angles), np.sin(angles)], 1) * free, 6), axis=0)
-        starts = tuple(step * share * d for share in SHIFTS for d in directions if np.any(d))
+        starts = tuple(
+            np.append(step * share * d, np.zeros(modes)) for share in SHIFTS for d in directions if np.any(d)
+        )
         yield Candidate(
             "position_error",
             (),
             o,
-            lambda v, o=o: Change(shifts=((o, float(v[0]), float(v[1])),)),
+            lambda v, o=o: Change(shifts=((o, v[:2], v[2:]),)),
             starts,
-            np.where(free, np.inf, 1e-9),
-            np.zeros(2),
+            np.append(np.where(free, np.inf, 1e-9), np.ones(modes)),
+            np.zeros(2 + modes),
+            modes,
         )

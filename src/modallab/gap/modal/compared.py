@@ -77,13 +77,17 @@ class Compared:
         omega = self.model.frequency_hz
         return [(r, q) for r in range(len(omega)) for q in range(r) if abs(omega[r] / omega[q] - 1) < CLOSE]
 
-    def shifted(self, output: int, along_m: Real) -> Real:
-        """(modes,) by how much the shapes change where a sensor sits (2,) metres along the tangents from its point."""
+    def shifted(self, output: int, along_m: Real, off: Real) -> Real:
+        """(modes,) by how much the shapes change where a sensor sits (2,) metres along the tangents from its point.
+
+        `off` (modes,) says by how many deviations the shapes there are other than what the points tell.
+        """
         freedoms, _, signs = freedoms_of(self.model, self.rig)
         freedom = freedoms[output]
         places = np.stack([along_m @ self.shapes.tangents(freedom), np.zeros(3)])
         there, here = self.shapes.moved(freedom, places)
-        return np.asarray(signs[output] * (there - here), np.float64)
+        unknown = off * self.shapes.uncertain(freedom, places[:1])[0]
+        return np.asarray(signs[output] * (there - here + unknown), np.float64)
 
     @property
     def sizes(self) -> Real:

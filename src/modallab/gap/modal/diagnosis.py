@@ -103,7 +103,9 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     if candidate.effect == "position_error":
         tangents = c.shapes.tangents(_freedom(c, candidate.channel or 0))
         names = ("dx", "dy", "dz")
-        return dict(zip(names, (v @ tangents).tolist(), strict=True)), np.sqrt(sigma**2 @ tangents**2).tolist()
+        return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
+            sigma[:2] ** 2 @ tangents**2
+        ).tolist()
     return {"gain": float(v[0])}, [float(sigma[0])]
 
 

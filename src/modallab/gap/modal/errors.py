@@ -23,6 +23,8 @@ SMALL = 0.3
 """FRFs smaller than this share of the rms over all FRFs on a line are weighed as if they had it: nodes and dips."""
 OUTSIDE = 0.3
 """By how much of its size each residual term of an FRF may be off."""
+OPEN = 3.0
+"""The same of a term that the reference does not have: it is not known at all."""
 SHAPE = 0.015
 """By how much of its size a modal constant is off by itself: what modes outside the band mix into a shape."""
 
@@ -50,8 +52,7 @@ def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple
     for n, power in enumerate(powers):
         known = [m.residuals[m.residual_powers.index(power)] for m in (reference, bench) if power in m.residual_powers]
         size = np.sqrt(np.mean(np.square(known), axis=0))
-        # What the reference does not have is not known at all.
-        share = OUTSIDE if power in reference.residual_powers else 1.0
+        share = OUTSIDE if power in reference.residual_powers else OPEN
         spread[n] = share * np.hypot(size, SMALL * _rms(size)) * middle**power
     return np.array([(s / middle) ** power for power in powers]).reshape(len(powers), s.size), spread
 

@@ -28,13 +28,13 @@ class Change:
         hung: on the structure.
         gains: output -> factor on what it reads.
         force_gain: factor on what the force channel reads.
-        shifts: output -> metres along the two tangents.
+        shifts: output -> metres along the two tangents, and by how many deviations the shapes there are off (modes,).
     """
 
     hung: Hung | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
-    shifts: tuple[tuple[int, float, float], ...] = ()
+    shifts: tuple[tuple[int, Real, Real], ...] = ()
 
 
 NOTHING = Change()
@@ -111,8 +111,8 @@ class Free:
         for o, factor in change.gains:
             gain[o] *= factor
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
-        for o, first, second in change.shifts:
-            moved[o] += c.shifted(o, np.array([first, second]))
+        for o, along_m, off in change.shifts:
+            moved[o] += c.shifted(o, along_m, off)
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         upper = np.triu_indices(self.modes)

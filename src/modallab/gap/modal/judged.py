@@ -52,8 +52,8 @@ def judged(free: Free, base: Fitted, tried: list[Fitted]) -> Judged:
     """What the explanations amount to."""
     ranked = probabilities(free, tried)
     before = strain(free, base)
-    best = min(tried, key=lambda f: f.cost, default=base)
-    gain = (base.cost - best.cost) / max(1.0, best.cost / free.size)
+    best = min(tried, key=lambda f: f.counted, default=base)
+    gain = (base.cost - best.counted) / max(1.0, best.cost / free.size)
     if gain < SURE:
         verdict: Verdict = "no_gap" if before < FLAT else "unknown"
         return Judged(verdict, base, base, ranked, [])
@@ -73,19 +73,25 @@ def probabilities(free: Free, tried: list[Fitted]) -> list[tuple[Fitted, float]]
     """Explanations with their probabilities; what the best of them leaves is the scale of an error."""
     if not tried:
         return []
-    costs = np.array([f.cost + 2 * f.v.size for f in tried])
+    costs = np.array([f.counted + 2 * (f.v.size - _beside(f)) for f in tried])
     weights = np.exp(-(costs - costs.min()) / (2 * max(1.0, costs.min() / free.size)))
     listed = zip(tried, (weights / weights.sum()).tolist(), strict=True)
     return sorted(((f, min(p, 0.995)) for f, p in listed), key=lambda pair: -pair[1])
 
 
+def _beside(fitted: Fitted) -> int:
+    return 0 if fitted.candidate is None else fitted.candidate.beside
+
+
 def moves(free: Free, fitted: Fitted) -> float:
-    """Share of the response that the change moves, at the output where it moves most."""
+    """Share of the response that the change moves, at the output where it moves most.
+
+    Each line counts by its own size, as in `Free.share`: of receptances the first mode would be all that counts.
+    """
     c = free.of
     state = free.state(fitted.u, fitted.change).receptance(c.s, c.outside)
     without = free.state(fitted.u).receptance(c.s, c.outside)
-    squares = np.mean(np.abs(state - without) ** 2, axis=(0, 2)) / np.mean(np.abs(state) ** 2, axis=(0, 2))
-    return float(np.sqrt(np.max(squares)))
+    return float(np.sqrt(np.max(np.mean((np.abs(state - without) / c.sizes) ** 2, axis=(0, 2)))))
 
 
 def within_tolerance(free: Free, fitted: Fitted) -> str:
@@ -95,7 +101,7 @@ def within_tolerance(free: Free, fitted: Fitted) -> str:
         return ""
     name = candidate.effect.replace("_", " ")
     if candidate.effect == "position_error":
-        off, allowed, unit = float(np.linalg.norm(v)), t.position_m, "m"
+        off, allowed, unit = float(np.linalg.norm(v[:2])), t.position_m, "m"
     else:
         share_ = FORCE_SHARE if candidate.channel is None else 1.0
         off, allowed, unit = abs(float(v[0]) - 1), share_ * t.sensitivity, ""

@@ -44,6 +44,18 @@ class Fitted:
     covariance: Real
 
     @property
+    def counted(self) -> float:
+        """The cost, and what the numbers beside the change could have been over what they are found to be.
+
+        That is what their evidence adds (Laplace): numbers that fit anything explain little.
+        """
+        beside = 0 if self.candidate is None else self.candidate.beside
+        if not beside:
+            return self.cost
+        prior = 2 * np.sum(np.log(self.candidate.prior[-beside:])) if self.candidate is not None else 0.0
+        return self.cost + float(prior - np.linalg.slogdet(self.covariance[-beside:, -beside:])[1])
+
+    @property
     def change(self) -> Change:
         """What was changed."""
         return NOTHING if self.candidate is None else self.candidate.make(self.v)
@@ -146,7 +158,7 @@ def explanations(levels: Sequence[Free]) -> tuple[Fitted, list[Fitted]]:
         if len(of_kind) < (REFINED if candidate.freedoms else 1):
             of_kind.append(fit(thin, candidate, None, start, FIRST_STEPS))
     likely = sorted((min(group, key=lambda f: f.cost) for group in tried.values()), key=lambda f: f.cost)
-    final = sorted((_followed(ways[1:], f, f.candidate) for f in likely[:LIKELY]), key=lambda f: f.cost)
+    final = sorted((_followed(ways[1:], f, f.candidate) for f in likely[:LIKELY]), key=lambda f: f.counted)
     final[0] = _from_nearby(levels[-2], levels[-1], final[0])
     return base, final
 

@@ -69,6 +69,10 @@ class Shapes:
         """(offsets, modes) the shapes at places (offsets, 3) away from a freedom, motion along the same axis."""
         return self.between[freedom[1]].at(self.at_m[self.index(freedom)] + offsets_m)
 
+    def uncertain(self, freedom: Freedom, offsets_m: Real) -> Real:
+        """(offsets, modes) by how much `moved` may be off there, one deviation; nothing at a point."""
+        return self.between[freedom[1]].spread(self.at_m[self.index(freedom)] + offsets_m)
+
     def slopes(self, freedom: Freedom) -> Real:
         """(2, modes) derivatives along the tangents, 1/m."""
         tangents = self.tangents(freedom)
@@ -156,12 +160,16 @@ class Between:
     Attributes:
         known: (known, 3) places, centred and scaled.
         weights: (known + 10, columns) of the radial functions and the quadratic part.
+        inverse: (known + 10, known + 10) of the system that gives the weights.
+        rough: (columns,) deviation of the functions that go through such values, in the units of the kernel.
         middle: (3,) of the places, m.
         size: their extent, m.
     """
 
     known: Real
     weights: Real
+    inverse: Real
+    rough: Real
     middle: Real
     size: float
 
@@ -174,13 +182,26 @@ class Between:
         terms = part.shape[1]
         whole = np.block([[_radial(known, known), part], [part.T, np.zeros((terms, terms))]])
         # Points in one plane, or few, leave coefficients of the quadratic part open: the smallest do.
-        weights = np.linalg.pinv(whole, rcond=1e-12) @ np.concatenate([values, np.zeros((terms, values.shape[1]))])
-        return cls(known, weights, middle, size)
+        inverse = np.asarray(np.linalg.pinv(whole, rcond=1e-12), np.float64)
+        weights = inverse @ np.concatenate([values, np.zeros((terms, values.shape[1]))])
+        # -r^5 is the covariance of what the quadratic part leaves.
+        power = -np.sum(values * weights[: len(known)], axis=0)
+        free = max(len(known) - int(np.linalg.matrix_rank(part)), 1)
+        return cls(known, weights, inverse, np.sqrt(np.maximum(power, 0.0) / free), middle, size)
 
     def at(self, places_m: Real) -> Real:
         """(places, columns) at places (places, 3)."""
         places = (places_m - self.middle) / self.size
-        return np.concatenate([_radial(places, self.known), _quadratic(places)], axis=1) @ self.weights
+        return self._terms(places) @ self.weights
+
+    def spread(self, places_m: Real) -> Real:
+        """(places, columns) deviation of the values there: that of kriging, whose scale is how rough the values are."""
+        terms = self._terms((places_m - self.middle) / self.size)
+        square = np.einsum("pi,ij,pj->p", terms, self.inverse, terms)
+        return np.sqrt(np.maximum(square, 0.0))[:, None] * self.rough
+
+    def _terms(self, places: Real) -> Real:
+        return np.concatenate([_radial(places, self.known), _quadratic(places)], axis=1)
 
 
 def _radial(p: Real, q: Real) -> Real:

@@ -28,6 +28,9 @@ not reciprocal there."""
 OUT_OF_PHASE = 0.4
 """Share of a further rank that may be in quadrature to the first (23 degrees): poles that differ from set-up to set-up,
 and what neighbours leave, are as much out of phase as in phase; the shapes of modes are not."""
+FEWEST, TENTH = 3.0, 0.1
+"""A further rank lives on at least this many points, or this share of them where there are few: what one or two points
+misread of a strong mode has a rank of its own as well."""
 ALIKE = 1e3
 """Condition from which the driven points move alike in all modes of a pole, which leaves the plane's division open."""
 
@@ -57,8 +60,8 @@ def split_repeated(
     """Each pole's modal constants as those of one mode, or of several if their rank is higher.
 
     An error of the model raises the rank too, but is not what modes are: in phase or opposite, as the first rank is but
-    for its own complexity, and reciprocal, with positive constants at the driving points. Only such a rank counts, the
-    latter where sensors stand at two driven points or more.
+    for its own complexity, on several points, and reciprocal, with positive constants at the driving points. Only such
+    a rank counts, the last of these where sensors stand at two driven points or more.
 
     Where sensors stand at as many driven points, the parts are reciprocal, A_k = phi_k phi_k^T at the driven points,
     with phi_k orthogonal to one another; else they are the terms of a singular value decomposition.
@@ -98,7 +101,17 @@ def _rank(a: Complex, sigma: Real, share: float) -> int:
     parts = u.T[:rank, :, None] * values[:rank, None, None] * vh[:rank, None]
     # Noise turns about as many numbers of a part as the matrix has rows and columns, half of it in quadrature.
     by_noise = MORE * each**2 * sum(a.shape) / 2
-    return 1 + _in_phase(parts, by_noise)
+    return 1 + min(_in_phase(parts, by_noise), _on_many(parts))
+
+
+def _on_many(parts: Complex) -> int:
+    """How many of the parts after the first live on several points, up to the first that does not."""
+    # The side on which there are more points; participation is 1 for a single one and their number for all alike.
+    longer = 2 if parts.shape[1] >= parts.shape[2] else 1
+    square = np.sum(np.abs(parts[1:]) ** 2, axis=longer)
+    points = square.sum(axis=1) ** 2 / np.sum(square**2, axis=1)
+    kept = points >= min(FEWEST, TENTH * square.shape[1])
+    return int(kept.size if kept.all() else np.argmin(kept))
 
 
 def _in_phase(parts: Complex, by_noise: float) -> int:

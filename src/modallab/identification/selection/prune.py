@@ -12,6 +12,9 @@ MAX_FREQUENCY_SIGMA = 2e-3
 MAX_DAMPING_SIGMA = 0.5
 MUCH_WORSE = 3.0
 """Times the sigma of the better known."""
+NEAR, NEAR_ALONE = 0.5, 1.0
+"""Half-widths: nearer poles may stand on one another; where there is a single FRF, nothing but its course along the
+lines says that there are two."""
 ALIKE = 0.5
 """MAC of two poles' modal constants, over responses and forces, from which they may be one mode."""
 
@@ -40,17 +43,19 @@ def _doubles(
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Poles that stand on a better known one, and those they stand on.
 
-    They are nearer than half a half-width, with shapes that cancel, and much worse known or not known at all. One force
-    sees one shape at a frequency. From several, two modes there have modal constants that differ.
+    They are nearer than half a half-width, in a single FRF than a whole one, with shapes that cancel, and much worse
+    known or not known at all. One force sees one shape at a frequency. From several, two modes there have modal
+    constants that differ.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
     alike = (likeness > ALIKE) | (len(fit.input_points) == 1)
+    reach = NEAR_ALONE if constants[0].size == 1 else NEAR
     double, host = np.zeros(at.omega.size, bool), np.zeros(at.omega.size, bool)
     order = np.argsort(sigma[:, 0] / at.omega)
     for place, i in enumerate(order):
         for j in order[:place]:
-            near = abs(at.omega[i] - at.omega[j]) < 0.5 * abs(at.zeta[i] * at.omega[i])
+            near = abs(at.omega[i] - at.omega[j]) < reach * abs(at.zeta[i] * at.omega[i])
             worse = sigma[i, 0] > MUCH_WORSE * sigma[j, 0] or not good[i]
             if near and worse and alike[i, j]:
                 double[i] = host[j] = True

@@ -43,7 +43,7 @@ class MovingShape:
 
 def is_spatial(rig: Rig) -> bool:
     """Whether a rig says more of the places than a distance along a beam."""
-    return bool(rig.lines) or any(p.y_m or p.z_m for p in rig.points)
+    return bool(rig.lines) or bool(rig.surfaces) or any(p.y_m or p.z_m for p in rig.points)
 
 
 def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
@@ -72,7 +72,10 @@ def shapes_of_model(model: ModalModel, rig: Rig) -> list[MovingShape]:
 
 
 def wireframes(
-    points: Mapping[int, tuple[float, float, float]], lines: Sequence[tuple[int, int]], shapes: Sequence[MovingShape]
+    points: Mapping[int, tuple[float, float, float]],
+    lines: Sequence[tuple[int, int]],
+    shapes: Sequence[MovingShape],
+    surfaces: Sequence[Sequence[int]] = (),
 ) -> Markup | None:
     """All shapes on one structure, moving, with a button to stop them; None if there is nothing to draw.
 
@@ -80,6 +83,7 @@ def wireframes(
         points: id -> x, y, z in m.
         lines: pairs of ids.
         shapes: with motions in the order of `points`.
+        surfaces: ids around each face.
     """
     if len(points) < 2 or not shapes:
         return None
@@ -87,7 +91,9 @@ def wireframes(
     order = {n: i for i, n in enumerate(points)}
     step = max(1, len(lines) // MOST_LINES)
     pairs = [(order[a], order[b]) for a, b in lines[::step] if a in order and b in order]
-    pictures = [_picture(xyz, pairs, shape) for shape in shapes]
+    few = surfaces[:: max(1, len(surfaces) // MOST_LINES)]
+    faces = [[order[n] for n in face] for face in few if all(n in order for n in face)]
+    pictures = [_picture(xyz, pairs, faces, shape) for shape in shapes]
     return moving(pictures, "wireframes", "wireframe.js")
 
 
@@ -97,7 +103,7 @@ def _projection() -> Real:
     return np.array([[c, s * np.sin(_TILT)], [-s, c * np.sin(_TILT)], [0.0, -np.cos(_TILT)]])
 
 
-def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], shape: MovingShape) -> Markup:
+def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequence[int]], shape: MovingShape) -> Markup:
     flat = (xyz - xyz.mean(axis=0)) @ _projection()
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
     span = np.maximum(np.ptp(flat, axis=0), 1e-9)
@@ -113,11 +119,14 @@ def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], shape: MovingShape) ->
     joined = "".join(f"M{at[a, 0]:.1f} {at[a, 1]:.1f}L{at[b, 0]:.1f} {at[b, 1]:.1f}" for a, b in pairs)
     still = "".join(f"M{rest[a, 0]:.1f} {rest[a, 1]:.1f}L{rest[b, 0]:.1f} {rest[b, 1]:.1f}" for a, b in pairs)
     dots = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at)
+    shaded = "".join("M" + "L".join(f"{at[n, 0]:.1f} {at[n, 1]:.1f}" for n in face) + "Z" for face in faces)
     name = f"{shape.name}, {plain(shape.frequency_hz)} Hz"
     drawing = trusted(
         f'<svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" role="img" data-period="{_PERIOD_S:g}" '
-        f'data-points="{_json(data.tolist())}" data-lines="{_json([list(p) for p in pairs])}">'
+        f'data-points="{_json(data.tolist())}" data-lines="{_json([list(p) for p in pairs])}" '
+        f'data-faces="{_json([list(f) for f in faces])}">'
         f"{tag('title', f'{name}: the structure vibrates')}"
+        f'<path class="faces" d="{shaded}"/>'
         f'<path class="rest" d="{still}"/><path class="beam" d="{joined}"/><path class="dots" d="{dots}"/></svg>'
     )
     return tag("figure", drawing, tag("figcaption", tag("b", glued(name))))

@@ -61,7 +61,7 @@ def _spatial(content: ReportContent) -> Markup | None:
         points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
         # Points on one axis are drawn as a beam; what joins others in space is not known.
         along = [] if is_spatial(rig) else [p.id for p in sorted(rig.points, key=lambda p: p.x_m)]
-        drawn = wireframes(points, rig.lines or tuple(pairwise(along)), moving)
+        drawn = wireframes(points, rig.lines or tuple(pairwise(along)), moving, rig.surfaces)
         if drawn is not None:
             scale = "" if model.shapes is not None else " No force was used, so that the shapes have no scale."
             text = f"So the structure moves at its natural frequencies, slowed down and magnified.{scale}"

@@ -29,14 +29,14 @@ export class ModesSoFar {
     this.busy = false;
   }
 
-  draw({ frequency_hz: hz, frequency_sigma_hz: hzSigma, damping_ratio: zeta, damping_sigma: zetaSigma, blocks }, { precision }) {
+  draw({ frequency_hz: hz, frequency_sigma_hz: hzSigma, damping_ratio: zeta, damping_sigma: zetaSigma, blocks, telling_point: point }, { precision }) {
     const limits = [precision?.frequency_ratio, precision?.damping_ratio];
     const rows = hz.map((_, n) => [hzSigma[n] / hz[n], zetaSigma[n] / zeta[n]]);
     const met = rows.map((row) => row.every((ratio, k) => Number.isFinite(ratio) && ratio <= limits[k]));
     this.enough = Boolean(precision) && met.length > 0 && met.every(Boolean);
     this.verdict.hidden = !this.enough;
     this.changed();
-    say(this.words, `From ${blocks} good ${blocks === 1 ? "hit" : "hits"}. ${this.goal(limits, met)}`);
+    say(this.words, `From ${blocks} good ${blocks === 1 ? "hit" : "hits"}. ${this.goal(limits, met)}${point && !this.enough ? ` A hit at point ${point} would tell most.` : ""}`);
     const heads = [["Mode", "n"], ["Frequency [Hz]", "n"], ["± [%]", "n"], ["Damping [%]", "n"], ["± [%]", "n"], ...(precision ? ["Known well enough"] : [])];
     put(this.list, table("Modes so far, each with its standard deviation", heads, rows.map((row, n) => [n + 1, uncertain(hz[n], hzSigma[n]), number(100 * row[0], 2), uncertain(100 * zeta[n], 100 * zetaSigma[n]), number(100 * row[1], 2),
       ...(precision ? [h("span", { class: met[n] ? "good" : "warn" }, met[n] ? "yes" : "not yet")] : [])])));

@@ -1,0 +1,164 @@
+"""A finite-element model as its owner gives it: a result file alone, or a YAML file that says what belongs to it."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Self, cast
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from pydantic import Field, PositiveInt, ValidationError, model_validator
+
+from modallab.core.errors import DataError, FormatError
+from modallab.core.frozen import Frozen
+from modallab.formats.fem.calculix import read_calculix
+from modallab.formats.fem.matrices import modes_of
+from modallab.formats.fem.matrix_file import holds, read_matrix
+from modallab.formats.fem.nastran import read_nastran
+from modallab.formats.fem.node_modes import NodeModes, Units, in_si
+from modallab.formats.fem.uff_modes import read_uff_modes
+
+K, M, FREEDOMS, NODES = ("K", "stiffness"), ("M", "mass"), ("freedoms", "dof"), ("nodes",)
+DIRECTIONS = {"x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6}
+RESULTS = {
+    ".frd": read_calculix,
+    ".f06": read_nastran,
+    ".pch": read_nastran,
+    ".uff": read_uff_modes,
+    ".unv": read_uff_modes,
+}
+DESCRIBED = (".yaml", ".yml")
+EXAMPLE = "{stiffness: K.mtx, mass: M.mtx, freedoms: freedoms.csv, nodes: nodes.csv} or {results: plate.frd, units: mm}"
+_REMEDY = f"name a result file ({', '.join(RESULTS)}), matrices (.npz, .mat), or a YAML file such as {EXAMPLE}"
+
+
+class FemFile(Frozen):
+    """What belongs to a model; files are named beside this one.
+
+    Attributes:
+        results: modes of CalculiX (.frd), Nastran (.f06, .pch) or a universal file.
+        stiffness: K instead: Matrix Market, NumPy, SciPy or MATLAB.
+        mass: M.
+        freedoms: node and direction (x, y, z, rx, ry, rz or 1 to 6) of each row of the matrices.
+        nodes: number, x, y and z of each node.
+        units: of length; mm goes with tonnes.
+        points: node of a point of the rig, where numbers and places do not say it.
+        damping_ratio: of every mode; None: what the rig file believes.
+    """
+
+    results: str = ""
+    stiffness: str = ""
+    mass: str = ""
+    freedoms: str = ""
+    nodes: str = ""
+    units: Units = "m"
+    points: dict[int, PositiveInt] = Field(default_factory=dict)
+    damping_ratio: Annotated[float, Field(gt=0, lt=1)] | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if bool(self.results) == bool(self.stiffness or self.mass):
+            raise ValueError("names neither or both of results and matrices")
+        if not self.results and not (self.stiffness and self.mass and self.freedoms):
+            raise ValueError("matrices need stiffness, mass and freedoms")
+        return self
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FemModel:
+    """Modes of a model in SI units, and the node of each point that its owner has named."""
+
+    modes: NodeModes
+    points: dict[int, int]
+
+
+def is_fem(path: Path) -> bool:
+    """Whether a file, by its ending, is a model and no campaign."""
+    return path.suffix.lower() in (*RESULTS, *DESCRIBED) or holds(path, K)
+
+
+def read_fem(path: Path) -> FemModel:
+    """The modes of a model.
+
+    Raises:
+        FormatError: a file cannot be read, or the description says what it must not.
+        DataError: a file holds no modes, or matrices that do not belong together.
+    """
+    if not path.is_file():
+        raise FormatError("is not there, or no file", where=str(path), remedy=_REMEDY)
+    ending = path.suffix.lower()
+    if ending in RESULTS:
+        return FemModel(RESULTS[ending](path), {})
+    if ending in DESCRIBED:
+        return _described(path)
+    if holds(path, K):
+        return FemModel(_of_matrices(path, path, path, path if holds(path, NODES) else None), {})
+    raise FormatError(f"is no model: its ending is {ending or 'missing'}", where=str(path), remedy=_REMEDY)
+
+
+def _described(path: Path) -> FemModel:
+    said = _said(path)
+    beside = {name: path.parent / str(getattr(said, name)) for name in ("results", "stiffness", "mass", "freedoms")}
+    if said.results:
+        inner = read_fem(beside["results"])
+        modes = inner.modes
+    else:
+        nodes = path.parent / said.nodes if said.nodes else None
+        modes = _of_matrices(beside["stiffness"], beside["mass"], beside["freedoms"], nodes)
+    modes = in_si(modes, said.units)
+    if said.damping_ratio is not None:
+        modes = replace(modes, damping_ratio=np.full(modes.frequency_hz.size, said.damping_ratio))
+    return FemModel(modes, dict(said.points))
+
+
+def _said(path: Path) -> FemFile:
+    try:
+        return FemFile.model_validate(yaml.safe_load(path.read_text(encoding="utf-8-sig")))
+    except ValidationError as error:
+        found = "; ".join(_fault(cast("Any", one)) for one in error.errors())
+        raise FormatError(found, where=str(path), remedy=f"write it such as {EXAMPLE}") from error
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        first = str(error).partition("\n")[0]
+        raise FormatError(f"is no YAML: {first}", where=str(path), remedy=f"write it such as {EXAMPLE}") from error
+
+
+def _fault(error: dict[str, Any]) -> str:
+    place = ".".join(map(str, error["loc"]))
+    if error["type"] == "extra_forbidden":
+        return f"{place} is no field of a model; there are {', '.join(FemFile.model_fields)}"
+    said = str(error["msg"]).removeprefix("Value error, ")
+    return f"{place}: {said}" if place else said
+
+
+def _of_matrices(stiffness: Path, mass: Path, freedoms: Path, nodes: Path | None) -> NodeModes:
+    rows = _table(freedoms, FREEDOMS, 2)
+    places = {int(n): (float(x), float(y), float(z)) for n, x, y, z in (_table(nodes, NODES, 4) if nodes else ())}
+    return modes_of(read_matrix(stiffness, K), read_matrix(mass, M), rows.astype(np.int64), places, stiffness.stem)
+
+
+def _table(path: Path, names: tuple[str, ...], columns: int) -> NDArray[np.float64]:
+    """(rows, columns) numbers of a text table, or of an array."""
+    if path.suffix in (".npz", ".npy", ".mat"):
+        found = np.asarray(read_matrix(path, names), np.float64)
+    else:
+        found = _text_table(path)
+    if found.ndim != 2 or found.shape[1] != columns:
+        raise DataError(
+            f"the table {names[0]} has shape {found.shape}, and {columns} columns are asked for",
+            where=str(path),
+            remedy="a row for each row of the matrices: node, direction"
+            if columns == 2
+            else "a row a node: id, x, y, z",
+        )
+    return found
+
+
+def _text_table(path: Path) -> NDArray[np.float64]:
+    try:
+        lines = (line.partition("#")[0].replace(",", " ").split() for line in path.read_text("utf-8-sig").splitlines())
+        rows = [[float(DIRECTIONS.get(cell.lower(), cell)) for cell in cells] for cells in lines if cells]
+        return np.array(rows, np.float64)
+    except (OSError, ValueError) as error:
+        raise FormatError(
+            f"is no table of numbers: {error}", where=str(path), remedy="write node and direction, or node, x, y and z"
+        ) from error

@@ -1,0 +1,154 @@
+"""A finite-element model as the modal model that a test on the rig would give."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Channel, Point, Rig
+from modallab.formats.fem.fem_file import FemModel
+
+Real = NDArray[np.float64]
+
+ABOVE = 1.1
+"""Modes up to this part of the band's end stay modes; of those above it there is what they move in the band."""
+NEAR = 0.03
+"""Of the rig's extent: a node farther than that from a point is not the point's."""
+APART = 20.0
+"""Ratio of two frequencies that follow each other, from which those below are motions of the whole."""
+RIGID = 6
+POWERS, LINES = (0, 2, 4), 200
+UNSEEN = 1e-6
+"""Of the largest modal constant: a mode that no sensor sees by more is left out."""
+
+
+def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> ModalModel:
+    """The model's modes at the rig's channels, driven at the points `inputs`, in the band of a test.
+
+    Modes above the band add what they move within it, motions of the whole their inertance.
+
+    Raises:
+        DataError: a point is at no node, a channel has none, or the band holds no mode.
+    """
+    channels = [channel for channel in rig.responses if channel.point is not None]
+    out = np.array([_along(fem, rig, c.point or 0, c) for c in channels]).T
+    into = np.array([_along(fem, rig, p, None) for p in inputs]).T
+    hz = fem.modes.frequency_hz
+    constants = out[:, :, None] * into[:, None, :]
+    rigid = np.arange(hz.size) < _rigid(hz)
+    inside = ~rigid & (hz <= ABOVE * band_hz[1])
+    size = np.max(np.abs(constants), axis=(1, 2)) if hz.size else np.zeros(0)
+    kept = inside & (size > UNSEEN * size.max(initial=0.0))
+    if not np.any(kept):
+        raise DataError(
+            f"the model has no mode up to {band_hz[1]:.4g} Hz that the sensors see",
+            where=fem.modes.title,
+            remedy="compute more modes, or check its units: units: mm where it is in mm and tonnes",
+        )
+    above = ~rigid & ~inside
+    # Where nothing moves as a whole, nothing is said of it: a test's own term is then not known, instead of wrong.
+    whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
+    outside = whole | dict(zip(POWERS, _compliance(constants[above], hz[above], band_hz), strict=True))
+    return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
+
+
+def _compliance(constants: Real, hz: Real, band_hz: tuple[float, float]) -> Real:
+    """(terms, outputs, inputs) coefficients of s^p for p in `POWERS` that stand for modes above the band within it.
+
+    A mode near the band's end is no mere compliance there: the terms are those that fit its receptance best.
+    """
+    omega = 2 * np.pi * np.linspace(*band_hz, LINES)
+    # Even powers of s on the axis: (j omega)^p is real.
+    terms = np.stack([(-1) ** (p // 2) * (omega / omega[-1]) ** p for p in POWERS], axis=1)
+    receptance = 1 / ((2 * np.pi * hz) ** 2 - omega[:, None] ** 2)
+    by_mode = np.linalg.lstsq(terms, receptance, rcond=None)[0] / omega[-1] ** np.array(POWERS, float)[:, None]
+    return np.einsum("pm,moi->poi", by_mode, constants)
+
+
+def _model(
+    fem: FemModel,
+    rig: Rig,
+    band_hz: tuple[float, float],
+    channels: list[Channel],
+    inputs: tuple[int, ...],
+    kept: NDArray[np.bool_],
+    constants: Real,
+    outside: dict[int, Real],
+) -> ModalModel:
+    zeta = fem.modes.damping_ratio[kept]
+    nothing = np.full(int(kept.sum()), np.nan)
+    return ModalModel(
+        method="finite_elements",
+        band_hz=band_hz,
+        frequency_hz=fem.modes.frequency_hz[kept],
+        damping_ratio=np.where(np.isnan(zeta), rig.damping_ratio.guess, zeta),
+        frequency_sigma_hz=nothing,
+        damping_sigma=nothing,
+        outputs=tuple(c.name for c in channels),
+        output_points=tuple(c.point for c in channels),
+        input_points=inputs,
+        modal_constants=constants[kept].astype(np.complex128),
+        modal_constant_sigma=np.full(constants[kept].shape, np.nan),
+        residuals=np.stack(list(outside.values())),
+        residual_powers=tuple(outside),
+        half_power=nothing,
+        half_power_floor=nothing,
+        notes=(f"Computed by finite elements: {fem.modes.title}. Its damping ratios are not computed.",),
+    )
+
+
+def _rigid(hz: Real) -> int:
+    """How many of the lowest modes are motions of the whole: they stand apart from all others."""
+    first = hz[: RIGID + 1]
+    for n in range(first.size - 1, 0, -1):
+        if first[n] > APART * max(first[n - 1], np.finfo(float).tiny):
+            return n
+    return 0
+
+
+def _along(fem: FemModel, rig: Rig, point: int, channel: Channel | None) -> Real:
+    """(modes,) motion at a point as the channel reads it, or along the drive."""
+    # What reads along the drive's axis has been turned to its sense.
+    drive = rig.drive_direction
+    direction = drive if channel is None or channel.direction[1] == drive[1] else channel.direction
+    sense = -1.0 if direction[0] == "-" else 1.0
+    return sense * fem.modes.at[_node(fem, rig, point)][:, "xyz".index(direction[1])]
+
+
+def _node(fem: FemModel, rig: Rig, point: int) -> int:
+    here = next(p for p in rig.points if p.id == point)
+    named = fem.points.get(point, point)
+    if point in fem.points or (named in fem.modes.at and not fem.modes.places_m):
+        return _there(fem, named, point)
+    known = [node for node in fem.modes.at if node in fem.modes.places_m]
+    if not known:
+        return _there(fem, named, point)
+    away = np.linalg.norm(np.array([fem.modes.places_m[n] for n in known]) - _at(here), axis=1)
+    nearest = int(np.argmin(away))
+    if away[nearest] > NEAR * _extent(rig):
+        raise DataError(
+            f"point {point} at {tuple(_at(here).tolist())} m is {away[nearest]:.3g} m from the nearest node",
+            where=fem.modes.title,
+            remedy=f"describe the model in a YAML file: points: {{{point}: NODE}}, or units: mm if that is its unit",
+        )
+    # Nodes at one place, of a hinge or a rigid link: the one of the point's own number before others.
+    same = [n for n, d in zip(known, away, strict=True) if d <= away[nearest] + 1e-9]
+    return named if named in same else same[0]
+
+
+def _there(fem: FemModel, node: int, point: int) -> int:
+    if node in fem.modes.at:
+        return node
+    raise DataError(
+        f"has no node {node} for point {point}",
+        where=fem.modes.title,
+        remedy=f"say which node it is in a YAML file: points: {{{point}: NODE}}",
+    )
+
+
+def _at(point: Point) -> Real:
+    return np.array([point.x_m, point.y_m, point.z_m])
+
+
+def _extent(rig: Rig) -> float:
+    return float(np.ptp(np.array([_at(p) for p in rig.points]), axis=0).max())

@@ -1,0 +1,33 @@
+"""What is known of a shape between its points: nothing less at a point, more the farther and the rougher."""
+
+import numpy as np
+
+from modallab.gap.modal.shapes import Between
+
+PLACES = np.stack([np.linspace(0.1, 1.0, 10), np.zeros(10), np.zeros(10)], axis=1)
+WAVES = np.stack([np.sin(2 * PLACES[:, 0]), np.sin(9 * PLACES[:, 0])], axis=1)
+
+
+def test_at_the_points_a_shape_is_what_was_measured() -> None:
+    between = Between.of(PLACES, WAVES)
+    np.testing.assert_allclose(between.at(PLACES), WAVES, atol=1e-7)
+    assert between.spread(PLACES).max() < 1e-3 * between.spread(PLACES + np.array([0.05, 0, 0])).max()
+
+
+def test_beyond_the_last_point_it_is_known_least_and_a_rough_shape_less_than_a_smooth_one() -> None:
+    within, outside, far = Between.of(PLACES, WAVES).spread(np.array([[0.55, 0, 0], [0.05, 0, 0], [0.0, 0, 0]]))
+    assert np.all(within < outside)
+    assert np.all(outside < far)
+    assert np.all(10 * far[:1] < far[1:])
+
+
+def test_beyond_the_ends_the_deviation_is_about_the_error_and_between_points_no_smaller() -> None:
+    """Of waves of many lengths and phases, half a step beyond the ends and within."""
+    rng = np.random.default_rng(4)
+    length, phase = rng.uniform(0.6, 2.5, 200), rng.uniform(0, 2 * np.pi, 200)
+    between = Between.of(PLACES, np.sin(2 * np.pi * PLACES[:, :1] / length + phase))
+    places = np.array([[0.05, 0, 0], [1.05, 0, 0], [0.15, 0, 0], [0.62, 0, 0]])
+    error = between.at(places) - np.sin(2 * np.pi * places[:, :1] / length + phase)
+    ratio = np.sqrt(np.mean((error / between.spread(places)) ** 2, axis=1))
+    assert np.all((ratio[:2] > 0.5) & (ratio[:2] < 2.0))
+    assert np.all(ratio[2:] < 1.0)

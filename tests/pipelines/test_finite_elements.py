@@ -1,0 +1,90 @@
+"""A finite-element model taken at a rig's channels: the receptances of the whole model, in the band of a test."""
+
+import numpy as np
+import pytest
+from beam_elements import beam
+
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Point, Rig
+from modallab.formats.fem.fem_file import FemModel
+from modallab.formats.fem.matrices import modes_of
+from modallab.gap.modal.synthesis import synthesised
+from modallab.pipelines.finite_elements import model_of_elements
+
+EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
+K, M, FREEDOMS, NODES = beam(EI, PER_M, LENGTH, 12)
+PLACES = {int(n): (float(x), float(y), float(z)) for n, x, y, z in NODES}
+
+
+def rig(direction: str = "+z", first: int = 1) -> Rig:
+    points = tuple(Point(id=first + n, x_m=x) for n, x in enumerate((0.3, 0.6, 0.9)))
+    channels = (
+        Channel(index=0, name="force", quantity="force", unit="N", direction="-z"),
+        *(
+            Channel(index=n + 1, name=f"a{n}", quantity="acceleration", unit="m/s^2", point=p.id, direction=direction)
+            for n, p in enumerate(points)
+        ),
+    )
+    return Rig(name="beam", model="unknown", drive_direction="-z", points=points, channels=channels)
+
+
+def free() -> FemModel:
+    """The same beam held by nothing but a spring too soft to be seen."""
+    k, m, freedoms, nodes = beam(EI, PER_M, LENGTH, 12)
+    first = np.zeros((26, 26)), np.zeros((26, 26))
+    h = LENGTH / 12
+    own = EI / h**3 * np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    mass = PER_M * h / 420 * np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h**2, 13 * h, -3 * h**2]])
+    for whole, part, rows in zip(first, (k, m), (own, mass), strict=True):
+        whole[2:, 2:] = part
+        whole[:2, :4] = rows
+        whole[2:4, :2] = rows[:, 2:].T
+    places = {0: (0.0, 0.0, 0.0), **PLACES}
+    at = np.concatenate([[(0, 3), (0, 5)], freedoms])
+    assert len(nodes) == 12
+    return FemModel(modes_of(*first, at, places, "free"), {})
+
+
+CLAMPED = FemModel(modes_of(K, M, FREEDOMS, PLACES, "clamped"), {})
+
+
+def receptance(k: np.ndarray, m: np.ndarray, omega: float) -> np.ndarray:
+    """(3, 3) at the nodes 4, 8 and 12, by the matrices themselves."""
+    rows = [2 * (node - 1) for node in (4, 8, 12)]
+    return np.linalg.inv(k - omega**2 * m)[np.ix_(rows, rows)]
+
+
+def test_in_the_band_it_answers_as_the_whole_model_does() -> None:
+    found = model_of_elements(CLAMPED, rig(), BAND, (1, 2, 3))
+    assert found.frequency_hz[-1] < 1.1 * BAND[1] < CLAMPED.modes.frequency_hz[found.n_modes]
+    assert -2 not in found.residual_powers
+    for hz in (4.0, 70.0, 160.0, 245.0):
+        exact = receptance(K, M, 2 * np.pi * hz)
+        made = synthesised(found, np.array([2j * np.pi * hz]))[0]
+        # Without damping but for what it is believed to be, which is nothing away from the resonances.
+        np.testing.assert_allclose(made.real, exact, atol=0.01 * np.abs(exact).max())
+
+
+def test_what_moves_as_a_whole_is_an_inertance() -> None:
+    found = model_of_elements(free(), rig(), BAND, (3,))
+    # Two motions of a free beam: x from its middle over the radius of gyration squared.
+    off = np.array([0.3, 0.6, 0.9]) - LENGTH / 2
+    expected = (1 + off * off[2] / (LENGTH**2 / 12)) / (PER_M * LENGTH)
+    np.testing.assert_allclose(found.residuals[found.residual_powers.index(-2)][:, 0], expected, atol=1e-4)
+
+
+def test_channels_along_the_drive_read_along_it_and_others_as_they_stand() -> None:
+    along = model_of_elements(CLAMPED, rig("+z"), BAND, (3,))
+    assert np.all(along.modal_constants[:, 2, 0].real > 0)
+    with pytest.raises(DataError, match="no mode up to 250 Hz that the sensors see"):
+        model_of_elements(CLAMPED, rig("+y"), BAND, (3,))
+
+
+def test_points_are_nodes_by_place_by_name_or_by_number() -> None:
+    expected = model_of_elements(CLAMPED, rig(), BAND, (3,)).modal_constants
+    elsewhere = rig(first=101)
+    np.testing.assert_array_equal(model_of_elements(CLAMPED, elsewhere, BAND, (103,)).modal_constants, expected)
+    numbered = FemModel(modes_of(K, M, FREEDOMS, {}, "numbers"), {1: 4, 2: 8, 3: 12})
+    np.testing.assert_array_equal(model_of_elements(numbered, rig(), BAND, (3,)).modal_constants, expected)
+    with pytest.raises(DataError, match="has no node 101 for point 101"):
+        model_of_elements(FemModel(numbered.modes, {}), elsewhere, BAND, (103,))
