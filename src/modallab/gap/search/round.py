@@ -19,7 +19,7 @@ from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import SIZES, Begin, Screen
 from modallab.gap.search.worth import ABOVE
 from modallab.twin.candidate import Candidate
-from modallab.twin.effects import search_of
+from modallab.twin.effects import model_of, search_of
 
 LIKELY = 14
 """Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
@@ -99,8 +99,20 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         # Where what led is no explanation either, what crept may be the better one.
         last = partial(on_all, bench) if any(is_sound(bench, f) for f in best) else to_the_end
         best += workers.map(last, better[len(hopeful) : finished])
+        if not any(is_sound(bench, f) for f in best):
+            best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
     rest = (*better, *looks[LONGER:], *(fits[0] for fits in glances[LIKELY:]))
     return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:
+    """Those not tried whose one number moves all frequencies, as without an assembly only the beam's numbers do."""
+    if bench.free.deviations:
+        return []
+    own = {(f.problem.candidates[-1].effect, f.problem.candidates[-1].place) for f in tried}
+    last = [(f, f.problem.candidates[-1]) for f in looks]
+    alike = [(f, c) for f, c in last if len(c.slots) == 1 and model_of(c.effect).moves_poles]
+    return [f for f, c in alike if (c.effect, c.place) not in own]
 
 
 def _excused(fits: list[Fit]) -> bool:
