@@ -54,6 +54,13 @@ def test_the_place_that_fits_all_records_is_the_springs(elsewhere: Fit) -> None:
     assert found.parameters["k3"] == pytest.approx(K3, rel=0.1)
 
 
+def test_a_law_that_does_nothing_has_no_better_place(elsewhere: Fit) -> None:
+    u = elsewhere.u.copy()
+    u[-2] = elsewhere.problem.candidates[0].slots[0].coordinate(1e-12)
+    nothing = seen(elsewhere.problem, u)
+    assert along_the_beam(nothing).cost <= nothing.cost
+
+
 def test_a_law_that_is_tied_to_no_mode_stays_where_it_is(elsewhere: Fit) -> None:
     (root,) = model_of("clamp_friction").candidates(elsewhere.problem.data.rig)
     own = [s.coordinate(s.starts[0]) for s in root.slots]

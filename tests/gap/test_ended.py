@@ -8,11 +8,11 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_bench
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of, free_of
 from modallab.gap.search.ending import ended
-from modallab.gap.search.fitting import COARSE, annealed, completed, ordinary
+from modallab.gap.search.fitting import COARSE, annealed, baseline, completed, ordinary
 
 
 def strayed(rig, make, beam):
@@ -33,6 +33,17 @@ def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, ma
     found = ended(bench, fit, COARSE / 12)
     assert found.gap < 1.1
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)
+
+
+def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
+    prepared = prepare(make(Effect(effect="sensor_mass", parameters={"mass_each": 0.001}, place={"x": "all"})))
+    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    (candidate,) = (c for c in of_bench(rig) if c.effect == "sensor_mass")
+    # Thickness, density and Young's modulus have done the work, and the effect looks like next to nothing.
+    u = np.append(baseline(bench).u, candidate.slots[0].coordinate(1.4e-4))
+    found = ended(bench, seen(Problem(bench.thin, bench.free, (candidate,)), u), 0.0)
+    assert found.gap < 1.1
+    np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.001, rtol=0.01)
 
 
 def test_masses_that_every_sensor_has_are_one_number_again(rig, make):

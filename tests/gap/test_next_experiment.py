@@ -1,6 +1,7 @@
 """The experiment that separates what is left standing is chosen by what it would show, before it is made."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,22 @@ def test_later_records_come_behind_under_names_of_their_own(sines: Campaign) -> 
     whole = continued(sines, sines)
     assert len({b.name for b in whole.blocks}) == 2 * len(sines.blocks)
     assert [b.order for b in whole.blocks] == list(range(2 * len(sines.blocks)))
+
+
+def test_what_nothing_on_the_rig_decides_is_not_run(
+    sines: Campaign, rig: Rig, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Of one accelerometer in the first row, a skew for each row and a delay of all are the same.
+    blocks = [replace(b, samples=b.samples[:2], scale=b.scale[:2], units=b.units[:2]) for b in sines.blocks]
+    few = rig.model_copy(update={"channels": rig.channels[:2]})
+    one = replace(sines, rig=few, blocks=tuple(replace(b, channels=b.channels[:2]) for b in blocks))
+    write_campaign(one, tmp_path / "c.h5")
+    said = left_standing(rig, "channel_skew", "trigger_delay").model_dump_json()
+    (tmp_path / "d.json").write_text(said, encoding="utf-8")
+    asked = ["gap", "next", str(tmp_path / "c.h5"), "--diagnosis", str(tmp_path / "d.json")]
+    assert main([*asked, "--run", "--bench", "sim://cantilever", "--data", str(tmp_path / "data")]) == 2
+    assert "no experiment on this rig decides" in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "data").exists()
 
 
 def test_at_the_terminal(rig: Rig, sines: Campaign, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.prediction import read_prediction, write_prediction
 from modallab.formats.rig.rig_file import write_rig
-from modallab.gap.design.prediction import predict
+from modallab.gap.design.prediction import predict, with_records
 from modallab.gap.exported.chain import chain
 from modallab.gap.exported.forms import FORMS, InForm, in_form, write_form
 from modallab.gap.exported.mjcf import write_mjcf
@@ -215,3 +215,35 @@ def test_what_cannot_be_exported_leaves_no_file(rig: Rig, tmp_path: Path, capsys
     assert "in steps of 2 Hz no mode would be seen" in said
     assert "give a rate well above" in said
     assert not out.exists()
+
+
+LAWS = {
+    "cubic_spring": Effect(effect="cubic_spring", parameters={"k3": 4e8}, place={"x": 0.8}),
+    "clearance": Effect(effect="clearance", parameters={"k_contact": 3000.0, "gap": 2e-4}, place={"x": 0.0}),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_mujoco_has_the_springs_that_depend_on_the_size_of_the_motion(rig: Rig, heavy: Campaign, law: str) -> None:
+    diagnosis = made_diagnosis(rig, LAWS[law])
+    hit = replace(heavy, blocks=tuple(b for b in heavy.blocks if b.name == ONE[0]))
+    own = predict(diagnosis, hit)[ONE[0]]
+    linear = predict(made_diagnosis(rig, verdict="no_gap"), hit)[ONE[0]]
+    # What the law does is no small part of it.
+    assert np.linalg.norm(linear - own) > 0.1 * np.linalg.norm(own)
+    found = in_form(FORMS["mjcf"], diagnosis, with_records(hit, {ONE[0]: own}), ["impact"], None)
+    assert found.closed is not None
+    assert found.closed > 0.95
+
+
+def test_what_does_not_answer_in_proportion_has_no_linear_form(rig: Rig, tmp_path: Path) -> None:
+    for form, suffix in (("npz", ".npz"), ("uff", ".uff")):
+        with pytest.raises(DataError, match="does not answer in proportion"):
+            write_form(
+                tmp_path / f"t{suffix}", FORMS[form], made_diagnosis(rig, LAWS["cubic_spring"]), rig, ["impact"], None
+            )
+    friction = Effect(
+        effect="clamp_friction", parameters={"k_stick": 5000.0, "k_slip": 2000.0, "moment_limit": 0.3}, place={"x": 0.0}
+    )
+    with pytest.raises(DataError, match="MuJoCo has no spring"):
+        write_form(tmp_path / "t.xml", FORMS["mjcf"], made_diagnosis(rig, friction), rig, ["impact"], None)

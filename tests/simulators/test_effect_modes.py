@@ -39,6 +39,13 @@ def test_tip_mass(share: float):
     np.testing.assert_allclose(omega, omega_of(equation, 10), rtol=1e-8)
 
 
+@pytest.mark.parametrize("apart", [0.0, 1e-16, 1e-9])
+def test_two_masses_a_hair_apart_are_one(apart: float):
+    two = [Attachment(0.8 * L, mass=0.1 * M), Attachment((0.8 + apart) * L, mass=0.2 * M)]
+    one = AttachedModes(BEAM, [Attachment(0.8 * L, mass=0.3 * M)])
+    np.testing.assert_allclose(AttachedModes(BEAM, two).omega(10), one.omega(10), rtol=1e-7)
+
+
 @pytest.mark.parametrize("k", [1.0, 50.0, 1e5])
 def test_spring_at_the_tip(k: float):
     def equation(b: float) -> float:

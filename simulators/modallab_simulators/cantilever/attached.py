@@ -9,7 +9,7 @@ as for a mass.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
@@ -26,6 +26,8 @@ SUMMED = 160
 """Modes of the bare structure that are kept, and up to which those above are summed."""
 
 _NOTHING = 1e-9
+_SAME = 1e-6
+"""Share of the length below which two attachments are one: their static answers would be the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +69,8 @@ class AttachedModes:
         self._bare, self._root, self._absorbers = bare, root_n_m, tuple(absorbers)
         # Where an absorber hangs, the beam needs what a load there bends.
         attachments = [*attachments, *(Attachment(a.x_m) for a in absorbers)]
-        self._at = _together([a for a in attachments if a.x_m > _NOTHING * bare.length_m])
+        off_root = [a for a in attachments if a.x_m > _NOTHING * bare.length_m]
+        self._at = _together(off_root, _SAME * bare.length_m)
 
     @property
     def length_m(self) -> float:
@@ -204,10 +207,14 @@ class AttachedModes:
         return mass, stiffness
 
 
-def _together(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
+def _together(attachments: Sequence[Attachment], same_m: float) -> tuple[Attachment, ...]:
     """One attachment a place: two of the same kind there are their sum, and bend the beam alike."""
-    found: dict[tuple[float, int], Attachment] = {}
+    found: list[Attachment] = []
     for a in attachments:
-        former = found.get((a.x_m, a.order), Attachment(a.x_m, a.order))
-        found[a.x_m, a.order] = Attachment(a.x_m, a.order, former.mass + a.mass, former.stiffness + a.stiffness)
-    return tuple(found.values())
+        at = next((k for k, f in enumerate(found) if f.order == a.order and abs(f.x_m - a.x_m) < same_m), None)
+        if at is None:
+            found.append(a)
+        else:
+            former = found[at]
+            found[at] = replace(former, mass=former.mass + a.mass, stiffness=former.stiffness + a.stiffness)
+    return tuple(found)

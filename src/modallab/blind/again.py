@@ -5,12 +5,17 @@ from datetime import date
 from pathlib import Path
 from typing import NamedTuple
 
+from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.report.initial_gap import gap_before, gap_known
+from modallab.gap.report.initial_gap import gap_before, gap_known, gap_unseen
 from modallab.gap.report.shrinkage import BARE, closed
 from modallab.gap.revisions.apply import with_diagnosis
+from modallab.twin.effects import model_of
+
+HELD_OUT = "mixed"
+"""Rule by which a diagnosis holds records out, unless asked for another."""
 
 
 class Again(NamedTuple):
@@ -29,6 +34,14 @@ def again(later: Path, diagnosis: Diagnosis) -> Again:
     """Hold a diagnosis that names effects against a later campaign on the same bench."""
     campaign = read_campaign(later)
     revised = replace(campaign, rig=with_diagnosis(campaign.rig, diagnosis, date.min))
-    before = gap_before(campaign)
-    share = closed(before, gap_known(revised)) if before**2 - 1 > BARE else None
+    before, after = _gaps(campaign, revised, diagnosis)
+    share = closed(before, after) if before**2 - 1 > BARE else None
     return Again(share, diagnose(revised).verdict == "no_gap")
+
+
+def _gaps(campaign: Campaign, revised: Campaign, diagnosis: Diagnosis) -> tuple[float, float]:
+    """In noise units, on what a diagnosis measures its shrinkage on: records that its fits have not seen."""
+    if any(model_of(f.effect).search is None for f in diagnosis.effects):
+        # What no force predicts is in each record on its own.
+        return gap_before(campaign), gap_known(revised)
+    return gap_unseen(campaign, HELD_OUT), gap_unseen(revised, HELD_OUT)

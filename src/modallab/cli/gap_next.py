@@ -14,7 +14,7 @@ from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.experiments import Experiment, continued, next_experiments
+from modallab.gap.design.experiments import APART, Experiment, continued, next_experiments
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.service.campaigns.local_session import record_campaign
@@ -34,6 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(_table(found))
     if not found:
         raise PlanError("no experiment is possible on this rig", remedy="give the rig more points, or a shaker point")
+    if found[0].after < APART:
+        raise PlanError(
+            f"no experiment on this rig decides: the best leaves {found[0].after:.2g} noise units between them",
+            where=campaign.rig.name,
+            remedy=diagnosis.next_experiment or "add a sensor where the explanations differ",
+        )
     console.print(found[0].says, markup=False)
     return _go_on(console, campaign, found[0], arguments) if arguments.run_it else 0
 

@@ -1,6 +1,6 @@
 """The diagnosis: where the gap lies, what causes it, how far it shrinks."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.blas_threads import one_thread
-from modallab.core.block import Campaign
+from modallab.core.block import Block, Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found, Gap, Percent, Shrink, Verdict
 from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
@@ -106,7 +106,7 @@ def diagnose(
         where=where(verdict, found, withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
         candidates=_candidates(ranked, seen, choice),
-        shrink=_shrink(campaign, prepared, choice, unseen, [b.name for b in held or fitted], bool(held)),
+        shrink=_shrink(choice, _as_found(prepared, seen, unseen, held or fitted), unseen, [b.name for b in held]),
         next_experiment=next_experiment(verdict, ranked, campaign, nonlinear),
         twin=calibrated(choice.believed, everything),
         budget=budget(choice.believed, everything, _resonances_hz(prepared), usual=not stated),
@@ -266,17 +266,25 @@ def _discrepancy(twin: Twin, data: Reduced) -> Discrepancy | None:
     return Discrepancy(median=float(np.median(list(found.values()))), worst=found[worst], record=worst)
 
 
-def _shrink(
-    campaign: Campaign, prepared: Prepared, choice: Choice, clean: Reduced, names: list[str], held: bool
-) -> Shrink:
-    chosen = set(names)
+def _as_found(prepared: Prepared, seen: list[Found], clean: Reduced, held: Sequence[Block]) -> Reduced:
+    """Records held out, before an explanation: as they came, where that is of the records themselves.
+
+    Noise that the rig file does not promise is no gap that an effect of the twin could close.
+    """
+    if not seen:
+        return clean
+    chosen = {b.name for b in held}
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    raw = reduce(campaign, [b for b in campaign.blocks if b.name in chosen], Weights(prepared.believed_v, full_scales))
+    blocks = [b for b in prepared.campaign.blocks if b.name in chosen]
+    return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales))
+
+
+def _shrink(choice: Choice, raw: Reduced, clean: Reduced, held: list[str]) -> Shrink:
     before = squares(twin_of(choice.base, clean), raw)
     # The masks of a clipped channel are part of its explanation; the bootstrap pairs entries one by one.
     after = squares(twin_of(choice.believed, clean), clean)
     rival = _rival(choice, clean, before.gap)
-    return shrink(names if held else [], before, after, rival, np.random.default_rng(SEED))
+    return shrink(held, before, after, rival, np.random.default_rng(SEED))
 
 
 def _rival(choice: Choice, clean: Reduced, before: float) -> dict[str, float]:

@@ -34,6 +34,11 @@ ABOUT = (0.97, 0.985, 1.0, 1.015, 1.03)
 HIT_S, SINE_S = 20.0, 25.0
 """What a hit and a sine take at the bench, with the wait for rest."""
 HITS = 5
+APART = 1.0
+"""Noise units below which no experiment decides between two explanations.
+
+An effect of a plain size that is no further from all that others can imitate is not seen.
+"""
 
 
 class Experiment(Frozen):

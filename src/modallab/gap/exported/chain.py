@@ -107,7 +107,7 @@ def combinations(found: Chain, mass: Array) -> list[tuple[Array, float, float]]:
 
     With M-orthonormal shapes theta_r, stiffness sum_r omega_r^2 (M theta_r)(M theta_r)^T has them as its modes.
     """
-    theta = _orthonormal(found.modes, mass)
+    theta = orthonormal(found.modes, mass)
     whole = np.hstack([theta, _complement(theta, mass)])
     rest = whole.shape[1] - len(found.omega)
     omega = np.concatenate([found.omega, np.full(rest, OTHERS * float(found.omega.max()))])
@@ -118,7 +118,7 @@ def combinations(found: Chain, mass: Array) -> list[tuple[Array, float, float]]:
     return springs + [(row, 0.0, c) for row, c in found.dampers]
 
 
-def _orthonormal(shapes: Array, mass: Array) -> Array:
+def orthonormal(shapes: Array, mass: Array) -> Array:
     """The shapes, each made orthonormal to those before: the low modes stay as they are (Gram and Schmidt)."""
     lower: NDArray[Any] = np.linalg.cholesky(shapes.T @ mass @ shapes)
     return np.asarray(np.linalg.solve(lower, shapes.T), dtype=np.float64).T

@@ -1,7 +1,8 @@
 """The twin as a MuJoCo model: a chain of links, a motor at each point of the rig, an accelerometer at each channel's.
 
 Joints along x hinge about -y, so that the free end rises along z. Fixed tendons hold stiffness and damping: a
-combination of joints each. There is no gravity: what is simulated is the motion about rest.
+combination of joints each; a cubic spring and a free play are one more. There is no gravity: what is simulated is the
+motion about rest.
 """
 
 from pathlib import Path
@@ -17,6 +18,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
 from modallab.gap.exported.chain import Chain, chain, combinations
+from modallab.gap.exported.mjcf_laws import law_tendon
 from modallab.twin.bench import Twin
 
 Array = NDArray[np.float64]
@@ -34,7 +36,7 @@ def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
-        DataError: a response channel is no accelerometer.
+        DataError: a response channel is no accelerometer, or MuJoCo has no spring with a law of the twin.
         StorageError: the file cannot be written.
     """
     text = mjcf(twin, rig, test)
@@ -57,9 +59,15 @@ def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
     length = structure.length_m
     sensors = {c.name: _on(rig.x_of(c.point or 0) + twin.chain.shift.get(c.index, 0.0), length) for c in rig.responses}
     points = {p.id: twin.struck_x_m(p.x_m) if test == "impact" else p.x_m for p in rig.points}
-    found = chain(structure, np.array([*sensors.values(), *points.values()]))
+    acts = [] if twin.element is None else [twin.element.x_m]
+    found = chain(structure, np.array([*sensors.values(), *points.values(), *acts]))
     root = _bodies(found, rig, sensors, points)
-    _add_tendons(root, found, mass_matrix(ET.tostring(root, encoding="unicode")))
+    mass = mass_matrix(ET.tostring(root, encoding="unicode"))
+    names = [*(["slide"] if found.slides else []), *(f"hinge{k}" for k in range(1, len(found.nodes_m)))]
+    tendons = _tendons(found, mass)
+    if twin.element is not None:
+        tendons["law"] = law_tendon(twin.element, structure, found, mass)
+    _add_tendons(root, names, tendons)
     gains = {c.name: twin.chain.gain.get(c.index, 1.0) / twin.chain.force_gain for c in rig.responses}
     custom = ET.SubElement(root, "custom")
     for name, gain in gains.items():
@@ -105,15 +113,20 @@ def _inertia(body: ET.Element, at: float, mass_kg: float, link_m: float) -> None
     ET.SubElement(body, "inertial", pos=f"{_number(at)} 0 0", mass=_number(mass_kg), diaginertia=" ".join([small] * 3))
 
 
-def _add_tendons(root: ET.Element, found: Chain, mass: Array) -> None:
-    names = [*(["slide"] if found.slides else []), *(f"hinge{k}" for k in range(1, len(found.nodes_m)))]
+def _tendons(found: Chain, mass: Array) -> dict[str, tuple[Array, dict[str, str]]]:
+    """Name -> what it takes of each joint, and its spring and damper: one for each mode and each damper."""
+    return {
+        f"mode{k}": (row, {"stiffness": _number(stiffness), "damping": _number(damping), "springlength": "0"})
+        for k, (row, stiffness, damping) in enumerate(combinations(found, mass), 1)
+    }
+
+
+def _add_tendons(root: ET.Element, joints: list[str], tendons: dict[str, tuple[Array, dict[str, str]]]) -> None:
     tendon = ET.SubElement(root, "tendon")
-    for k, (row, stiffness, damping) in enumerate(combinations(found, mass), 1):
-        fixed = ET.SubElement(
-            tendon, "fixed", name=f"mode{k}", stiffness=_number(stiffness), damping=_number(damping), springlength="0"
-        )
-        for name, coefficient in zip(names, row, strict=True):
-            ET.SubElement(fixed, "joint", joint=name, coef=_number(float(coefficient)))
+    for name, (row, spring) in tendons.items():
+        fixed = ET.SubElement(tendon, "fixed", {"name": name, **spring})
+        for joint, coefficient in zip(joints, row, strict=True):
+            ET.SubElement(fixed, "joint", joint=joint, coef=_number(float(coefficient)))
 
 
 def mass_matrix(text: str) -> Array:

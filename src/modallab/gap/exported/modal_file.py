@@ -15,6 +15,7 @@ from modallab.core.units import DERIVATIVE, Test
 from modallab.formats.modes import ModeShapes
 from modallab.formats.uff.uff_shapes import read_uff_shapes
 from modallab.formats.uff.uff_write import write_uff
+from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.gap.exported.state_space import StateSpace, modal
 from modallab.signals.conversion import sign_of
 from modallab.twin.bench import Twin
@@ -30,9 +31,10 @@ def write_modal(path: Path, twin: Twin, rig: Rig, tests: Sequence[Test]) -> None
     """Write modes and FRFs at the points that have a response channel; sensors and chain are no part of them.
 
     Raises:
-        DataError: no response channel stands at a point.
+        DataError: no response channel stands at a point, or the twin does not answer in proportion to the force.
         StorageError: the file cannot be written.
     """
+    require_proportion(twin, "a modal model")
     channels = _channels(rig)
     structures: dict[Test, Structure] = {test: _structure(twin, rig, test) for test in tests}
     models = [_model(structure, rig, channels, test) for test, structure in structures.items()]

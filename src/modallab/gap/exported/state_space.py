@@ -16,6 +16,7 @@ from scipy.signal import cont2discrete
 
 from modallab.core.rig import Rig
 from modallab.core.units import Test
+from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.predict import sensor_positions
 from modallab.twin.structure import Modes, solve
@@ -81,7 +82,11 @@ def state_space(twin: Twin, rig: Rig, test: Test) -> StateSpace:
         twin: the bench.
         rig: its points are the inputs, its response channels the outputs.
         test: which one.
+
+    Raises:
+        DataError: the twin does not answer in proportion to the force.
     """
+    require_proportion(twin, "a state space")
     hit = test == "impact"
     structure = twin.structure
     if not hit and rig.shaker_point is not None:

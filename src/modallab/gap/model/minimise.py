@@ -4,9 +4,9 @@ The slopes serve several steps, while these help (the chord method: Kelley, Iter
 Equations, SIAM 1995, ch. 5).
 
 Source: Levenberg, Quart. Appl. Math. 2 (1944), 164; Marquardt, J. SIAM 11 (1963), 431; the damping scaled by the
-curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105. Where tolerances are free, a step bends
-along the valley (geodesic acceleration: Transtrum and Sethna, arXiv:1201.5885, 2012): frequencies known to a millionth
-leave a valley between numbers known to a percent whose curvature ends straight steps after a hundredth of its length.
+curvature as in More, Numerical Analysis (Dundee 1977), LNM 630 (1978), 105. Near the floor a step bends along the
+valley (geodesic acceleration: Transtrum and Sethna, arXiv:1201.5885, 2012): frequencies known to a millionth leave a
+valley between numbers known to a percent whose curvature ends straight steps after a hundredth of its length.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -182,10 +182,8 @@ def _step(
 
 
 def _narrow(problem: Problem, here: _Here) -> bool:
-    """Whether tolerances are free and the fit is where their valley is narrower than it is curved."""
-    if problem.floor or not problem.free.deviations:
-        return False
-    return here.cost < NARROW * np.count_nonzero(here.r)
+    """Whether the fit is where its valley is narrower than it is curved: near the floor, with nothing forgiven."""
+    return not problem.floor and here.cost < NARROW * np.count_nonzero(here.r)
 
 
 def _bent(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:

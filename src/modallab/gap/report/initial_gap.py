@@ -8,7 +8,9 @@ from modallab.core.block import Block, Campaign
 from modallab.gap.conditioning.overtones import overtones
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, sine_clock, thinned
+from modallab.gap.conditioning.split import split
 from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.inspected import inspected, known_already
 from modallab.gap.report.measure import Squares, squares
@@ -40,6 +42,23 @@ def gap_known(campaign: Campaign) -> float:
     if any(known_already(found, prepared.campaign.rig) for found in inspected(prepared, twin)):
         return squares(twin, data).gap
     return as_came(prepared, twin).gap
+
+
+def gap_unseen(campaign: Campaign, hold_out: str) -> float:
+    """The same of the records that a rule of `split` keeps from the fit, weighed by the noise they have.
+
+    A bent assembly follows the records that it is fitted to, not these; and noise that the rig file does not promise is
+    no gap that an effect of the twin could close.
+
+    Raises:
+        DataError, RigError: as `gap_before`.
+        PlanError: the rule leaves nothing to fit.
+    """
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    fitted, held = split(prepared.blocks, hold_out)
+    base = baseline(bench_of(prepared, fitted, free_of(prepared.campaign), lambda _: False))
+    unseen = reduce(prepared.campaign, held or fitted, weights_of(prepared))
+    return squares(twin_of(base, unseen), unseen).gap
 
 
 def _fitted(campaign: Campaign) -> tuple[Prepared, Twin, Reduced]:

@@ -23,6 +23,8 @@ STEPS = 4
 """Steps at each with the slopes of the first."""
 FIRST = 1e-2
 """Damping of the first step, as a share of each number's curvature."""
+NOTHING = 1e-12
+"""Share of the largest curvature that counts as none."""
 
 
 def along_the_beam(fit: Fit) -> Fit:
@@ -58,6 +60,9 @@ def _lowest(costs: list[float]) -> float:
     i = min(max(int(np.argmin(costs)), 1), len(costs) - 2)
     before, here, after = costs[i - 1 : i + 2]
     bend = before - 2 * here + after
+    if not bend > 0:
+        # Where the law does nothing, or the least lies at an end, there is no parabola with a low.
+        return PLACES[i]
     step = PLACES[1] - PLACES[0]
     return float(np.clip(PLACES[i] + step * (before - after) / (2 * bend), PLACES[i - 1], PLACES[i + 1]))
 
@@ -76,11 +81,13 @@ def _followed(problem: Problem, u: Array, J: Array, place: int) -> Fit:
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(u)[2]
     held = normal[np.ix_(moving, moving)]
+    # A law that does nothing has no curvature to hold a step back.
+    own = np.maximum(np.diag(held), NOTHING * np.max(np.diag(held)))
     for _ in range(STEPS):
         gradient = J.T @ here.residual
         gradient[:n] += problem.priors(here.u)[1]
         there = here.u.copy()
-        there[moving] -= np.linalg.solve(held + damping * np.diag(np.diag(held)), gradient[moving])
+        there[moving] -= np.linalg.solve(held + damping * np.diag(own), gradient[moving])
         after = seen(problem, there)
         here, damping = (after, damping / 10) if after.cost < here.cost else (here, damping * 10)
     return here

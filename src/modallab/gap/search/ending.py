@@ -39,8 +39,9 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     if not is_sound(bench, there) and not np.array_equal(u, fit.u):
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
         there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
-    if bench.free.deviations and not is_sound(bench, there):
-        there = min((there, *_from_frequencies(bench, there), *_from_rest(bench, there)), key=_cost)
+    if not is_sound(bench, there):
+        rest = _from_rest(bench, there) if bench.free.deviations else []
+        there = min((there, *_from_frequencies(bench, there), *rest), key=_cost)
     strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
     if there.gap > bench.flat and strayed and len(bench.poles):
         begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
@@ -60,7 +61,8 @@ def _from_frequencies(bench: Bench, fit: Fit) -> list[Fit]:
     """A fit once more, its last effect as large as the frequencies of the ring-down want it; none if they do not.
 
     What sits at the root or at every sensor an assembly does as well by many deviations, of the sensors' masses or of
-    the fields: from there nothing says that one number would do.
+    the fields: from there nothing says that one number would do. Without an assembly thickness, density and Young's
+    modulus do nearly the same, and a fit that began with a small effect creeps.
     """
     candidates = fit.problem.candidates
     if not len(bench.poles) or len(candidates[-1].slots) != 1 or not model_of(candidates[-1].effect).moves_poles:

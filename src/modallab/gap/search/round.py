@@ -7,18 +7,19 @@ AISTATS 2016, 240).
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from modallab.core.progress import counted, part, report
 from modallab.gap.model.fit import Fit, Problem
-from modallab.gap.search.ending import ended
+from modallab.gap.search.ending import ended, is_sound
 from modallab.gap.search.fitting import Bench, annealed, misfit, on_all, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import SIZES, Begin, Screen
 from modallab.gap.search.worth import ABOVE
 from modallab.twin.candidate import Candidate
-from modallab.twin.effects import search_of
+from modallab.twin.effects import model_of, search_of
 
 LIKELY = 14
 """Candidates that get more than a glance; where the misfit is small the screen says which, and others get none."""
@@ -27,7 +28,7 @@ BEGINS = 2
 MAY_PASS = 1.5
 """Times the least of a candidate that another size of it may leave at a glance and still be looked at."""
 HOPELESS = 5.0
-"""What leaves so many times more than the best after the longer look is no rival, and is not fitted to the end."""
+"""What leaves so many times more than the best after the longer look is no rival of one that explains the gap."""
 LONGER = 6
 """Candidates of a round that get a second look."""
 EXCUSED = 1.2
@@ -94,9 +95,24 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
             better = sorted(workers.map(nearer, looks[:WITHOUT]), key=_cost)
         report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
-        best = [*workers.map(to_the_end, hopeful), *(on_all(bench, f) for f in better[len(hopeful) : finished])]
+        best = list(workers.map(to_the_end, hopeful))
+        # Where what led is no explanation either, what crept may be the better one.
+        last = partial(on_all, bench) if any(is_sound(bench, f) for f in best) else to_the_end
+        best += workers.map(last, better[len(hopeful) : finished])
+        if not any(is_sound(bench, f) for f in best):
+            best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
     rest = (*better, *looks[LONGER:], *(fits[0] for fits in glances[LIKELY:]))
     return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:
+    """Those not tried whose one number moves all frequencies, as without an assembly only the beam's numbers do."""
+    if bench.free.deviations:
+        return []
+    own = {(f.problem.candidates[-1].effect, f.problem.candidates[-1].place) for f in tried}
+    last = [(f, f.problem.candidates[-1]) for f in looks]
+    alike = [(f, c) for f, c in last if len(c.slots) == 1 and model_of(c.effect).moves_poles]
+    return [f for f, c in alike if (c.effect, c.place) not in own]
 
 
 def _excused(fits: list[Fit]) -> bool:
