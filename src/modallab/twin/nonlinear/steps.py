@@ -109,8 +109,11 @@ class Steps:
     def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_one
 
-        seen, push, late = 2 * self.own.shapes[0, : self.kept], self.push[0], self.late[0]
-        row, bend = pushed[:, 0].copy(), bent[:, 0].copy()
+        seen, push, later = 2 * self.own.shapes[0, : self.kept], self.push[0], self.decay * self.kick[0]
+        own: Array = np.real(np.array([self.late[0], push, later]) @ seen).astype(np.float64)
+        own[0] += self.static[0, 0]
+        known: Array = np.real(np.array([self.drive_late, self.drive]) @ seen).astype(np.float64)
+        known[0] += self.direct[1]
         step_one(
             int(self.own.law),
             np.array((*self.own.numbers, 0.0, 0.0)[:3]),
@@ -118,16 +121,15 @@ class Steps:
             self._padded(push),
             self._padded(self.drive),
             self._padded(seen * self.decay),
-            self._padded(self.decay * self.kick[0]),
-            np.array([self.static[0, 0], 0.0, 0.0]) + np.real(np.array([late, push, self.decay * self.kick[0]]) @ seen),
-            np.array([self.direct[1], 0.0]) + np.real(np.array([self.drive_late, self.drive]) @ seen),
+            self._padded(later),
+            own,
+            known,
             force,
             skip,
             begun,
-            row,
-            bend,
+            pushed.reshape(-1),
+            bent.reshape(-1),
         )
-        pushed[:, 0], bent[:, 0] = row, bend
 
     def _run_many(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_many
