@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.twin.nonlinear import records
 from modallab.twin.nonlinear.element import Element, Law, coupling
 from modallab.twin.nonlinear.in_band import Fine
-from modallab.twin.nonlinear.stepping import rising_sine
+from modallab.twin.nonlinear.sampling import rising_sine
 from modallab.twin.nonlinear.steps import Steps
 from modallab.twin.structure import Structure, solve
 

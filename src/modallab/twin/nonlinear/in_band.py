@@ -68,7 +68,7 @@ def _thinned(fine: Array, every: int, before: int, n: int) -> Array:
     """(rows, n) of (rows, steps) every so many steps, `before` steps on, without what would fold back."""
     if every == 1:
         return fine[:, before : before + n]
-    from modallab.twin.nonlinear.stepping import decimate
+    from modallab.twin.nonlinear.sampling import decimate
 
     first, needed = REACH * every - before, (n - 1 + 2 * REACH) * every + 1
     some = min(fine.shape[1], needed - first)

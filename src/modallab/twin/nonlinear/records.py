@@ -70,7 +70,7 @@ def in_sine(
 
     Coarse is in half of the steps.
     """
-    from modallab.twin.nonlinear.stepping import rising_sine
+    from modallab.twin.nonlinear.sampling import rising_sine
 
     every = int(np.clip(np.ceil(PER_PERIOD * frequency_hz * dt), LEAST.get(law, 4), MOST))
     every = -(-every // 2) if coarse else every

@@ -11,16 +11,14 @@ last steps it has more than its straight line, which is added as an impulse, hal
 contact must do without: an impulse that lags by a step would make it swing.
 
 Complex numbers are pairs (2, p) of real and imaginary parts with p a multiple of LANES, which compilers turn into
-vector instructions.
+vector instructions. The laws stand in this file as well: compiled code is kept on the disk by the file it stands in, and
+would not notice that a law in another one has changed.
 """
 
-import math
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
-
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from modallab.twin.nonlinear.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -37,15 +35,8 @@ THIRD = 1.0 / 3.0
 YIELDS = 0.5
 """Share of the yielding that stops when the motion turns round: what turns back is as stiff as what never slipped."""
 
-_Function = TypeVar("_Function", bound=Callable[..., Any])
 
-
-def _compiled(function: _Function) -> _Function:
-    # Sums may be taken in another order; nothing else of IEEE 754 is given up.
-    return cast("_Function", numba.njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"})(function))
-
-
-@_compiled
+@compiled
 def cubic(k3: float, free: float, d: float, guess: float) -> float:
     """Motion at a cubic spring, where without it it is `free` and a unit of force adds `d` to it; from a guess."""
     w = guess
@@ -58,7 +49,7 @@ def cubic(k3: float, free: float, d: float, guess: float) -> float:
     return w
 
 
-@_compiled
+@compiled
 def play(stiffness: float, gap: float, free: float, d: float) -> float:
     """Force of a contact beyond a gap."""
     if abs(free) <= gap:
@@ -67,7 +58,7 @@ def play(stiffness: float, gap: float, free: float, d: float) -> float:
     return -stiffness * (free - edge) / (1.0 + d * stiffness)
 
 
-@_compiled
+@compiled
 def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) -> tuple[float, float]:
     """Force of a spring in series with a slider that last stood at `stuck`, and where it stands then (Jenkins)."""
     pull = stiffness * (free - stuck) / (1.0 + d * stiffness)
@@ -77,7 +68,7 @@ def slider(stiffness: float, limit: float, free: float, d: float, stuck: float) 
     return -most, free - d * most - most / stiffness
 
 
-@_compiled
+@compiled
 def hysteresis(
     stiffness: float, limit: float, sharpness: float, free: float, d: float, last: float, pull: float, guess: float
 ) -> float:
@@ -114,7 +105,7 @@ def hysteresis(
     return found
 
 
-@_compiled
+@compiled
 def answer(
     law: int, a: float, b: float, c: float, free: float, d: float, m0: float, m1: float, m2: float
 ) -> tuple[float, float, float, float]:
@@ -132,7 +123,7 @@ def answer(
     return -pull, free - d * pull, pull, m1
 
 
-@_compiled
+@compiled
 def step_one(
     law: int,
     numbers: Array,
@@ -201,7 +192,7 @@ def step_one(
         g = new
 
 
-@_compiled
+@compiled
 def motion(felt: Array, real: Array, imag: Array) -> float:
     """What an element feels of the modes by one of its motions."""
     felt_r, felt_i = felt[0], felt[1]
@@ -211,7 +202,7 @@ def motion(felt: Array, real: Array, imag: Array) -> float:
     return total
 
 
-@_compiled
+@compiled
 def opened_by(
     opened: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
 ) -> bool:
@@ -228,7 +219,7 @@ def opened_by(
     return open_now
 
 
-@_compiled
+@compiled
 def dragged(
     numbers: Array, stays: Array, felt: Array, real: Array, imag: Array, now: Array, f: float, found: Array, g: Array
 ) -> None:
@@ -241,7 +232,7 @@ def dragged(
         g[j] = -numbers[j] * abs(found[j]) * found[j]
 
 
-@_compiled
+@compiled
 def add(shapes: Array, weights: Array, real: Array, imag: Array) -> None:
     """Add shapes (m, 2, p), each by its weight (m,), to real and imaginary parts (p,)."""
     for j in range(len(weights)):
@@ -252,7 +243,7 @@ def add(shapes: Array, weights: Array, real: Array, imag: Array) -> None:
                 imag[k] += shape_i[k] * own
 
 
-@_compiled
+@compiled
 def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None:
     """Take a state of the modes one step on, under the forces of that step."""
     decay_r, decay_i = decay[0], decay[1]
@@ -263,7 +254,7 @@ def carry(decay: Array, push: Array, g: Array, real: Array, imag: Array) -> None
     add(push, g, real, imag)
 
 
-@_compiled
+@compiled
 def step_many(
     law: int,
     numbers: Array,
@@ -319,7 +310,7 @@ def step_many(
                 pushed[n - skip, j], bent[n - skip, j] = acting[j], acting[m + 1 + j]
 
 
-@_compiled
+@compiled
 def follow(decay: Array, push: Array, late: Array, begun: Array, forces: Array, out: Array) -> None:
     """The modes under known forces.
 
@@ -338,38 +329,3 @@ def follow(decay: Array, push: Array, late: Array, begun: Array, forces: Array, 
             now_r[k], now_i[k] = real[k], imag[k]
         add(late, own, now_r, now_i)
         carry(decay, push, own, real, imag)
-
-
-@_compiled
-def rising_sine(
-    amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Array
-) -> None:
-    """A sine that rises from rest, into `out`.
-
-    Args:
-        amplitude: of Re(amplitude exp(j phase)), where the phase is 0 after `ahead` steps.
-        step: rad of phase a step.
-        ahead: steps before that.
-        since: steps from its start to the first.
-        ramp: steps for which it rises.
-        cosine: whether along a cosine; else along a straight line.
-        out: (steps,)
-    """
-    turn = complex(math.cos(step), math.sin(step))
-    now = amplitude * complex(math.cos(step * ahead), -math.sin(step * ahead))
-    for n in range(out.shape[0]):
-        share = min(max((n + since) / ramp, 0.0), 1.0)
-        out[n] = now.real * (0.5 - 0.5 * math.cos(math.pi * share) if cosine else share)
-        # Rounding makes each turn longer or shorter by 1e-16 of it.
-        now *= turn
-
-
-@_compiled
-def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
-    """One in `every` samples of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
-    for row in range(out.shape[0]):
-        for k in range(out.shape[1]):
-            total = 0.0
-            for j in range(taps.shape[0]):
-                total += taps[j] * fine[row, k * every + j]
-            out[row, k] = total

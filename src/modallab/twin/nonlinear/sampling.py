@@ -1,0 +1,45 @@
+"""A sine step by step, and steps as a converter samples them."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.nonlinear.compiled import compiled
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def rising_sine(
+    amplitude: complex, step: float, ahead: float, since: float, ramp: float, cosine: bool, out: Array
+) -> None:
+    """A sine that rises from rest, into `out`.
+
+    Args:
+        amplitude: of Re(amplitude exp(j phase)), where the phase is 0 after `ahead` steps.
+        step: rad of phase a step.
+        ahead: steps before that.
+        since: steps from its start to the first.
+        ramp: steps for which it rises.
+        cosine: whether along a cosine; else along a straight line.
+        out: (steps,)
+    """
+    turn = complex(math.cos(step), math.sin(step))
+    now = amplitude * complex(math.cos(step * ahead), -math.sin(step * ahead))
+    for n in range(out.shape[0]):
+        share = min(max((n + since) / ramp, 0.0), 1.0)
+        out[n] = now.real * (0.5 - 0.5 * math.cos(math.pi * share) if cosine else share)
+        # Rounding makes each turn longer or shorter by 1e-16 of it.
+        now *= turn
+
+
+@compiled
+def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
+    """One in `every` samples of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
+    for row in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            total = 0.0
+            for j in range(taps.shape[0]):
+                total += taps[j] * fine[row, k * every + j]
+            out[row, k] = total
