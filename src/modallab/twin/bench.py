@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE, Test
 from modallab.twin.nonlinear.element import Element
-from modallab.twin.structure import Structure
+from modallab.twin.structure import Modes, Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -111,11 +111,10 @@ class Twin:
     residual_compliance: float = 0.0
     element: Element | None = None
 
-    @property
-    def felt_share(self) -> float:
-        """Share of the static compliance of the modes above that `element` feels."""
+    def felt(self, modes: Modes) -> Modes:
+        """The modes with as much of the static compliance of those above as `element` feels."""
         whole = self.element is not None and self.element.of_all_modes
-        return 1.0 if whole else self.residual_compliance
+        return modes if whole else replace(modes, out_of_band=self.residual_compliance * modes.out_of_band)
 
     def drifted(self, tau: float | Array) -> Array:
         """Share of the drift that has happened at a place in time between 0 and 1."""

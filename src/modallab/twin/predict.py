@@ -49,7 +49,7 @@ def predict_hit(
     forced_sum += twin.residual_compliance * np.outer(_out_of_band(twin, modes, channels, x_m, x), source.s**2)
     chain = transfer(twin.chain, channels, source.s)
     if twin.element is not None and len(struck):
-        stiff = replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
+        stiff = twin.felt(modes)
         own = coupling(twin.element, twin.structure, stiff)
         gain = twin.hit_gain(drive_x_m)
         added = in_hit(ready(stiff, own, dt, x), gain * force_n[first:last], first, n)
@@ -113,7 +113,7 @@ def predict_sine(
     steady_down = down * transfer(twin.chain, channels, np.array(-drive)) * np.conj(amplitude_n)
     forced = np.real(np.outer(steady, np.exp(drive * t)) + np.outer(steady_down, np.exp(-drive * t))) / 2
     if twin.element is not None:
-        stiff = replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
+        stiff = twin.felt(modes)
         own = coupling(twin.element, twin.in_sine(drive_x_m), stiff)
         began = source.rise
         times = float(began.history_s[0]), float(began.ramp_s[0]), bool(began.cosine[0])

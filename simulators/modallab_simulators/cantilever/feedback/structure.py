@@ -42,7 +42,6 @@ class FedState:
         g: forces there.
         memory: of sliders.
         past: forces over the samples before, (channels, samples).
-        position: number of internal samples solved; z stands at the last of them, and first at the one before 0.
     """
 
     linear: Complex
@@ -50,7 +49,6 @@ class FedState:
     g: Floats
     memory: Floats
     past: Floats
-    position: int
 
     def any(self) -> bool:
         """Whether anything moves or is held in tension."""
@@ -90,7 +88,7 @@ class FedStructure:
         first, _ = self._linear.times(0)
         modes = np.zeros(len(self._decay), dtype=np.complex128)
         memory = np.zeros((len(self._elements), 4))
-        return FedState(self._linear.at_rest, modes, np.zeros(channels), memory, np.zeros((channels, -first)), 0)
+        return FedState(self._linear.at_rest, modes, np.zeros(channels), memory, np.zeros((channels, -first)))
 
     def times(self, block: int) -> tuple[int, int]:
         """First internal sample and number of those whose force the stretch `block` needs."""
@@ -119,7 +117,7 @@ class FedStructure:
         step, ahead = BLOCK * self.oversample, count - state.past.shape[1]
         if not drives and not state.any():
             still = np.zeros((len(self._loads), count - step))
-            return [], replace(state, past=still, position=state.position + ahead)
+            return [], replace(state, past=still)
         new, fed = self._marched(state, drives, ahead)
         forces = np.concatenate([state.past, fed], axis=1)
         loads = [replace(d, force_n=d.force_n[:count]) for d in drives]
@@ -136,7 +134,7 @@ class FedStructure:
         g, memory, fed = state.g.copy(), state.memory.copy(), np.zeros((len(self._loads), count))
         parts = _parts(state.z)
         march(parts, g, memory, forces, _parts(into), *self._fixed[:6], direct, *self._fixed[6:], REACH, fed)
-        return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory, position=state.position + count), fed
+        return replace(state, z=parts[0] + 1j * parts[1], g=g, memory=memory), fed
 
     def _known(self, drive: Drive) -> tuple[Complex, Floats]:
         """What a known load puts into each mode, and at once into each local motion."""

@@ -4,7 +4,6 @@ It is stepped once for all numbers that only turn what the sensors read: gains, 
 """
 
 from collections import OrderedDict
-from dataclasses import replace
 from threading import Lock
 from typing import Any
 
@@ -32,7 +31,7 @@ def added_to_hits(twin: Twin, modes: Modes, d: ImpactData, source: Hits, data: R
     assert twin.element is not None
     x, gain = twin.struck_x_m(d.piece.drive_x_m), twin.hit_gain(d.piece.drive_x_m)
     share = float(twin.drifted(d.piece.order / data.last_order)) if twin.ei_drift else 0.0
-    modes = drifted(_with_share(twin, modes), twin.ei_drift, share)
+    modes = drifted(twin.felt(modes), twin.ei_drift, share)
     own = coupling(twin.element, twin.structure, modes)
 
     def step() -> tuple[Complex, Complex]:
@@ -56,7 +55,7 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
     element, structure = twin.element, twin.in_sine(d.pieces[0].drive_x_m)
     x = d.pieces[0].drive_x_m
     shares = [float(twin.drifted(p.order / data.last_order)) if twin.ei_drift else 0.0 for p in d.pieces]
-    modes = _with_share(twin, modes)
+    modes = twin.felt(modes)
     of_block = [drifted(modes, twin.ei_drift, share) for share in shares]
     same = coupling(element, structure, modes)
     owns = [coupling(element, structure, m) if twin.ei_drift else same for m in of_block]
@@ -91,10 +90,6 @@ def added_to_sines(twin: Twin, modes: Modes, d: SineData, source: Sines, data: R
         for m, own, s, a, b in zip(of_block, owns, source.s, motion, force, strict=True)
     ]
     return np.stack(answers, axis=1)
-
-
-def _with_share(twin: Twin, modes: Modes) -> Modes:
-    return replace(modes, out_of_band=twin.felt_share * modes.out_of_band)
 
 
 def _read(

@@ -11,8 +11,8 @@ last steps it has more than its straight line, which is added as an impulse, hal
 contact must do without: an impulse that lags by a step would make it swing.
 
 Complex numbers are pairs (2, p) of real and imaginary parts with p a multiple of LANES, which compilers turn into
-vector instructions. The laws stand in this file as well: compiled code is kept on the disk by the file it stands in, and
-would not notice that a law in another one has changed.
+vector instructions. The laws stand in this file as well: compiled code is kept on the disk by the file it stands in,
+and would not notice that a law in another one has changed.
 """
 
 import numpy as np
