@@ -84,9 +84,9 @@ def test_what_was_changed_in_the_last_moment_of_a_block_is_seen_when_its_facts_a
 
 
 def test_a_late_answer_answers_no_other_question(bench: Bench, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.3)
+    monkeypatch.setattr("modallab_drivers.function_generator.line.TIMEOUT_S", 0.6)
     generator, began = holding(bench)
-    bench.port.fault("late-answer 0.5")
+    bench.port.fault("late-answer 0.8")
     with pytest.raises(OutputLostError, match=r"no answer within.*it answers again"):
         bench.pace(generator, began, 2.0)
     assert not bench.volts(time.monotonic() + 0.01, time.monotonic() + 0.2).any()
