@@ -84,7 +84,8 @@ def _taps(every: int) -> Array:
     return np.asarray(firwin(2 * REACH * every + 1, 1 / every, window=("kaiser", 8.0)), dtype=np.float64)
 
 
-@lru_cache(maxsize=512)
+# Up to 2 MB each: as many as a campaign's sines need, in fine steps and in coarse ones.
+@lru_cache(maxsize=160)
 def _weights(every: int, before: int, steps: int, n: int, lines: bytes) -> Array:
     """(steps, 2 lines) by which steps add up to the DFT of their samples: real parts, then imaginary ones."""
     turns = np.exp(-2j * np.pi / n * np.outer(np.frombuffer(lines), np.arange(n)))
