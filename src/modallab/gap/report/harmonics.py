@@ -14,8 +14,11 @@ OFTEN = 0.06
 SEVERAL = 0.04
 """Share of a channel's sine responses with a harmonic that is more than one or two."""
 BROKEN = 0.4
-"""Second harmonics for each third one up to which a law may answer alike both ways: at a few sines such a law breaks its
-own symmetry (Parlitz and Lauterborn, Phys. Lett. A 107, 1985), one that does not makes second ones wherever third."""
+"""Second harmonics for each third one up to which a law may answer alike both ways.
+
+At a few sines such a law breaks its own symmetry (Parlitz and Lauterborn, Phys. Lett. A 107, 1985, 351); one that does
+not makes second ones wherever it makes third ones.
+"""
 ORDERS = (2, 3)
 """Multiples of a sine's frequency that are looked at."""
 CLEAR_OF_NOISE = 8.0

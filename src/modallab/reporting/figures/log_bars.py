@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from modallab.core.rounded import rounded
 from modallab.reporting.figures import style
 
 AXIS = "rms of measured less simulated [noise units]"
@@ -68,7 +69,7 @@ def _row(axes: Axes, y: int, row: Row, colours: Sequence[str], above: bool) -> N
             continue
         at, last = y + top + each * (k + 0.5), k == len(colours) - 1
         axes.barh(at, max(value, SLIVER) - LEAST, 0.9 * each, left=LEAST, color=colours[k])
-        _write(axes, max(value, SLIVER), at, f"{value:.3g}{row.said if last else ''}", 9.5)
+        _write(axes, max(value, SLIVER), at, f"{rounded(value)}{row.said if last else ''}", 9.5)
 
 
 def _write(axes: Axes, x: float, y: float, text: str, size: float) -> None:
