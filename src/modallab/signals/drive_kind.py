@@ -114,8 +114,11 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
 
 def _of_drive(label: Test, signals: Sequence[Signals]) -> Look:
     """What the forces of broadband blocks look like: the label, unless one of them looks like something else."""
-    by_force = [looks_like(forces, signals[0].rate_hz) for forces in zip(*(s.forces for s in signals), strict=True)]
-    return next((seen for seen in by_force if seen != label), label)
+    for forces in zip(*(s.forces for s in signals), strict=True):
+        seen = looks_like(forces, signals[0].rate_hz)
+        if seen != label:
+            return seen
+    return label
 
 
 def _is_periodic_sweep(label: Test, seen: Look, signals: Sequence[Signals]) -> bool:

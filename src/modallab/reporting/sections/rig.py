@@ -77,7 +77,8 @@ def _bench(rig: Rig) -> str:
     if rig.beam is not None:
         text += " " + _beam(rig.beam)
     sensors = rig.responses
-    text += f" {counted(len(sensors), 'sensor')} and a force transducer"
+    forces = "a force transducer" if len(rig.forces) < 2 else counted(len(rig.forces), "force transducer")
+    text += f" {counted(len(sensors), 'sensor')} and {forces}"
     text += f" stood on {counted(len(rig.points), 'point')}." if rig.points else "; their places are not known."
     if rig.converter is not None:
         text += f" The converter has {rig.converter.bits} bit over ± {short(rig.converter.range_v)} V."
@@ -99,7 +100,7 @@ def _blocks(campaign: Campaign) -> list[tuple[str, ...]]:
 
 def _recordings(test: Test, blocks: tuple[Block, ...]) -> tuple[str, ...]:
     lengths = sorted({round(b.duration_s, 9) for b in blocks})
-    points = sorted({b.drive_point for b in blocks if b.drive_point is not None})
+    points = sorted({point for b in blocks for point in b.driven_points if point is not None})
     return (
         test,
         str(len(blocks)),
