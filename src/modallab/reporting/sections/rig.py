@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime
 from modallab.core.block import Block, Campaign
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Rig
-from modallab.core.units import BROADBAND, Test
+from modallab.core.units import BROADBAND, TESTS, Test
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import counted, day, glued, listed, plain, short
 from modallab.reporting.markup import Markup, join, table
@@ -94,8 +94,7 @@ def _beam(beam: Beam) -> str:
 
 
 def _blocks(campaign: Campaign) -> list[tuple[str, ...]]:
-    tests: tuple[Test, ...] = ("impact", "sine")
-    return [_recordings(test, campaign.of(test)) for test in tests if campaign.of(test)]
+    return [_recordings(test, campaign.of(test)) for test in TESTS if campaign.of(test)]
 
 
 def _recordings(test: Test, blocks: tuple[Block, ...]) -> tuple[str, ...]:
