@@ -85,7 +85,7 @@ def _supply(channel: Channel, device: DeviceInfo, problems: list[str]) -> float:
 def outputs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[tuple[str, float], ...]:
     """The analog output of each shaker of a rig, and its range: as the rig names them, the others in order.
 
-    None if the rig drives otherwise or not at all.
+    There is none if the rig drives otherwise or not at all.
 
     Raises:
         ConfigurationError: no such output, or none left, or limits beyond its range.

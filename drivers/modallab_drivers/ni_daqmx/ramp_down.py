@@ -156,7 +156,7 @@ def fall_to_zero(
         if described[0] != FALLING:
             waves, rate_hz = own or _described(described)
             # Of all of them: each must be kept from a step.
-            if not all([_holds(interpreter, task, output) for output in physical]):
+            if not all(_holds(interpreter, task, output) for output in physical):
                 return
             interpreter.set_chan_attribute_string(task, physical[0], DESCRIPTION, FALLING)
             at = _stopped_at(interpreter, task, rate_hz)
