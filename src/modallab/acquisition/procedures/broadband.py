@@ -6,7 +6,7 @@ from math import ceil
 
 import numpy as np
 
-from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
+from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
 from modallab.acquisition.monitor.context import Context, HeldBlock
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
@@ -230,8 +230,8 @@ def run_broadband(context: Context, plan: BroadbandPlan) -> None:
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
-    limited = [int(channel) for channel in np.flatnonzero(np.isfinite(watch.limits.limit))]
     points = driven_points(plan, context.rig)
+    limited = expected_to_move(watch.limits, context.conversion, len(points))
     forces = context.conversion.forces[: len(points)]
     waves = WavePlausibility(context.conversion.names, forces, limited, context.stream.rate_hz)
     watch.waves = waves
