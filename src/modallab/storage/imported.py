@@ -42,6 +42,7 @@ def _likeness(block: Block) -> tuple[object, ...]:
         *form,
         block.units,
         tuple(map(float, block.scale)),
+        block.also_driven,
         block.requested_rate_hz or 0.0,
         block.actual_rate_hz or 0.0,
     )
@@ -99,7 +100,8 @@ def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
         driven = tuple(dict.fromkeys(block.frequency_hz for block in blocks if block.frequency_hz))
         ramp: dict[str, Any] = {} if first.ramp_s is None else {"ramp_s": first.ramp_s}
         return SinePlan(frequencies_hz=driven or (1 / first.duration_s,), levels_v=levels, **rates, **ramp)
-    return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), **rates)
+    shakers = "all" if first.also_driven else "first"
+    return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), shakers=shakers, **rates)
 
 
 def _stored(provenance: Mapping[str, str], test: Test) -> list[Plan]:
