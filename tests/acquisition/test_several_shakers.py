@@ -1,4 +1,4 @@
-"""Several shakers at once: waves that can be told apart, one trip for all, a force that is missing by its name."""
+"""Several shakers at once: waves that can be distinguished, one trip for all, a force that is missing by its name."""
 
 from itertools import combinations
 

@@ -109,8 +109,8 @@ class AnalogOutput:
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
                 self._played = list(played_at(rate, rows))
-                silent = [Played.silent(len(rows[0]), rate)] * (self.count - len(rows))
-                self._describe(task, [played.described() for played in (*self._played, *silent)])
+                zeros = [Played.zeros(len(rows[0]), rate)] * (self.count - len(rows))
+                self._describe(task, [played.described() for played in (*self._played, *zeros)])
                 waves = np.zeros((self.count, len(rows[0])))
                 waves[: len(rows)] = rows
                 # The package wants one row where there is one output.

@@ -61,7 +61,7 @@ class Played:
         return burst_samples(self.burst, self.rate_hz), self.rate_hz
 
     @classmethod
-    def silent(cls, count: int, rate_hz: float) -> Self:
+    def zeros(cls, count: int, rate_hz: float) -> Self:
         """0 V for so many samples, on an output that nothing is played on while others play."""
         return cls(Burst(1.0, 0.0, 0.0, (count - 1) / rate_hz), rate_hz)
 

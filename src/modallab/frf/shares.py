@@ -22,7 +22,7 @@ def least_blocks(signals: Sequence[Signals]) -> int:
 def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
     """The blocks in so many parts of about one size, in the order of time.
 
-    Several periodic forces are told apart by their waves, so that a part has its share of each of these.
+    Several periodic forces are distinguished by their waves, so that a part has its share of each of these.
     """
     ordered = sorted(signals, key=lambda s: s.block.order)
     several = len(ordered[0].forces) > 1 and ordered[0].block.test in PERIODIC

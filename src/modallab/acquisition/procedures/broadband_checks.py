@@ -73,7 +73,7 @@ def over_limits(what: str, waves: Sequence[Waveform], limits: Limits) -> list[st
 
 
 def _too_few(plan: BroadbandPlan, shakers: int) -> list[str]:
-    """What keeps the forces of several shakers from being told apart."""
+    """What keeps the forces of several shakers from being distinguished."""
     if shakers < 2:
         return []
     problems: list[str] = []
