@@ -7,6 +7,7 @@ import pytest
 from scripted_bench import ScriptedBench
 from two_shakers import TIP, two_shakers
 
+from modallab.acquisition.monitor.own_drive import follows
 from modallab.acquisition.procedures.broadband_checks import require_waves
 from modallab.acquisition.procedures.broadband_wave import blocks_of_wave, layout_of, wave_of, waves_of
 from modallab.acquisition.procedures.plan_checks import require_possible
@@ -169,3 +170,37 @@ def test_a_shaker_whose_force_is_not_there_from_the_start_is_named(store: Store,
     with pytest.raises(SafetyError, match=TIP):
         record(bench, both, plan_of("pseudo-random"), store, lambda _: None)
     bench.close()
+
+
+@pytest.mark.parametrize("signal", ["random", "burst-random", "pseudo-random"])
+def test_force_plugs_that_have_changed_places_are_found_in_the_first_block(
+    store: Store, both: Rig, signal: Broadband
+) -> None:
+    one, other = both.forces
+    bench = FaultyBench(open_bench(URL, both), ChannelFault("swapped", one.index, part=-0.01, other=other.index))
+    with pytest.raises(
+        SafetyError, match=f"{one.name} follows the drive of {other.name}'s shaker, {other.name} follows"
+    ):
+        record(bench, both, plan_of(signal), store, lambda _: None)
+    bench.close()
+    assert not [row for row in store.catalogue.blocks(store.catalogue.runs()[-1].id) if row.note.accepted]
+
+
+def test_each_force_follows_its_own_drive_whatever_the_converter_delays() -> None:
+    plan = plan_of("pseudo-random")
+    layout = layout_of(plan, 3, plan.block_s)
+    waves = waves_of(plan, "low", 1, layout, 3)
+    times = layout.lead_s + np.arange(2048) / 2000.0
+    mixed = np.eye(3) + 0.4 * (1 - np.eye(3))
+    for delay_s in (0.0, 0.004, 0.02):
+        forces = mixed @ np.stack([wave.at(times - delay_s) for wave in waves])
+        assert follows(forces, waves, layout.lead_s, 2000.0) == [0, 1, 2]
+        assert follows(forces[[2, 1, 0]], waves, layout.lead_s, 2000.0) == [2, 1, 0]
+
+
+def test_chirps_are_alike_in_one_wave_and_each_force_is_taken_for_its_own() -> None:
+    plan = plan_of("chirp")
+    layout = layout_of(plan, 3, plan.block_s)
+    waves = waves_of(plan, "low", 0, layout, 2)
+    times = layout.lead_s + np.arange(2048) / 2000.0
+    assert follows(np.stack([w.at(times) for w in waves[::-1]]), waves, layout.lead_s, 2000.0) == [0, 1]

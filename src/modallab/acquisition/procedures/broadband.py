@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil
 
-import numpy as np
-
 from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
 from modallab.acquisition.monitor.context import Context, HeldBlock
 from modallab.acquisition.monitor.requests import DropBlock
@@ -19,6 +17,7 @@ from modallab.acquisition.procedures.broadband_wave import (
     peak_v,
     waves_of,
 )
+from modallab.acquisition.procedures.driven_forces import DrivenForces
 from modallab.bench.protocol import Bench, Waveform, WavePlaying, WavesPlaying
 from modallab.core.block import also_driven_fact
 from modallab.core.errors import PlanError, SafetyError, SamplesLostError
@@ -26,10 +25,25 @@ from modallab.core.plan import BroadbandPlan
 from modallab.core.rig import Limits
 from modallab.signals.conversion import Real
 from modallab.storage import BlockNote
-from modallab.storage.samples import Samples
 
-SEEN = 3.0
-"""A force is one if it is so many times what its channel shows at rest."""
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Wave:
+    """What plays now.
+
+    Attributes:
+        level: of it.
+        number: at this level, from 0.
+        start: its first sample.
+        layout: in time.
+        waves: of each shaker that drives.
+    """
+
+    level: str
+    number: int
+    start: int
+    layout: Layout
+    waves: Sequence[Waveform]
 
 
 @dataclass(slots=True)
@@ -42,7 +56,8 @@ class BroadbandTest:
         limits: of the rig.
         watch: looks at the limits, and whether the channels can be believed.
         believed: the part of it that is to know what plays.
-        points: where a shaker drives, the first one's first.
+        forces: of the shakers that drive.
+        points: where these stand, the first one's first.
         kept: names of the blocks that count, by level.
         waves: played so far, by level.
         rejected: blocks that did not count.
@@ -54,6 +69,7 @@ class BroadbandTest:
     limits: Limits
     watch: BurstWatch
     believed: WavePlausibility
+    forces: DrivenForces
     points: tuple[int, ...]
     kept: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
     waves: dict[str, int] = field(default_factory=dict[str, int])
@@ -90,7 +106,7 @@ class BroadbandTest:
         context.pause_if_requested(self.watch)
         rest = stream.cut(stream.next - context.window, context.window)
         noise = self.watch.require_alive(rest, counts=stream.counts)
-        rest_n = self._forces_rms(rest)
+        rest_n = self.forces.rms(rest)
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
         missing = self.plan.blocks - len(self.kept[level])
         most = blocks_a_wave(self.plan, self.limits.max_burst_s)
@@ -101,15 +117,15 @@ class BroadbandTest:
             raise PlanError("; ".join(problems), remedy="lower levels_v, or raise the rig's limits")
         context.excitation.on = True
         stream.poll()
-        start = _started(context.bench, waves)
-        self.believed.begin(waves, start, rest, noise, layout.block_s)
+        wave = _Wave(level, number, _started(context.bench, waves), layout, waves)
+        self.believed.begin(waves, wave.start, rest, noise, layout.block_s)
         held: list[HeldBlock] = []
         try:
             while len(held) < fitting:
-                held.append(self._take(self._note(level, number, len(held), start, layout, waves), rest_n))
-            stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
+                held.append(self._take(wave, len(held), rest_n))
+            stream.advance_to(wave.start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
         except BaseException as error:
-            self._end_early(held, error, self._note(level, number, len(held), start, layout, waves))
+            self._end_early(held, error, self._note(wave, len(held)))
             raise
         self.watch.end()
         context.excitation.on = False
@@ -149,51 +165,37 @@ class BroadbandTest:
             what = f"level {note.level}, {self.plan.signal}"
             self.context.progress(done, self.plan.blocks * len(self.kept), what)
 
-    def _note(
-        self, level: str, number: int, place: int, start: int, layout: Layout, waves: Sequence[Waveform]
-    ) -> BlockNote:
+    def _note(self, wave: _Wave, place: int) -> BlockNote:
+        layout = wave.layout
         lead = self.context.stream.samples_of(layout.lead_s)
         return BlockNote(
-            name=f"{self.plan.signal}_{level}_{number + 1:02d}_{place + 1:03d}",
+            name=f"{self.plan.signal}_{wave.level}_{wave.number + 1:02d}_{place + 1:03d}",
             test=self.plan.signal,
-            first_sample=start + lead + place * self.context.block,
+            first_sample=wave.start + lead + place * self.context.block,
             drive_point=self.points[0],
-            level=level,
+            level=wave.level,
             facts={
-                "drive_rms_v": self.plan.levels_v[level],
-                "drive_peak_v": max(map(peak_v, waves)),
-                "wave": float(number + 1),
-                "wave_first_sample": float(start),
+                "drive_rms_v": self.plan.levels_v[wave.level],
+                "drive_peak_v": max(map(peak_v, wave.waves)),
+                "wave": float(wave.number + 1),
+                "wave_first_sample": float(wave.start),
                 "settle_s": layout.lead_s + place * layout.block_s,
                 **also_driven_fact(self.points[1:]),
             },
         )
 
-    def _take(self, note: BlockNote, rest_n: Real) -> HeldBlock:
+    def _take(self, wave: _Wave, place: int, rest_n: Real) -> HeldBlock:
         """Read one block, and hold it until its wave is over."""
-        context, stream = self.context, self.context.stream
+        context, stream, note = self.context, self.context.stream, self._note(wave, place)
         stream.advance_to(context.end_of(note.first_sample), self.watch, context.driving_chunk)
-        self._require_force(note, rest_n)
+        block = stream.cut(note.first_sample, context.block)
+        self.forces.require(block, rest_n, self.plan.levels_v[wave.level])
+        first_s = (note.first_sample - wave.start) / stream.rate_hz
+        self.forces.require_own(block, wave.waves, first_s, stream.rate_hz)
         overload = stream.overload(note.first_sample, context.block)
         reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
         held = replace(note, overload=overload, accepted=not overload, reason=reason)
         return context.held(note.first_sample, held)
-
-    def _require_force(self, note: BlockNote, rest_n: Real) -> None:
-        block = self.context.stream.cut(note.first_sample, self.context.block)
-        channels = self.context.rig.forces
-        for channel, force_n, before_n in zip(channels, self._forces_rms(block), rest_n, strict=False):
-            if force_n <= SEEN * before_n:
-                raise SafetyError(
-                    f"the force of {channel.name} is {force_n:.3g} N rms while"
-                    f" {self.plan.levels_v[note.level or '']:g} V rms drive, and {before_n:.3g} N at rest; the output"
-                    " was brought to 0 V",
-                    remedy="check the force sensor, the amplifier and the stinger, or drive harder",
-                )
-
-    def _forces_rms(self, samples: Samples) -> Real:
-        """(driven,) in N, of (channels, n) as delivered."""
-        return np.std(self.context.conversion.forces_n(samples)[: len(self.points)], axis=1)
 
     def _require_patience(self, held: list[HeldBlock]) -> None:
         reasons = [block.note.reason for block in held if not block.note.accepted]
@@ -232,7 +234,8 @@ def run_broadband(context: Context, plan: BroadbandPlan) -> None:
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
     points = driven_points(plan, context.rig)
     limited = expected_to_move(watch.limits, context.conversion, len(points))
-    forces = context.conversion.forces[: len(points)]
-    waves = WavePlausibility(context.conversion.names, forces, limited, context.stream.rate_hz)
+    driven = context.conversion.forces[: len(points)]
+    waves = WavePlausibility(context.conversion.names, driven, limited, context.stream.rate_hz)
     watch.waves = waves
-    BroadbandTest(context, plan, limits, watch, waves, points).run()
+    forces = DrivenForces(context.conversion, len(points))
+    BroadbandTest(context, plan, limits, watch, waves, forces, points).run()
