@@ -224,6 +224,8 @@ def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
     mixed = to_signals_of([*campaign.blocks[:4], *one_shaker[4:8]], RIG)
     with pytest.raises(DataError, match="driven at other points"):
         broadband_frf(mixed, RIG, (10.0, 300.0))
+    with pytest.raises(DataError, match="driven at other points"):
+        identify_campaign(replace(campaign, blocks=(*campaign.blocks[:8], *one_shaker[8:])), Options())
     with pytest.raises(DataError, match="3 forces drove, and the rig has 2 force channels"):
         to_signals(replace(campaign.blocks[0], also_driven=(9, 2)), RIG)
 

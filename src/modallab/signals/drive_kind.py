@@ -65,17 +65,18 @@ def mislabelled(signals: Sequence[Signals]) -> dict[str, Look]:
         signals: blocks of one test, equal in rate and length.
     """
     found: dict[str, Look] = {}
-    broadband: dict[Test, list[Signals]] = {}
+    # One shaker's records and those of several are looked at apart.
+    broadband: dict[tuple[Test, int], list[Signals]] = {}
     for s in signals:
         label = s.block.test
         if not np.ptp(s.forces, axis=1).all():
             # A channel that is dead says nothing of its test: who needs the force says that there is none.
             continue
         if label not in ("impact", "sine"):
-            broadband.setdefault(label, []).append(s)
+            broadband.setdefault((label, len(s.forces)), []).append(s)
         elif not (is_hit(s.force) if label == "impact" else _is_its_sine(s)):
             found[s.block.name] = _of_block(s.force, s.rate_hz)
-    for label, of_it in broadband.items():
+    for (label, _), of_it in broadband.items():
         seen = _of_drive(label, of_it)
         # One block alone cannot show that the next is the same.
         alone = len(of_it) == 1 and {label, seen} == {"random", "pseudo-random"}
