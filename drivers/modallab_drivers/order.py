@@ -1,5 +1,6 @@
 """What all drivers hold alike: the order of calls, and what a burst may be."""
 
+from collections.abc import Sequence
 from math import isfinite, pi
 
 import numpy as np
@@ -107,6 +108,20 @@ def require_wave(wave: Waveform, range_v: float, limits: Limits | None, where: s
     over = [f"{n}: {v:.4g} {u}; allowed: {most:g} {u}" for n, v, most, u in found if v > most * (1 + 1e-9)]
     if over:
         raise ConfigurationError("; ".join(over), where=where, remedy="change the plan or the rig file's limits")
+
+
+def require_alike(waves: Sequence[Waveform], where: str) -> None:
+    """Reject waves that cannot go out of outputs of one clock together.
+
+    Raises:
+        ConfigurationError: none, or of several rates or lengths.
+    """
+    kinds = sorted({(wave.rate_hz, len(wave.samples)) for wave in waves})
+    if len(kinds) != 1:
+        listed = ", ".join(f"{count} samples at {rate_hz:g} Hz" for rate_hz, count in kinds) or "none"
+        raise ConfigurationError(
+            f"waves of {listed}", where=where, remedy="give waves of one rate and one length, one for each shaker"
+        )
 
 
 def wave_samples(wave: Waveform, rate_hz: float) -> NDArray[np.float64]:

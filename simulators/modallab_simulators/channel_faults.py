@@ -1,12 +1,23 @@
 """A channel that fails at a moment, on any bench: dead, frozen, unplugged, clipped, or in another's place."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.bench.protocol import Bench, BenchInfo, Burst, Chunk, Delivery, Request, Waveform, WavePlaying
+from modallab.bench.protocol import (
+    Bench,
+    BenchInfo,
+    Burst,
+    Chunk,
+    Delivery,
+    Request,
+    Waveform,
+    WavePlaying,
+    WavesPlaying,
+)
 
 Kind = Literal["dead", "frozen", "unplugged", "clipped", "swapped"]
 KINDS: tuple[Kind, ...] = ("dead", "frozen", "unplugged", "clipped", "swapped")
@@ -100,11 +111,12 @@ class FaultyBench:
     def play_wave(self, wave: Waveform) -> int:
         """As the bench does; a wave counts as a burst."""
         assert isinstance(self._bench, WavePlaying)
-        self._bursts += 1
-        start = self._bench.play_wave(wave)
-        if self._bursts == self._fault.burst:
-            self.at = start + round(self._fault.part * wave.duration_s * self._rate_hz)
-        return start
+        return self._begun(self._bench.play_wave(wave), wave)
+
+    def play_waves(self, waves: Sequence[Waveform]) -> int:
+        """As the bench does; waves of several shakers count as one burst."""
+        assert isinstance(self._bench, WavesPlaying)
+        return self._begun(self._bench.play_waves(waves), waves[0])
 
     def prompt_hit(self, point: int) -> None:
         """As the bench does."""
@@ -121,6 +133,12 @@ class FaultyBench:
     def close(self) -> None:
         """As the bench does."""
         self._bench.close()
+
+    def _begun(self, start: int, wave: Waveform) -> int:
+        self._bursts += 1
+        if self._bursts == self._fault.burst:
+            self.at = start + round(self._fault.part * wave.duration_s * self._rate_hz)
+        return start
 
     def _spoiled(self, samples: NDArray[np.generic], before: NDArray[np.generic]) -> NDArray[np.generic]:
         fault, own = self._fault, samples[self._fault.channel].astype(float)

@@ -32,7 +32,7 @@ def blocks(law, waves: int = 8, periods: int = 2, noise: float = 0.01, test: str
                 name=f"b{len(found)}", test=test, order=len(found), rate_hz=RATE_HZ, samples=np.zeros((3, N)),
                 scale=np.ones(3), units=("N", "m/s^2", "m/s^2"), channels=("force", "a", "b"),
             )  # fmt: skip
-            found.append(Signals(force=force, responses=answer, rate_hz=RATE_HZ, outputs=("a", "b"), block=block))
+            found.append(Signals(forces=force, responses=answer, rate_hz=RATE_HZ, outputs=("a", "b"), block=block))
     return found
 
 

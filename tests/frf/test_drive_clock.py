@@ -18,7 +18,7 @@ def played(clock: float, blocks: int = 4) -> list[Signals]:
     force = np.cos(2 * np.pi * LINES[:, None] * t + phase[:, None]).sum(axis=0).reshape(blocks, N)
     return [
         Signals(
-            force=f, responses=3 * f[None], rate_hz=RATE_HZ, outputs=("a",),
+            forces=f, responses=3 * f[None], rate_hz=RATE_HZ, outputs=("a",),
             block=Block(
                 name=f"b{k}", test="pseudo-random", order=k, rate_hz=RATE_HZ, samples=np.zeros((2, N)),
                 scale=np.ones(2), units=("N", "m/s^2"), channels=("force", "a"), first_sample=k * N,

@@ -35,7 +35,7 @@ def blocks(law, waves: int = 8, noise: float = 0.01, grid=lambda w: ODD[w % 4 !=
                 name=f"b{len(found)}", test="pseudo-random", order=len(found), rate_hz=RATE_HZ,
                 samples=np.zeros((2, N)), scale=np.ones(2), units=("N", "m/s^2"), channels=("force", "a"),
             )  # fmt: skip
-            found.append(Signals(force=force, responses=answer, rate_hz=RATE_HZ, outputs=("a",), block=block))
+            found.append(Signals(forces=force, responses=answer, rate_hz=RATE_HZ, outputs=("a",), block=block))
     return found
 
 

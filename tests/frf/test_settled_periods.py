@@ -43,7 +43,7 @@ def records(noise: float = 0.0) -> tuple[list[Signals], np.ndarray]:
             units=("N", "m/s^2", "m/s^2"), channels=("force", "a", "b"), first_sample=k * N,
         )  # fmt: skip
         values = rows[:, here] + noise * rng.standard_normal((2, N))
-        found.append(Signals(force=force[here], responses=values, rate_hz=RATE_HZ, outputs=("a", "b"), block=block))
+        found.append(Signals(forces=force[here], responses=values, rate_hz=RATE_HZ, outputs=("a", "b"), block=block))
     return found, settled
 
 

@@ -223,10 +223,10 @@ def test_signals_that_are_no_records_cannot_be_made(stepped):
         {"responses": first.responses.T},
         {"responses": first.responses[:-1]},
         {"responses": first.responses[0]},
-        {"force": first.force[:-1]},
-        {"force": first.force * np.inf},
-        {"force": first.force + 0j},
-        {"force": first.force[None]},
+        {"forces": first.force[:-1]},
+        {"forces": first.force * np.inf},
+        {"forces": first.force + 0j},
+        {"forces": first.force[None, None]},
         {"outputs": first.outputs[:-1]},
         {"rate_hz": np.nan},
         {"rate_hz": -1000.0},
@@ -238,7 +238,7 @@ def test_sine_blocks_that_make_no_stepped_test_are_rejected(stepped):
     first, *others = stepped
     for bad in (
         replace(first, responses=np.vstack([first.responses[:-1], 0 * first.responses[-1:]])),
-        replace(first, force=first.force * 0),
+        replace(first, forces=first.force * 0),
         replace(first, rate_hz=2 * first.rate_hz),
         replace(first, block=replace(first.block, drive_point=1)),
         replace(first, block=replace(first.block, test="impact")),

@@ -125,7 +125,7 @@ def test_records_that_cannot_be_are_rejected(identify, hits, sines):
     good = hits if identify is identify_impact else sines
     no_motion = replace(good[0], responses=0 * good[0].responses)
     one_dead = replace(good[0], responses=np.vstack([good[0].responses[:-1], 0 * good[0].responses[-1:]]))
-    no_force = replace(good[0], force=np.zeros_like(good[0].force))
+    no_force = replace(good[0], forces=np.zeros_like(good[0].force))
     for bad in ([], [no_motion], [one_dead], [no_force]):
         with pytest.raises(ModallabError):
             identify(bad, RIG, Options())
@@ -154,7 +154,7 @@ def test_a_model_is_compared_with_no_other_records_than_its_own(kind, hits):
         [*good, first],
         [replace(first, responses=0 * first.responses), *rest],
         [replace(first, responses=first.responses[:-1], outputs=first.outputs[:-1]), *rest],
-        [replace(s, force=s.force[:-8], responses=s.responses[:, :-8]) for s in good],
+        [replace(s, forces=s.force[:-8], responses=s.responses[:, :-8]) for s in good],
         [replace(s, rate_hz=2 * s.rate_hz) for s in good],
     )
     for records in bad:

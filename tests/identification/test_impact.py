@@ -147,7 +147,7 @@ def with_responses(signals, change):
         (lambda s: with_responses(s, lambda y: y.T), "do not belong"),
         (lambda s: [s[0], replace(s[1], rate_hz=1000.0)], "differ"),
         (lambda s: [replace(i, rate_hz=float("nan")) for i in s[:1]], "rate"),
-        (lambda s: [replace(i, force=0 * i.force) for i in s], "force is dead"),
+        (lambda s: [replace(i, forces=0 * i.force) for i in s], "force is dead"),
     ],
     ids=["nothing", "nan", "dead", "transposed", "two rates", "no rate", "no force"],
 )

@@ -1,6 +1,6 @@
-"""The shaker on an analog output: finite bursts that end at exactly 0 V by themselves, or by a fall when stopped."""
+"""Shakers on analog outputs: finite bursts that end at exactly 0 V by themselves, or by a fall when stopped."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -24,34 +24,36 @@ SAMPLES_A_CYCLE = 25.0
 
 
 def task_name(physical: str) -> str:
-    """Name under which a server knows the output's task, so that a second handle finds it."""
+    """Name under which a server knows the task of outputs, by the first of them: so a second handle finds it."""
     return f"modallab-{physical.replace('/', '-')}"
 
 
 class AnalogOutput:
-    """One analog output. A task on it exists while a burst is on; else it is a plain 0 V.
+    """The analog outputs of a rig's shakers, in one task while something plays; else they are at a plain 0 V.
+
+    They start at one sample, end at one, and are stopped together: those that nothing is played on play 0 V.
 
     Attributes:
-        reference_clock: of the backplane, which it is to follow; empty: its device's own clock.
+        reference_clock: of the backplane, which they are to follow; empty: their device's own clock.
     """
 
-    def __init__(self, route: Route, physical: str, range_v: float, *, guarded: bool = True) -> None:
-        """Take the output and bring it to 0 V.
+    def __init__(self, route: Route, outputs: Sequence[tuple[str, float]], *, guarded: bool = True) -> None:
+        """Take the outputs and bring them to 0 V.
 
         Args:
             route: to the device.
-            physical: the output.
-            range_v: the largest amplitude it can give.
-            guarded: whether something else brings it to 0 V should this process or machine die.
+            outputs: of each shaker, the first one's first, and the largest amplitude it can give.
+            guarded: whether something else brings them to 0 V should this process or machine die.
 
         Raises:
-            DeviceBusyError: another program holds it.
+            DeviceBusyError: another program holds one.
         """
-        self._route, self._physical, self._range_v = route, physical, range_v
-        self._where = f"{route.address.url}, output {physical}"
+        self._route, self._outputs = route, dict(outputs)
+        self._physical = tuple(self._outputs)
+        self._where = f"{route.address.url}, output {', '.join(self._physical)}"
         self._task: Any = None
-        self._wave: NDArray[np.float64] = np.zeros(1)
-        self._played: Played | PlayedWave | None = None
+        self._waves: NDArray[np.float64] = np.zeros((len(outputs), 1))
+        self._played: list[Played | PlayedWave] = []
         self.reference_clock = ""
         # After a death 0 V is better than the last value. A stop in good order needs the last value, for its fall.
         behaviour = AOIdleOutputBehavior
@@ -60,8 +62,13 @@ class AnalogOutput:
 
     @property
     def range_v(self) -> float:
-        """The largest amplitude it can give."""
-        return self._range_v
+        """The largest amplitude each can give."""
+        return min(self._outputs.values())
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self._physical)
 
     @property
     def busy(self) -> bool:
@@ -69,36 +76,45 @@ class AnalogOutput:
         return self._task is not None and not self._done()
 
     def play(self, burst: Burst, now: int, rate_hz: float) -> None:
-        """Write the whole burst to the device and start it: from here on it ends without us."""
+        """Write the whole burst to the first output and start it: from here on it ends without us."""
         requested = max(MIN_RATE_HZ, SAMPLES_A_CYCLE * burst.frequency_hz)
-        self._start(requested, lambda rate: burst_samples(burst, rate), lambda rate, _: Played(burst, rate))
+        self._start(requested, lambda rate: [burst_samples(burst, rate)], lambda rate, _: [Played(burst, rate)])
 
-    def play_wave(self, wave: Waveform) -> None:
-        """Write the whole wave to the device and start it: from here on it ends without us."""
-        self._start(wave.rate_hz, lambda rate: wave_samples(wave, rate), lambda rate, v: PlayedWave.kept(v, rate))
+    def play_waves(self, waves: Sequence[Waveform]) -> None:
+        """Write whole waves of one rate and length to the outputs and start them: from here on they end without us."""
+        self._start(
+            waves[0].rate_hz,
+            lambda rate: [wave_samples(wave, rate) for wave in waves],
+            lambda rate, rows: [PlayedWave.kept(row, rate) for row in rows],
+        )
 
     def _start(
         self,
         requested: float,
-        samples_at: Callable[[float], NDArray[np.float64]],
-        played_at: Callable[[float, NDArray[np.float64]], Played | PlayedWave],
+        samples_at: Callable[[float], list[NDArray[np.float64]]],
+        played_at: Callable[[float, list[NDArray[np.float64]]], Sequence[Played | PlayedWave]],
     ) -> None:
         self._drop()
         with translated(self._where):
-            task = patiently(lambda: self._new(task_name(self._physical)))
+            task = patiently(lambda: self._new(task_name(self._physical[0])))
             try:
-                count = len(samples_at(requested))
+                count = len(samples_at(requested)[0])
                 task.timing.cfg_samp_clk_timing(requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=count)
                 self._follow(task)
-                wave = samples_at(float(task.timing.samp_clk_rate))
-                if len(wave) != count:
+                rate = float(task.timing.samp_clk_rate)
+                rows = samples_at(rate)
+                if len(rows[0]) != count:
                     task.timing.cfg_samp_clk_timing(
-                        requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(wave)
+                        requested, sample_mode=AcquisitionType.FINITE, samps_per_chan=len(rows[0])
                     )
                 task.out_stream.regen_mode = RegenerationMode.DONT_ALLOW_REGENERATION
-                self._played = played_at(float(task.timing.samp_clk_rate), wave)
-                self._describe(task, self._played.described())
-                task.write(wave, auto_start=False)
+                self._played = list(played_at(rate, rows))
+                zeros = [Played.zeros(len(rows[0]), rate)] * (self.count - len(rows))
+                self._describe(task, [played.described() for played in (*self._played, *zeros)])
+                waves = np.zeros((self.count, len(rows[0])))
+                waves[: len(rows)] = rows
+                # The package wants one row where there is one output.
+                task.write(waves if self.count > 1 else waves[0], auto_start=False)
                 # Committed, so that a stop keeps the output and the count of what was generated.
                 task.control(TaskMode.TASK_COMMIT)
                 task.start()
@@ -106,7 +122,7 @@ class AnalogOutput:
                 self._forget()
                 task.close()
                 raise
-        self._task, self._wave = task, wave
+        self._task, self._waves = task, waves
 
     def next_event(self) -> int | None:
         """A burst needs nothing while it is on."""
@@ -130,7 +146,7 @@ class AnalogOutput:
             self._drop()
 
     def zero(self) -> None:
-        """End a burst and put 0 V on the output.
+        """End what plays and put 0 V on all outputs.
 
         A stopped output holds its last value, so it falls from there, and 0 V is written after that in any case.
         """
@@ -138,7 +154,7 @@ class AnalogOutput:
             # Where the device does not answer, or nobody knows what the output has come to, only a step is left.
             with suppress(Exception):
                 rate_hz = float(self._task.timing.samp_clk_rate)
-                fall_to_zero(self._task._interpreter, self._task._handle, self._physical, (self._wave, rate_hz))
+                fall_to_zero(self._task._interpreter, self._task._handle, self._physical, (self._waves, rate_hz))
         self._drop()
         # A supervisor may be doing the same at this moment, and holds the output meanwhile.
         # And an expired watchdog holds it at 0 V.
@@ -155,15 +171,16 @@ class AnalogOutput:
         self._forget()
 
     def _forget(self) -> None:
-        played, self._played = self._played, None
-        if isinstance(played, PlayedWave):
-            played.forget()
+        all_played, self._played = self._played, []
+        for played in all_played:
+            if isinstance(played, PlayedWave):
+                played.forget()
 
     def _write_zero(self) -> None:
         task = self._new("")
         try:
             with translated(self._where):
-                write_zero(task._interpreter, task._handle)
+                write_zero(task._interpreter, task._handle, self.count)
         finally:
             task.close()
 
@@ -178,7 +195,8 @@ class AnalogOutput:
         with translated(self._where):
             task = self._route.task(name)
             try:
-                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
+                for physical, range_v in self._outputs.items():
+                    task.ao_channels.add_ao_voltage_chan(physical, min_val=-range_v, max_val=range_v)
             except BaseException:
                 task.close()
                 raise
@@ -195,12 +213,13 @@ class AnalogOutput:
             # An output outside the chassis, or one that cannot: by its own clock, as on every bench of one device.
             del task.timing.ref_clk_src
 
-    def _describe(self, task: Any, described: str) -> None:
+    def _describe(self, task: Any, described: Sequence[str]) -> None:
         interpreter, handle = task._interpreter, task._handle
-        interpreter.set_chan_attribute_string(handle, self._physical, DESCRIPTION, described)
-        with suppress(nidaqmx.errors.DaqError):
-            # Few devices have it.
-            interpreter.set_chan_attribute_int32(handle, self._physical, IDLE, self._idle.value)
+        for physical, text in zip(self._physical, described, strict=True):
+            interpreter.set_chan_attribute_string(handle, physical, DESCRIPTION, text)
+            with suppress(nidaqmx.errors.DaqError):
+                # Few devices have it.
+                interpreter.set_chan_attribute_int32(handle, physical, IDLE, self._idle.value)
 
     def _drop(self) -> None:
         task, self._task = self._task, None

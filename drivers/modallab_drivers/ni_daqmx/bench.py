@@ -1,6 +1,6 @@
 """NI devices behind the bench protocol."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from typing import Literal
@@ -51,7 +51,7 @@ class NiBench:
             can_drive=self._shaker.can_drive,
             real_time=not self._address.virtual_time,
             facts={f"input of {p.channel.name}": p.physical for p in self._plugs}
-            | ({"output": self._shaker.physical} if self._shaker.physical is not None else {})
+            | ({"output": ", ".join(self._shaker.physical)} if self._shaker.physical else {})
             | ({"generator": self._shaker.identity} if self._shaker.identity else {}),
             streams_bursts=self._shaker.streams,
         )
@@ -168,11 +168,15 @@ class NiBench:
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 
     def play_wave(self, wave: Waveform) -> int:
-        """Start a wave; the place of its beginning counts the converter's own delay."""
+        """Start a wave on the first output; as `play_waves`."""
+        return self.play_waves([wave])
+
+    def play_waves(self, waves: Sequence[Waveform]) -> int:
+        """Start a wave on each output; the place of their beginning counts the converter's own delay."""
         self._require("running", to="play")
         assert self._inputs is not None
         with self._losses():
-            self._shaker.play_wave(wave, self._position, self._inputs.rate_hz)
+            self._shaker.play_waves(waves, self._position, self._inputs.rate_hz)
         start = max(self._inputs.acquired(), self._position)
         return start + round(self._inputs.delay_s * self._inputs.rate_hz)
 

@@ -1,7 +1,7 @@
 """What watches from the device's side: a chassis' watchdog, and a line that toggles for an external relay."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -47,9 +47,9 @@ def after_expiry(route: Route, call: Callable[[], T]) -> T:
 
 
 class Watchdog:
-    """Brings the output to 0 V when nobody resets it in time, whatever became of us."""
+    """Brings the outputs to 0 V when nobody resets it in time, whatever became of us."""
 
-    def __init__(self, route: Route, device: str, output: str, timeout_s: float) -> None:
+    def __init__(self, route: Route, device: str, outputs: Sequence[str], timeout_s: float) -> None:
         """Start it. Nothing else may be reserved on the chassis: it comes before all other tasks.
 
         Raises:
@@ -60,7 +60,9 @@ class Watchdog:
         self._task = self._made(route, device, timeout_s)
         try:
             with translated(self._where):
-                self._task.cfg_watchdog_ao_expir_states([AOExpirationState(output, 0.0, WatchdogAOExpirState.VOLTAGE)])
+                self._task.cfg_watchdog_ao_expir_states(
+                    [AOExpirationState(output, 0.0, WatchdogAOExpirState.VOLTAGE) for output in outputs]
+                )
                 self._task.start()
         except BaseException:
             self.close()
@@ -123,15 +125,15 @@ class HeartbeatLine:
 class Guards:
     """What the rig asks for of both, beaten at most once in BEAT_S."""
 
-    def __init__(self, route: Route, excitation: Excitation | None, output: str | None) -> None:
+    def __init__(self, route: Route, excitation: Excitation | None, outputs: Sequence[str]) -> None:
         self._guards: list[Watchdog | HeartbeatLine] = []
         self._beaten_s = 0.0
         if excitation is None:
             return
-        if excitation.watchdog_s is not None and output is not None:
+        if excitation.watchdog_s is not None and outputs:
             device = route.address.device
             timeout_s = excitation.watchdog_s
-            self._guards.append(patiently(lambda: Watchdog(route, device, output, timeout_s), ZERO_WAIT_S))
+            self._guards.append(patiently(lambda: Watchdog(route, device, outputs, timeout_s), ZERO_WAIT_S))
         if excitation.heartbeat_line:
             self._guards.append(HeartbeatLine(route, excitation.heartbeat_line))
 

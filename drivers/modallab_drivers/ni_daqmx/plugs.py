@@ -1,6 +1,6 @@
 """Which channel of the rig is plugged into which input of the devices, and whether the input can do it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from modallab.core.errors import ConfigurationError
@@ -82,32 +82,40 @@ def _supply(channel: Channel, device: DeviceInfo, problems: list[str]) -> float:
     return nearest
 
 
-def output_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[str, float] | None:
-    """The analog output the rig names, or the first; with its range. None if the rig drives otherwise or not at all.
+def outputs_of(rig: Rig, devices: Sequence[DeviceInfo], where: str) -> tuple[tuple[str, float], ...]:
+    """The analog output of each shaker of a rig, and its range: as the rig names them, the others in order.
+
+    There is none if the rig drives otherwise or not at all.
 
     Raises:
-        ConfigurationError: no such output, or limits beyond its range.
+        ConfigurationError: no such output, or none left, or limits beyond its range.
     """
     excitation = rig.excitation
     if rig.shaker_point is None or (excitation is not None and excitation.kind != "analog-output"):
-        return None
+        return ()
     ranges = {name: device.output_range_v for device in devices for name in device.outputs}
+    if not ranges and not rig.shakers:
+        return ()
     wired = excitation.output if excitation is not None else ""
-    if wired and wired not in ranges:
-        raise ConfigurationError(
-            f"excitation.output: found {wired!r}; allowed: {_listed(list(ranges))}",
-            where=where,
-            remedy="correct this field of the rig file",
+    fields = {"excitation.output": wired} | {f"shakers[{n}].output": s.output for n, s in enumerate(rig.shakers)}
+    free = [name for name in ranges if name not in fields.values()]
+    return tuple(
+        _output(rig, field, name or (free.pop(0) if free else ""), ranges, where) for field, name in fields.items()
+    )
+
+
+def _output(rig: Rig, field: str, name: str, ranges: Mapping[str, float], where: str) -> tuple[str, float]:
+    problem = ""
+    if not name:
+        problem = f"{field}: no output is left, there are {len(ranges)}"
+    elif name not in ranges:
+        problem = f"{field}: found {name!r}; allowed: {_listed(list(ranges))}"
+    elif rig.limits is not None and rig.limits.drive_v > ranges[name]:
+        problem = (
+            f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V"
         )
-    if not ranges:
-        return None
-    name = wired or next(iter(ranges))
-    if rig.limits is not None and rig.limits.drive_v > ranges[name]:
-        raise ConfigurationError(
-            f"limits.drive_v: found {rig.limits.drive_v:g} V; allowed: up to the range of {name}, {ranges[name]:g} V",
-            where=where,
-            remedy="correct this field of the rig file",
-        )
+    if problem:
+        raise ConfigurationError(problem, where=where, remedy="correct this field of the rig file")
     return name, ranges[name]
 
 

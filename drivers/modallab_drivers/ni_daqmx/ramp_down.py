@@ -1,4 +1,4 @@
-"""A burst on an analog output is ended by a fall from the value it has, by whoever reaches its task.
+"""What plays on analog outputs is ended by a fall from the value each has, by whoever reaches their task.
 
 A finite burst lies whole in its buffer and can't be changed while it plays. So it is stopped, whereupon the output
 holds the last sample; how many were generated says which one that is; and the same task then plays the fall from there.
@@ -11,7 +11,7 @@ import os
 import re
 import tempfile
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,6 +59,11 @@ class Played:
     def wave(self) -> tuple[NDArray[np.float64], float]:
         """(n,) in V, and their rate."""
         return burst_samples(self.burst, self.rate_hz), self.rate_hz
+
+    @classmethod
+    def zeros(cls, count: int, rate_hz: float) -> Self:
+        """0 V for so many samples, on an output that nothing is played on while others play."""
+        return cls(Burst(1.0, 0.0, 0.0, (count - 1) / rate_hz), rate_hz)
 
     @classmethod
     def read(cls, text: str) -> Self:
@@ -128,34 +133,51 @@ def read_description(text: str) -> Played | PlayedWave:
 
 
 def fall_to_zero(
-    interpreter: Any, task: Any, physical: str, own: tuple[NDArray[np.float64], float] | None = None
+    interpreter: Any, task: Any, physical: Sequence[str], own: tuple[NDArray[np.float64], float] | None = None
 ) -> None:
-    """Stop what a task plays and let it fall; returns at 0 V, or with whoever else does the same.
+    """Stop what a task plays and let it fall, all outputs together; returns at 0 V, or with whoever else does the same.
 
     It does nothing where the device brings an idle output to 0 V by itself and can't be kept from it: the stop is then
     a step.
 
     Args:
         interpreter: the package's way to the driver.
-        task: handle of a committed task with one output.
-        physical: the output.
-        own: (n,) what the task plays in V, and its rate, for who knows it; else the description says it.
+        task: handle of a committed task.
+        physical: its outputs.
+        own: (outputs, n) what the task plays in V, and its rate, for who knows it; else the descriptions say it.
 
     Raises:
         ValueError, OSError: what the task plays is not known.
         DaqError: the task is gone, or could not be played: the output is wherever it is.
     """
     # One who comes a moment later must take neither the fall for the burst, nor what is stopped for what has fallen.
-    with _alone(physical):
-        described = interpreter.get_chan_attribute_string(task, physical, DESCRIPTION)
-        if described != FALLING:
-            wave, rate_hz = own or read_description(described).wave()
-            if not _holds(interpreter, task, physical):
+    with _alone(physical[0]):
+        described = [interpreter.get_chan_attribute_string(task, output, DESCRIPTION) for output in physical]
+        if described[0] != FALLING:
+            waves, rate_hz = own or _described(described)
+            # Of all of them: each must be kept from a step.
+            if not all(_holds(interpreter, task, output) for output in physical):
                 return
-            interpreter.set_chan_attribute_string(task, physical, DESCRIPTION, FALLING)
-            volts = float(wave[min(_stopped_at(interpreter, task, rate_hz), len(wave) - 1)])
-            _play(interpreter, task, fall_samples(volts, float(np.abs(wave).max()), rate_hz), rate_hz)
+            interpreter.set_chan_attribute_string(task, physical[0], DESCRIPTION, FALLING)
+            at = _stopped_at(interpreter, task, rate_hz)
+            _play(interpreter, task, _falls(waves[:, min(at, waves.shape[1] - 1)], waves, rate_hz), rate_hz)
     interpreter.wait_until_task_done(task, WAIT_S)
+
+
+def _described(texts: Sequence[str]) -> tuple[NDArray[np.float64], float]:
+    """(outputs, n) what plays in V, and its rate, by the outputs' descriptions."""
+    played = [read_description(text).wave() for text in texts]
+    shortest = min(len(wave) for wave, _ in played)
+    return np.stack([wave[:shortest] for wave, _ in played]), played[0][1]
+
+
+def _falls(volts: NDArray[np.float64], waves: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """(outputs, n) from the value each output has to 0 V; who is there first stays there."""
+    # An output that plays nothing has no level, and nothing to fall from.
+    levels = np.maximum(np.abs(waves).max(axis=1), np.finfo(float).tiny)
+    falls = [fall_samples(float(v), float(level), rate_hz) for v, level in zip(volts, levels, strict=True)]
+    longest = max(map(len, falls))
+    return np.stack([np.pad(fall, (0, longest - len(fall))) for fall in falls])
 
 
 @contextmanager
@@ -203,7 +225,7 @@ def _stopped_at(interpreter: Any, task: Any, rate_hz: float) -> int:
 
 
 def _play(interpreter: Any, task: Any, volts: Any, rate_hz: float) -> None:
-    count = len(volts)
+    count = volts.shape[1]
     edge, finite = Edge.RISING.value, AcquisitionType.FINITE.value
     interpreter.cfg_samp_clk_timing(task, rate_hz, "", edge, finite, count)
     # The buffer of the burst would want to be filled before it starts.

@@ -12,7 +12,7 @@ from modallab_drivers.ni_daqmx.address import parse
 from modallab_drivers.ni_daqmx.analog_output import task_name
 from modallab_drivers.ni_daqmx.errors import WatchdogExpiredError, translated
 from modallab_drivers.ni_daqmx.guards import heartbeat_name, watchdog_name
-from modallab_drivers.ni_daqmx.plugs import output_of
+from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.ramp_down import fall_to_zero
 from modallab_drivers.ni_daqmx.route import ZERO_WAIT_S, Route, patiently
 from modallab_drivers.ni_daqmx.synchronise import session_name
@@ -34,12 +34,12 @@ class SecondHandle:
         self._route = Route(parse(url))
         self._rig = rig
         self._where = url
-        chosen = output_of(rig, self._route.devices(), url)
-        self._physical, self._range_v = chosen if chosen is not None else ("", 0.0)
+        self._outputs = dict(outputs_of(rig, self._route.devices(), url))
+        self._physical = tuple(self._outputs)
         self._ready: Any = self._made()
 
     def zero(self) -> None:
-        """End what plays on the output, whoever started it, and put 0 V on it.
+        """End what plays on the outputs, whoever started it, and put 0 V on all of them.
 
         Raises:
             BenchError: it could not be done, by no way.
@@ -68,7 +68,7 @@ class SecondHandle:
 
     def _end(self) -> None:
         self._fall()
-        self._end_task(task_name(self._physical))
+        self._end_task(task_name(self._physical[0]))
         # Its owner, or another handle, may be bringing it to 0 V at this moment: no reason to reset the device.
         patiently(self._write_zero, ZERO_WAIT_S)
 
@@ -77,7 +77,7 @@ class SecondHandle:
         if self._route.remote:
             # Whatever goes wrong with a fall, the step must come.
             with suppress(Exception):
-                fall_to_zero(self._ready._interpreter, self._named(task_name(self._physical)), self._physical)
+                fall_to_zero(self._ready._interpreter, self._named(task_name(self._physical[0])), self._physical)
 
     def _end_anew(self) -> None:
         # Our own task may be gone, when the device was reset or came back.
@@ -87,7 +87,8 @@ class SecondHandle:
     def _end_by_reset(self) -> None:
         # Whoever holds it is no task of ours: the device lets go of everything.
         with translated(self._where):
-            self._route.device(self._physical.partition("/")[0]).reset_device()
+            for device in dict.fromkeys(physical.partition("/")[0] for physical in self._physical):
+                self._route.device(device).reset_device()
         self._end_anew()
 
     def release(self) -> None:
@@ -111,8 +112,8 @@ class SecondHandle:
     def _made(self) -> Any:
         with translated(self._where):
             task = self._route.task()
-            if self._physical:
-                task.ao_channels.add_ao_voltage_chan(self._physical, min_val=-self._range_v, max_val=self._range_v)
+            for physical, range_v in self._outputs.items():
+                task.ao_channels.add_ao_voltage_chan(physical, min_val=-range_v, max_val=range_v)
             return task
 
     def _end_task(self, name: str) -> None:
@@ -129,7 +130,7 @@ class SecondHandle:
         ready = self._ready
         with translated(self._where):
             try:
-                write_zero(ready._interpreter, ready._handle)
+                write_zero(ready._interpreter, ready._handle, len(self._outputs))
             finally:
                 # Not to hold it a moment longer than needed, whatever came of it.
                 with suppress(nidaqmx.errors.DaqError):

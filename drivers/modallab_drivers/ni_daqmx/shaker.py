@@ -1,4 +1,4 @@
-"""What drives the shaker of an NI bench, an output of the device or a generator, and the guards that watch it."""
+"""What drives the shakers of an NI bench, outputs of the device or a generator, and the guards that watch them."""
 
 from collections.abc import Sequence
 
@@ -9,9 +9,9 @@ from modallab.core.rig import Rig
 from modallab_drivers.function_generator.generator import Generator, open_generator
 from modallab_drivers.ni_daqmx.analog_output import AnalogOutput
 from modallab_drivers.ni_daqmx.guards import Guards, Watchdog, after_expiry
-from modallab_drivers.ni_daqmx.plugs import output_of
+from modallab_drivers.ni_daqmx.plugs import outputs_of
 from modallab_drivers.ni_daqmx.route import DeviceInfo, Route
-from modallab_drivers.order import require_burst, require_wave
+from modallab_drivers.order import require_alike, require_burst, require_wave
 from modallab_drivers.output import Output
 
 PROBE_S = 10.0
@@ -22,7 +22,7 @@ class Shaker:
     """The excitation of one bench; a rig may have none, and then nothing can be played.
 
     Attributes:
-        physical: the analog output; None where a generator drives, or nothing.
+        physical: the analog outputs, one for each shaker; none where a generator drives, or nothing.
     """
 
     def __init__(self, route: Route, rig: Rig, devices: Sequence[DeviceInfo], where: str) -> None:
@@ -34,13 +34,13 @@ class Shaker:
         self._rig, self._where = rig, where
         self._burst_end = 0
         self._output: Output | None = None
-        self._guards = Guards(route, None, None)
-        chosen = output_of(rig, devices, where)
-        self.physical = chosen[0] if chosen is not None else None
-        self._streams = chosen is not None and route.address.streams
+        self._guards = Guards(route, None, ())
+        chosen = outputs_of(rig, devices, where)
+        self.physical = tuple(name for name, _ in chosen)
+        self._streams = bool(chosen) and route.address.streams
         self._guarded = not self._streams or (rig.excitation is not None and rig.excitation.watchdog_s is not None)
-        if chosen is not None:
-            self._output = AnalogOutput(route, *chosen, guarded=self._guarded)
+        if chosen:
+            self._output = AnalogOutput(route, chosen, guarded=self._guarded)
         elif rig.shaker_point is not None and rig.excitation is not None and rig.excitation.kind == "generator":
             self._output = open_generator(rig)
         try:
@@ -66,7 +66,7 @@ class Shaker:
     def has_watchdog(self) -> bool:
         """Whether the device's watchdog is used."""
         excitation = self._rig.excitation
-        return self.physical is not None and excitation is not None and excitation.watchdog_s is not None
+        return bool(self.physical) and excitation is not None and excitation.watchdog_s is not None
 
     def driving(self, now: int) -> bool:
         """Whether a burst may be on at sample `now`."""
@@ -107,12 +107,12 @@ class Shaker:
         self._output.play(burst, now, rate_hz)
         self._burst_end = now + round(burst.duration_s * rate_hz)
 
-    def play_wave(self, wave: Waveform, now: int, rate_hz: float) -> None:
-        """Start a wave at sample `now`.
+    def play_waves(self, waves: Sequence[Waveform], now: int, rate_hz: float) -> None:
+        """Start waves of one rate and length at sample `now`, the first shaker's first.
 
         Raises:
-            UnsupportedError: there is no analog output.
-            ConfigurationError: something is still on, or the wave is beyond the rig's limits or the output's range.
+            UnsupportedError: there is no analog output, or there are fewer than waves.
+            ConfigurationError: something is still on, or a wave is beyond the rig's limits or the outputs' range.
         """
         if not isinstance(self._output, AnalogOutput):
             raise UnsupportedError(
@@ -120,10 +120,18 @@ class Shaker:
                 where=self._where,
                 remedy="drive by an analog output of the device, or run a sine test",
             )
-        require_wave(wave, self._output.range_v, self._rig.limits, self._where)
+        if len(waves) > self._output.count:
+            raise UnsupportedError(
+                f"{len(waves)} waves for {self._output.count} outputs",
+                where=self._where,
+                remedy="list every shaker in the rig file, under shakers",
+            )
+        require_alike(waves, self._where)
+        for wave in waves:
+            require_wave(wave, self._output.range_v, self._rig.limits, self._where)
         self._require_ready(self._output)
-        self._output.play_wave(wave)
-        self._burst_end = now + round(wave.duration_s * rate_hz)
+        self._output.play_waves(waves)
+        self._burst_end = now + round(waves[0].duration_s * rate_hz)
 
     def _require_ready(self, output: Output) -> None:
         if output.busy:
@@ -166,9 +174,9 @@ class Shaker:
 
     def come_back(self, route: Route, devices: Sequence[DeviceInfo]) -> None:
         """The device is back: take its output again."""
-        chosen = output_of(self._rig, devices, self._where)
-        if chosen is not None:
-            self._output = AnalogOutput(route, *chosen, guarded=self._guarded)
+        chosen = outputs_of(self._rig, devices, self._where)
+        if chosen:
+            self._output = AnalogOutput(route, chosen, guarded=self._guarded)
 
     def let_go(self, *, reachable: bool = True) -> None:
         """Bring the output to 0 V and let go of it."""
@@ -180,11 +188,7 @@ class Shaker:
                 return
 
     def _require_no_needless_waiver(self, route: Route) -> None:
-        if (
-            self._guarded
-            or self.physical is None
-            or not (self._rig.excitation and self._rig.excitation.watchdog_waived)
-        ):
+        if self._guarded or not self.physical or not (self._rig.excitation and self._rig.excitation.watchdog_waived):
             return
         try:
             Watchdog(route, route.address.device, self.physical, PROBE_S).close()

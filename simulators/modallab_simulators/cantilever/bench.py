@@ -1,7 +1,8 @@
 """The simulated bench behind the bench protocol."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from math import ceil, isfinite
 from typing import Literal
 
@@ -50,11 +51,11 @@ class CantileverBench:
         self._rig, self._settings = rig, settings
         self._truth = draw_truth(settings, rig, circumstances)
         self._rows = len(outputs_of(rig, self._truth.effects.altered.chain))
-        self._shaker_x = None if rig.shaker_point is None else rig.x_of(rig.shaker_point)
+        self._shakers_x = tuple(rig.x_of(point) for point in rig.shaker_points)
         self._info = BenchInfo(
             url,
             (("simulated cantilever", f"seed {settings.seed}"),),
-            can_drive=self._shaker_x is not None,
+            can_drive=bool(self._shakers_x),
             real_time=settings.pace,
             facts=self._truth.facts(),
         )
@@ -112,7 +113,7 @@ class CantileverBench:
         site, began_s = self._site, self._age_s
         site.age(began_s, exactly=True)
         self._excitation = Excitation(
-            self._shaker_x,
+            self._shakers_x,
             self._settings.n_per_v,
             site.floor_of_start(self._starts),
             self._truth.effects.altered.excitation.harmonics,
@@ -149,26 +150,40 @@ class CantileverBench:
         return self._emit(lambda start_s: Emission(burst, start_s + later_s, self._clock, straight=straight))
 
     def play_wave(self, wave: Waveform) -> int:
-        """Start a wave a few samples from now."""
+        """Start a wave on the first shaker a few samples from now."""
+        return self.play_waves([wave])
+
+    def play_waves(self, waves: Sequence[Waveform]) -> int:
+        """Start a wave on each shaker, the first one's first, a few samples from now."""
         self._require_ready()
+        if len(waves) > len(self._shakers_x):
+            raise UnsupportedError(
+                f"{len(waves)} waves for {len(self._shakers_x)} shakers",
+                where=self._info.url,
+                remedy="list every shaker in the rig file, under shakers",
+            )
+        for wave in waves:
+            self._require_fits(wave)
+        return self._emit(*(partial(WaveEmission, wave, clock=self._clock) for wave in waves))
+
+    def _require_fits(self, wave: Waveform) -> None:
         if not np.abs(wave.samples).max() <= OUTPUT_RANGE_V or wave.samples[0] != 0 or wave.samples[-1] != 0:
             raise ConfigurationError(
                 f"a wave up to {np.abs(wave.samples).max():g} V, from {wave.samples[0]:g} to {wave.samples[-1]:g} V",
                 where=self._info.url,
                 remedy=f"let it begin and end at 0 V and stay within {OUTPUT_RANGE_V:g} V",
             )
-        return self._emit(lambda start_s: WaveEmission(wave, start_s, self._clock))
 
     def _require_ready(self) -> None:
         self._require("running", to="play")
-        if self._shaker_x is None:
+        if not self._shakers_x:
             raise UnsupportedError("the rig has no shaker", where=self._info.url, remedy="give the rig a shaker_point")
         if self._excitation.running(self._now_s):
             raise ConfigurationError("a burst is still on", where=self._info.url, remedy="wait for its end, or zero()")
 
-    def _emit(self, made: Callable[[float], Emission | WaveEmission]) -> int:
+    def _emit(self, *made: Callable[[float], Emission | WaveEmission]) -> int:
         start = self._stream.position + ceil(LATENCY_S * self._rate)
-        self._excitation.emit(made(start / self._site.rate_hz))
+        self._excitation.emit(*(one(start / self._site.rate_hz) for one in made))
         self._stream.changed()
         return start + self._site.structure.latency
 

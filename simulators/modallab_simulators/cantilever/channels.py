@@ -15,13 +15,13 @@ def outputs_of(rig: Rig, changes: ChainChanges) -> tuple[Output, ...]:
     Raises:
         ConfigurationError: a response without a point, a force transducer across the drive, a sensor with mass.
     """
-    force = rig.force_channel
-    if force.direction[1] != rig.drive_direction[1]:
-        raise ConfigurationError(
-            f"measures along {force.direction}, the drive is along {rig.drive_direction}",
-            where=f"channel {force.name}",
-            remedy="turn the force transducer into the drive's direction",
-        )
+    for force in (rig.force_channel, *rig.forces[1:]):
+        if force.direction[1] != rig.drive_direction[1]:
+            raise ConfigurationError(
+                f"measures along {force.direction}, the drive is along {rig.drive_direction}",
+                where=f"channel {force.name}",
+                remedy="turn the force transducer into the drive's direction",
+            )
     sensors = sensor_rows(rig, changes)
     return tuple(_output(rig, rig.channels[sensor], row, changes) for row, sensor in enumerate(sensors))
 
@@ -43,7 +43,8 @@ def _output(rig: Rig, channel: Channel, row: int, changes: ChainChanges) -> Outp
         )
     later = row * changes.skew_s
     if channel.quantity == "force":
-        return Output("force", later_s=later)
+        shaker = next(n for n, force in enumerate(rig.forces) if force.name == channel.name)
+        return Output("force", later_s=later, shaker=shaker)
     if channel.quantity == "voltage":
         return Output("voltage", later_s=later)
     if channel.point is None:

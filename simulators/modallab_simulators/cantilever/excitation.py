@@ -1,10 +1,12 @@
 """What drives the beam and when: hits struck or meant, bursts on the shaker, a floor that shakes."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from modallab_simulators.cantilever.floor import Floor
 from modallab_simulators.cantilever.hammer import Hit
-from modallab_simulators.cantilever.loads import Drive
+from modallab_simulators.cantilever.loads import Drive, Floats
 from modallab_simulators.cantilever.shaker import Emission
 from modallab_simulators.cantilever.wave_emission import WaveEmission
 
@@ -12,18 +14,25 @@ AMPLIFIER_V = 5.0
 """Voltage to which the overtones of a power amplifier are related."""
 
 
+class _On(NamedTuple):
+    """What plays, and on which shaker, from 0."""
+
+    shaker: int
+    emission: Emission | WaveEmission
+
+
 class Excitation:
     """The timeline of all forces, in seconds since the stream began."""
 
     def __init__(
-        self, shaker_x_m: float | None, n_per_v: float, floor: Floor | None = None, harmonics: float = 0.0
+        self, shakers_x_m: tuple[float, ...], n_per_v: float, floor: Floor | None = None, harmonics: float = 0.0
     ) -> None:
-        self._shaker_x_m = shaker_x_m
+        self._shakers_x_m = shakers_x_m
         self._n_per_v = n_per_v
         self._floor = floor
         self._harmonics = harmonics
         self._hits: list[Hit] = []
-        self._emissions: list[Emission | WaveEmission] = []
+        self._emissions: list[_On] = []
 
     def give_up(self, now_s: float) -> None:
         """Hits that were meant but not yet struck are not."""
@@ -33,37 +42,42 @@ class Excitation:
         """Schedule hits."""
         self._hits += hits
 
-    def emit(self, emission: Emission | WaveEmission) -> None:
-        """Put a burst or a wave on the shaker."""
-        self._emissions.append(emission)
+    def emit(self, *emissions: Emission | WaveEmission) -> None:
+        """Put a burst or a wave on each shaker, the first one's first."""
+        self._emissions += [_On(shaker, emission) for shaker, emission in enumerate(emissions)]
 
     def running(self, now_s: float) -> bool:
         """Whether a burst has still to come to its end, other than one that was cut."""
-        return any(e.cut_s is None and e.end_s > now_s for e in self._emissions)
+        return any(e.cut_s is None and e.end_s > now_s for _, e in self._emissions)
 
     def cut(self, at_s: float) -> None:
-        """Bring the shaker to zero at `at_s`."""
-        self._emissions = [e.cut(at_s) for e in self._emissions if e.start_s < at_s]
+        """Bring all shakers to zero at `at_s`."""
+        self._emissions = [_On(shaker, e.cut(at_s)) for shaker, e in self._emissions if e.start_s < at_s]
 
     def forget(self, before_s: float) -> None:
         """Drop what has ended before a time."""
         self._hits = [b for b in self._hits if b.end_s >= before_s]
-        self._emissions = [e for e in self._emissions if e.end_s >= before_s]
+        self._emissions = [on for on in self._emissions if on.emission.end_s >= before_s]
 
     def drives(self, first: int, count: int, step_s: float) -> list[Drive]:
         """The loads that act on `count` internal samples from `first`; none where nothing excites."""
         start_s, end_s = first * step_s, (first + count) * step_s
         hits = [b for b in self._hits if b.start_s < end_s and b.end_s > start_s]
-        emissions = [e for e in self._emissions if e.start_s < end_s and e.end_s > start_s]
+        played = [on for on in self._emissions if on.emission.start_s < end_s and on.emission.end_s > start_s]
         shaking = [Drive(0.0, self._floor.acceleration(first, count), 0.0, "base", False)] if self._floor else []
-        if not hits and not emissions:
+        if not hits and not played:
             return shaking
         times = np.arange(first, first + count, dtype=np.float64) * step_s
         drives = [Drive(hit.x_m, hit.force(times), seen=hit.seen) for hit in hits]
-        if emissions and self._shaker_x_m is not None:
-            volts = np.sum([e.volts(times) for e in emissions], axis=0)
-            drives.append(Drive(self._shaker_x_m, volts * self._n_per_v, 1 / self._n_per_v))
-            if self._harmonics:
-                bent = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
-                drives.append(Drive(self._shaker_x_m, bent * self._n_per_v))
+        for shaker, x_m in enumerate(self._shakers_x_m):
+            volts = [e.volts(times) for own, e in played if own == shaker]
+            if volts:
+                drives += self._shaken(shaker, x_m, np.sum(volts, axis=0))
         return drives + shaking
+
+    def _shaken(self, shaker: int, x_m: float, volts: Floats) -> list[Drive]:
+        drives = [Drive(x_m, volts * self._n_per_v, 1 / self._n_per_v, shaker=shaker)]
+        if self._harmonics:
+            bent = self._harmonics * volts * (volts / AMPLIFIER_V + (volts / AMPLIFIER_V) ** 2)
+            drives.append(Drive(x_m, bent * self._n_per_v, shaker=shaker))
+        return drives

@@ -43,6 +43,7 @@ class Output:
         order: derivative of the displacement: 0, 1 or 2.
         later_s: how much later than the force it is sampled.
         sensor: what becomes of the motion before it is volts.
+        shaker: whose force or voltage, from 0; the first one's transducer is the hammer's as well.
     """
 
     kind: Literal["motion", "force", "voltage"]
@@ -50,6 +51,7 @@ class Output:
     order: int = 0
     later_s: float = 0.0
     sensor: Sensor = _PLAIN
+    shaker: int = 0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,8 +63,9 @@ class Drive:
         force_n: on the internal samples of `Structure.times`; of a moment in N m, of the base in m/s^2.
         volts_per_n: of the generator behind it; 0 for a hammer.
         load: a force, a moment, an acceleration of the base, or a load spread along the beam.
-        seen: whether the force transducer feels it.
+        seen: whether a force transducer feels it.
         spread: which, if it is.
+        shaker: whose transducer feels it, from 0.
     """
 
     x_m: float
@@ -71,6 +74,7 @@ class Drive:
     load: Load = "force"
     seen: bool = True
     spread: Spread | None = None
+    shaker: int = 0
 
 
 class Moving(Protocol):

@@ -65,7 +65,7 @@ class Structure:
         seen = self._gains * tails
         self._seen = np.stack([seen.imag, seen.real], axis=2).reshape(len(outputs), -1)
         self._drive_taps = state_taps(self._poles, self._step_s, oversample)
-        self._inputs: dict[tuple[float, float, Load, bool, Spread | None], tuple[Complex, Complex]] = {}
+        self._inputs: dict[tuple[float, float, Load, bool, Spread | None, int], tuple[Complex, Complex]] = {}
 
     @property
     def oversample(self) -> int:
@@ -179,7 +179,7 @@ class Structure:
         return gains
 
     def _input(self, drive: Drive) -> tuple[Complex, Complex]:
-        key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen, drive.spread)
+        key = (drive.x_m, drive.volts_per_n, drive.load, drive.seen, drive.spread, drive.shaker)
         if key not in self._inputs:
             if len(self._inputs) > 64:
                 self._inputs.clear()
@@ -205,10 +205,9 @@ class Structure:
                 feeds[row] = sensed_feeds(plain, output.sensor)
                 c = shares[row] * basis.poles**output.order
                 into.append(np.array([transfer(c, basis.poles, plain, q) for q in output.sensor.poles], complex))
-            elif output.kind == "force":
-                feeds[row, 0] = 1.0 if drive.seen else 0.0
-            else:
-                feeds[row, 0] = drive.volts_per_n
+            elif output.shaker == drive.shaker:
+                felt = 1.0 if drive.seen else 0.0
+                feeds[row, 0] = felt if output.kind == "force" else drive.volts_per_n
         return np.concatenate(into), feeds
 
     def _impulse_taps(self, into: Complex, feeds: Floats) -> Floats:

@@ -83,10 +83,15 @@ class SimulatedSystem:
 
     @property
     def shaker_line(self) -> OutputLine:
-        """The line the shaker's amplifier hangs on."""
+        """The line the first shaker's amplifier hangs on."""
+        return self.shaker_lines[0]
+
+    @property
+    def shaker_lines(self) -> tuple[OutputLine, ...]:
+        """The line each shaker's amplifier hangs on: the first outputs, in order, with one shaker at least."""
         if self.generator_line is not None:
-            return self.generator_line
-        return next(iter(self.lines.values()), OutputLine())
+            return (self.generator_line,)
+        return tuple(self.lines.values())[: max(1, len(self.rig.shaker_points))] or (OutputLine(),)
 
     def inputs(self) -> Iterator[tuple[str, Module]]:
         """All physical input channels, in order."""

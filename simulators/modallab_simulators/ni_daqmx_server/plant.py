@@ -1,5 +1,6 @@
 """What stands behind the simulated inputs and outputs: the cantilever, or cables from the output to every input."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any, Protocol, Self, cast
@@ -36,8 +37,8 @@ class Plant(Protocol):
     generator_ppm: float
     facts: dict[str, str]
 
-    def begin(self, rate_hz: float, start_s: float, line: OutputLine) -> Source:
-        """Samples from `start_s` on, while the output `line` drives."""
+    def begin(self, rate_hz: float, start_s: float, lines: Sequence[OutputLine]) -> Source:
+        """Samples from `start_s` on, while the outputs drive, one `line` for each shaker."""
         ...
 
     def strike(self, point: int, now_s: float) -> None:
@@ -83,14 +84,14 @@ class CantileverPlant:
         self.facts = self._bench.info.facts
         self.generator_ppm = float(self.facts.get("generator_ppm", 0.0))
 
-    def begin(self, rate_hz: float, start_s: float, line: OutputLine) -> Source:
+    def begin(self, rate_hz: float, start_s: float, lines: Sequence[OutputLine]) -> Source:
         """See `Plant`."""
         self._bench.stop()
         delivery = self._bench.configure(Request(self._test, rate_hz))
         self._bench.start()
         # The bench plays bursts; a device plays whatever was written to it, so it is put beneath.
         inner = cast("Any", self._bench)
-        inner._excitation.emit(_LineEmission(line, start_s))
+        inner._excitation.emit(*(_LineEmission(line, start_s) for line in lines))
         return _CantileverSource(self._bench, delivery.scale, 2 ** (self._bits - 1))
 
     def strike(self, point: int, now_s: float) -> None:
@@ -116,16 +117,19 @@ class _CantileverSource:
 
 
 class CablePlant:
-    """Every input hangs on the output by a cable; a slow ramp of STEP_V a sample lets every sample be distinguished."""
+    """Every input hangs on an output by a cable; a slow ramp of STEP_V a sample lets every sample be distinguished.
+
+    With several shakers the first inputs hang on one output each, the rest on the last of them.
+    """
 
     def __init__(self, channels: int, range_v: float) -> None:
         self._channels, self._range_v = channels, range_v
         self.facts: dict[str, str] = {}
         self.generator_ppm = 0.0
 
-    def begin(self, rate_hz: float, start_s: float, line: OutputLine) -> Source:
+    def begin(self, rate_hz: float, start_s: float, lines: Sequence[OutputLine]) -> Source:
         """See `Plant`."""
-        return _CableSource(self._channels, self._range_v, rate_hz, start_s, line)
+        return _CableSource(self._channels, self._range_v, rate_hz, start_s, lines)
 
     def strike(self, point: int, now_s: float) -> None:
         """There is no beam to strike."""
@@ -135,16 +139,19 @@ class CablePlant:
 
 
 class _CableSource:
-    def __init__(self, channels: int, range_v: float, rate_hz: float, start_s: float, line: OutputLine) -> None:
+    def __init__(
+        self, channels: int, range_v: float, rate_hz: float, start_s: float, lines: Sequence[OutputLine]
+    ) -> None:
         self._channels, self._range_v = channels, range_v
-        self._rate_hz, self._start_s, self._line = rate_hz, start_s, line
+        self._rate_hz, self._start_s, self._lines = rate_hz, start_s, tuple(lines)
         self._position = 0
 
     def take(self, count: int) -> tuple[Floats, NDArray[np.bool_]]:
         places = self._position + np.arange(count)
         self._position += count
-        volts = self._line.volts(self._start_s + places / self._rate_hz) + STEP_V * places
-        every = np.broadcast_to(np.clip(volts, -self._range_v, self._range_v), (self._channels, count))
+        times = self._start_s + places / self._rate_hz
+        volts = [np.clip(line.volts(times) + STEP_V * places, -self._range_v, self._range_v) for line in self._lines]
+        every = np.stack([volts[min(row, len(volts) - 1)] for row in range(self._channels)])
         return every, np.abs(every) >= self._range_v
 
     def changed(self) -> None:

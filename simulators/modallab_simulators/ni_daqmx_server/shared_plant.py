@@ -1,7 +1,7 @@
 """One plant behind several clocks: each card samples the same motion at its own times."""
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import ceil, floor
 
 import numpy as np
@@ -26,11 +26,11 @@ class SharedPlant:
         self.generator_ppm, self.facts = inner.generator_ppm, inner.facts
         self._stream: _Stream | None = None
 
-    def begin(self, rate_hz: float, start_s: float, line: OutputLine) -> Source:
+    def begin(self, rate_hz: float, start_s: float, lines: Sequence[OutputLine]) -> Source:
         """See `Plant`."""
         if self._stream is None or not self._stream.readers or start_s < self._stream.earliest_s + HALF / rate_hz:
             began_s = start_s - MARGIN / rate_hz
-            self._stream = _Stream(self._inner.begin(rate_hz, began_s, line), rate_hz, began_s)
+            self._stream = _Stream(self._inner.begin(rate_hz, began_s, lines), rate_hz, began_s)
         return _Reader(self._stream, rate_hz, start_s)
 
     def strike(self, point: int, now_s: float) -> None:

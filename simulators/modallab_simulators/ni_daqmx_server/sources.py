@@ -101,7 +101,7 @@ def channel_sources(system: "SimulatedSystem", task: "InputTask", rate_hz: float
         elif not channel.module.simulated and channel.physical in channel.module.input_names():
             rows[place] = system.row_of(channel.physical)
     supplies = {place: _supply(system, task, task.channels[place], start_s, row) for place, row in rows.items()}
-    bench = system.plant.begin(rate_hz, start_s, system.shaker_line) if rows else None
+    bench = system.plant.begin(rate_hz, start_s, system.shaker_lines) if rows else None
     known = {place: float(task.get("PWR_VOLTAGE_SETPOINT", 0.0, c.name))
              for place, c in enumerate(task.channels) if c.kind == "Power"}  # fmt: skip
     return ChannelSources(

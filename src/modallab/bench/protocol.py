@@ -1,5 +1,6 @@
 """What every bench can be asked: real hardware, a simulator, or a replay."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -231,6 +232,23 @@ class WavePlaying(Protocol):
 
     def play_wave(self, wave: Waveform) -> int:
         """Start a wave; returns the sample count of its beginning. Raises UnsupportedError, ConfigurationError."""
+        ...
+
+
+@runtime_checkable
+class WavesPlaying(WavePlaying, Protocol):
+    """A bench with an output for each shaker of its rig, which play together and end together.
+
+    `zero` brings all of them to 0 V at once, as their end by themselves and any watchdog does.
+    """
+
+    def play_waves(self, waves: Sequence[Waveform]) -> int:
+        """Start one wave on each output, the first shaker's first, all at one sample; returns its count.
+
+        Raises:
+            UnsupportedError: there are fewer outputs than waves.
+            ConfigurationError: something is still on, or a wave is beyond the rig's limits or an output's range.
+        """
         ...
 
 

@@ -1,5 +1,6 @@
 """What a device delivered, block by block, and a campaign of such blocks."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -11,6 +12,20 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 
 Ramp = Literal["straight", "cosine"]
+
+
+ALSO_DRIVEN = "also_driven"
+"""Name of the fact of a stored block that lists the points of the shakers beside the first one."""
+
+
+def also_driven_fact(points: tuple[int, ...]) -> dict[str, str]:
+    """What a stored block says of the shakers beside the first one; nothing where there was none."""
+    return {ALSO_DRIVEN: " ".join(map(str, points))} if points else {}
+
+
+def also_driven_of(facts: Mapping[str, float | str]) -> tuple[int, ...]:
+    """Points of the shakers beside the first one, by what a stored block says."""
+    return tuple(int(point) for point in str(facts.get(ALSO_DRIVEN, "")).split())
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,6 +42,7 @@ class Block:
         units: (channels,) unit after the scale: "V", or an engineering unit if the source held one.
         channels: (channels,) names, those of the rig.
         drive_point: point of the hit or of the shaker; None if unknown.
+        also_driven: points that other shakers drove at the same time.
         level: name of the drive level in a sine test.
         frequency_hz: frequency the generator was set to in a sine test.
         first_sample: place of the first sample in the device's own count.
@@ -56,6 +72,12 @@ class Block:
     history_s: float | None = None
     ramp_s: float | None = None
     ramp: Ramp | None = None
+    also_driven: tuple[int, ...] = ()
+
+    @property
+    def driven_points(self) -> tuple[int | None, ...]:
+        """Points of all forces that drove, the first shaker's first."""
+        return (self.drive_point, *self.also_driven)
 
     @property
     def n_samples(self) -> int:

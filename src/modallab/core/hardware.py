@@ -37,6 +37,20 @@ class Excitation(Frozen):
     watchdog_waived: str = ""
 
 
+class Shaker(Frozen):
+    """A shaker beside the first one, which `shaker_point`, `excitation` and the force channel left over describe.
+
+    Attributes:
+        point: where it drives.
+        force: name of the channel of its force transducer.
+        output: the device's name of the output that drives it; empty: the next one that no other shaker names.
+    """
+
+    point: PositiveInt
+    force: Annotated[str, Field(min_length=1)]
+    output: str = ""
+
+
 def require_guarded(excitation: Excitation | None, where: str) -> None:
     """Reject to drive an analog output whose burst ends with the process that drives it, if nothing was said of that.
 

@@ -193,6 +193,8 @@ class BroadbandPlan(Frozen):
         levels_v: root mean square of the drive by level, while it is on; its peak must stay within the rig's limits.
         blocks: recorded at each level.
         blocks_per_wave: of them at most; then another wave with phases of its own follows. None: as many as fit.
+        shakers: the first one of the rig alone, or all of them at once, each with a wave of its own: of random drive
+            another noise, of a periodic one phases that are turned from wave to wave.
         detection_lines: leave out of a pseudo-random drive all even lines, and of every four odd lines one, another in
             each wave: what the structure answers there is distortion.
         seed: of the random phases; each wave of a test has its own.
@@ -212,6 +214,7 @@ class BroadbandPlan(Frozen):
     levels_v: Annotated[dict[str, PositiveFloat], Field(min_length=1)] = Field(default_factory=lambda: {"low": 0.5})
     blocks: PositiveInt = 10
     blocks_per_wave: PositiveInt | None = None
+    shakers: Literal["first", "all"] = Field(default="first", exclude_if=lambda v: v == "first")
     detection_lines: Annotated[bool, Field(strict=True)] = False
     seed: Annotated[int, Field(ge=0, strict=True)] = 1
     burst_share: Annotated[float, Field(gt=0, lt=1)] = 0.3

@@ -16,9 +16,10 @@ from pydantic import (
 from modallab.core.effect import Effect, Revision
 from modallab.core.errors import RigError
 from modallab.core.frozen import Frozen, unstated
-from modallab.core.hardware import Calibration, Excitation, Synchronisation
+from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.metrology import Certificate
-from modallab.core.rig_checks import Problem, channel_problems, cross_problems
+from modallab.core.rig_checks import channel_problems, cross_problems
+from modallab.core.rig_problem import Problem
 from modallab.core.units import BROADBAND, Quantity, Test
 from modallab.core.versions import RIG
 
@@ -271,14 +272,14 @@ class Limits(Frozen):
     """What the excitation may never exceed. Needed to drive, not to read.
 
     Attributes:
-        drive_v: amplitude of the drive.
+        drive_v: amplitude of the drive, of each shaker's.
         slew_v_per_s: its steepest slope.
-        force_n: of the force channel, either way.
+        force_n: of every force channel, either way.
         acceleration_m_s2: of every acceleration channel, either way.
         max_burst_s: how long a burst may last.
         velocity_m_s: of every response, either way; measured, or integrated from the acceleration.
         displacement_m: the same of the displacement.
-        stroke_m: of the shaker, either way from its middle: the displacement at its point, where a response must be.
+        stroke_m: of each shaker, either way from its middle: the displacement at its point, where a response must be.
     """
 
     drive_v: Positive
@@ -311,6 +312,7 @@ class Rig(Frozen):
         shaker_point: where the shaker drives; None: there is none.
         limits: of the excitation; None: nothing may be driven.
         excitation: what drives the shaker; None: nothing is said of it.
+        shakers: those beside the first one, each with a force channel of its own.
         history: calibrations, the oldest first.
         synchronisation: how several devices sample as one; None: there is one.
         revisions: effects that the simulation of this bench has been given, the oldest first.
@@ -333,6 +335,7 @@ class Rig(Frozen):
     shaker_point: PositiveInt | None = None
     limits: Limits | None = None
     excitation: Excitation | None = None
+    shakers: tuple[Shaker, ...] = Field(default=(), exclude_if=unstated)
     history: tuple[Calibration, ...] = ()
     synchronisation: Synchronisation | None = Field(default=None, exclude_if=unstated)
     revisions: tuple[Revision, ...] = Field(default=(), exclude_if=unstated)
@@ -349,12 +352,13 @@ class Rig(Frozen):
 
     @property
     def force(self) -> Channel | None:
-        """The force transducer's channel; None where no force was measured."""
-        return next((c for c in self.channels if c.quantity == "force"), None)
+        """The first shaker's force transducer, and the hammer's; None where no force was measured."""
+        others = {shaker.force for shaker in self.shakers}
+        return next((c for c in self.channels if c.quantity == "force" and c.name not in others), None)
 
     @property
     def force_channel(self) -> Channel:
-        """The force transducer's channel.
+        """The first shaker's force transducer, and the hammer's.
 
         Raises:
             RigError: no force was measured.
@@ -365,6 +369,18 @@ class Rig(Frozen):
                 remedy="identify the responses alone (--response-only), or add the force channel to the rig file",
             )
         return self.force
+
+    @property
+    def forces(self) -> tuple[Channel, ...]:
+        """The force transducer of each shaker, the first one's first; none where no force was measured."""
+        by_name = {channel.name: channel for channel in self.channels}
+        others = tuple(by_name[shaker.force] for shaker in self.shakers)
+        return others if self.force is None else (self.force, *others)
+
+    @property
+    def shaker_points(self) -> tuple[int, ...]:
+        """Where each shaker drives, in the order of `forces`; none where there is no shaker."""
+        return () if self.shaker_point is None else (self.shaker_point, *(shaker.point for shaker in self.shakers))
 
     @property
     def responses(self) -> tuple[Channel, ...]:

@@ -1,12 +1,11 @@
 """What must hold between the fields of a rig, checked as far as the fields themselves are valid."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final, NamedTuple, cast
+from typing import Final, cast
 
+from modallab.core.rig_problem import INVALID, Problem, entries, number, repeated
+from modallab.core.shaker_checks import shaker_problems
 from modallab.core.units import TO_SI
-
-INVALID: Final = object()
-"""Stands where a field was found to be wrong on its own: nothing further can be said about it."""
 
 BEAM_RANGES: Final = {
     "length_m": (1e-3, 100.0, "m: 777 mm is 0.777"),
@@ -20,24 +19,13 @@ BEAM_RANGES: Final = {
 _ROUNDING = 1e-9
 
 
-class Problem(NamedTuple):
-    """One thing that is wrong in a rig: the field, what it holds, what it may hold."""
-
-    field: str
-    found: str
-    allowed: str
-
-    def __str__(self) -> str:
-        return f"{self.field}: {self.found}; allowed: {self.allowed}"
-
-
 def cross_problems(content: Mapping[str, object]) -> list[Problem]:
     """Everything wrong between the fields of a rig.
 
     Args:
         content: the rig as plain lists and mappings, with `INVALID` for each field that is wrong on its own.
     """
-    points, channels = _entries(content, "points"), _entries(content, "channels")
+    points, channels = entries(content, "points"), entries(content, "channels")
     problems = [*_beam_problems(content), *_point_problems(content, points)]
     for place, channel in enumerate(channels):
         problems += channel_problems(channel, f"channels[{place}].")
@@ -46,8 +34,9 @@ def cross_problems(content: Mapping[str, object]) -> list[Problem]:
         *problems,
         *_drawn_problems(content, points, "lines", "two ids of points of this rig"),
         *_drawn_problems(content, points, "surfaces", "three or more ids of points of this rig"),
-        *_channel_set_problems(channels, needs_force=needs_force),
+        *_channel_set_problems(channels, entries(content, "shakers"), needs_force=needs_force),
         *_reference_problems(content, points, channels),
+        *shaker_problems(content, channels, entries(content, "shakers")),
     ]
 
 
@@ -61,10 +50,10 @@ def channel_problems(channel: Mapping[str, object], prefix: str = "") -> list[Pr
             problems.append(Problem(f"{prefix}unit", f"found {unit!r}", f"{', '.join(units)} (units of {quantity})"))
     value = channel.get("sensitivity_v_per_unit", 1.0)
     named = cast("Mapping[object, object]", value).items() if isinstance(value, Mapping) else (("", value),)
-    for test, number in named:
-        if _number(number) == 0:
+    for test, stated in named:
+        if number(stated) == 0:
             field = f"{prefix}sensitivity_v_per_unit{f'.{test}' if test else ''}"
-            problems.append(Problem(field, f"found {number}", "any number but 0 (negative for a turned sensor)"))
+            problems.append(Problem(field, f"found {stated}", "any number but 0 (negative for a turned sensor)"))
     return problems
 
 
@@ -78,16 +67,16 @@ def _beam_problems(content: Mapping[str, object]) -> list[Problem]:
     return [
         Problem(f"beam.{name}", f"found {value:g}", f"{low:g} to {high:g} {unit}")
         for name, (low, high, unit) in BEAM_RANGES.items()
-        if (value := _number(fields.get(name))) is not None and not low <= value <= high
+        if (value := number(fields.get(name))) is not None and not low <= value <= high
     ]
 
 
 def _point_problems(content: Mapping[str, object], points: Sequence[Mapping[str, object]]) -> list[Problem]:
-    problems = _repeated("points", "id", [_number(point.get("id")) for point in points])
+    problems = repeated("points", "id", [number(point.get("id")) for point in points])
     beam = content.get("beam")
-    length = _number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
+    length = number(cast("Mapping[str, object]", beam).get("length_m")) if isinstance(beam, Mapping) else None
     for place, point in enumerate(points):
-        x = _number(point.get("x_m"))
+        x = number(point.get("x_m"))
         if x is not None and length is not None and not 0 <= x <= length * (1 + _ROUNDING):
             problems.append(Problem(f"points[{place}].x_m", f"found {x:g}", f"0 to beam.length_m = {length:g}"))
     return problems
@@ -97,7 +86,7 @@ def _drawn_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], what: str, allowed: str
 ) -> list[Problem]:
     """Lines or surfaces between points that are none."""
-    drawn, ids = content.get(what), [_number(point.get("id")) for point in points]
+    drawn, ids = content.get(what), [number(point.get("id")) for point in points]
     if not isinstance(drawn, Sequence) or isinstance(drawn, str) or None in ids:
         return []
     named = [(n, cast("Sequence[object]", ends)) for n, ends in enumerate(cast("Sequence[object]", drawn))]
@@ -106,17 +95,19 @@ def _drawn_problems(
         for n, ends in named
         if isinstance(ends, Sequence) and not isinstance(ends, str)
         for end in ends
-        if _number(end) is not None and _number(end) not in ids
+        if number(end) is not None and number(end) not in ids
     ]
 
 
-def _channel_set_problems(channels: Sequence[Mapping[str, object]], *, needs_force: bool) -> list[Problem]:
+def _channel_set_problems(
+    channels: Sequence[Mapping[str, object]], shakers: Sequence[Mapping[str, object]], *, needs_force: bool
+) -> list[Problem]:
     names = [channel.get("name") for channel in channels]
-    problems = _repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
+    problems = repeated("channels", "name", [name if isinstance(name, str) else None for name in names])
     inputs = [channel.get("input") for channel in channels]
-    problems += _repeated("channels", "input", [name if isinstance(name, str) and name else None for name in inputs])
+    problems += repeated("channels", "input", [name if isinstance(name, str) and name else None for name in inputs])
     for place, channel in enumerate(channels):
-        index = _number(channel.get("index"))
+        index = number(channel.get("index"))
         if index is not None and index != place:
             problems.append(
                 Problem(
@@ -126,9 +117,13 @@ def _channel_set_problems(channels: Sequence[Mapping[str, object]], *, needs_for
     quantities = [channel.get("quantity", INVALID) for channel in channels]
     forces = [place for place, quantity in enumerate(quantities) if quantity == "force"]
     absent = needs_force and not forces and INVALID not in quantities
-    if channels and (len(forces) > 1 or absent or len(forces) == len(channels)):
+    most = 1 + len(shakers)
+    if channels and (len(forces) > most or absent or len(forces) == len(channels)):
         found = "quantity: force at " + ", ".join(f"channels[{i}]" for i in forces) if forces else "no quantity: force"
-        allowed = "exactly one channel of quantity force" if needs_force else "at most one channel of quantity force"
+        allowed = f"{'exactly' if needs_force else 'at most'} one channel of quantity force"
+        allowed += f" beside those of the {len(shakers)} under shakers" if shakers else ""
+        if len(forces) > most:
+            allowed += ", with an entry under shakers for each further one"
         problems.append(Problem("channels", found, f"{allowed}, and a response"))
     return problems
 
@@ -136,7 +131,7 @@ def _channel_set_problems(channels: Sequence[Mapping[str, object]], *, needs_for
 def _reference_problems(
     content: Mapping[str, object], points: Sequence[Mapping[str, object]], channels: Sequence[Mapping[str, object]]
 ) -> list[Problem]:
-    ids = [_number(point.get("id")) for point in points]
+    ids = [number(point.get("id")) for point in points]
     if None in ids or content.get("points") is INVALID:
         return []
     named = [(f"channels[{place}].point", channel.get("point")) for place, channel in enumerate(channels)]
@@ -145,39 +140,10 @@ def _reference_problems(
     )
     return [
         Problem(field, f"found {value}", allowed)
-        for field, value in [*named, ("shaker_point", content.get("shaker_point"))]
-        if _number(value) is not None and _number(value) not in ids
+        for field, value in [*named, ("shaker_point", content.get("shaker_point")), *_shaker_points(content)]
+        if number(value) is not None and number(value) not in ids
     ]
 
 
-def _repeated(group: str, field: str, values: Sequence[str | float | None]) -> list[Problem]:
-    return [
-        Problem(
-            f"{group}[{place}].{field}", f"found {_shown(value)}, as in {group}[{values.index(value)}]", "each once"
-        )
-        for place, value in enumerate(values)
-        if value is not None and values.index(value) < place
-    ]
-
-
-def _shown(value: str | float) -> str:
-    return repr(value) if isinstance(value, str) else f"{value:g}"
-
-
-def _entries(content: Mapping[str, object], key: str) -> list[Mapping[str, object]]:
-    entries = content.get(key)
-    if not isinstance(entries, Sequence) or isinstance(entries, str):
-        return []
-    # A wrong entry keeps its place as one of which nothing is known.
-    nothing: Mapping[str, object] = {"id": INVALID, "quantity": INVALID}
-    listed = cast("Sequence[object]", entries)
-    return [cast("Mapping[str, object]", e) if isinstance(e, Mapping) else nothing for e in listed]
-
-
-def _number(value: object) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return None
-    try:
-        return float(value)
-    except (ValueError, OverflowError):
-        return None
+def _shaker_points(content: Mapping[str, object]) -> list[tuple[str, object]]:
+    return [(f"shakers[{place}].point", s.get("point")) for place, s in enumerate(entries(content, "shakers"))]

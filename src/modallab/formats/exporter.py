@@ -24,11 +24,12 @@ def write_export(campaign: Campaign, out: Path, format_: str, models: Sequence[M
         what had no place in the format, in plain sentences.
 
     Raises:
-        DataError: no such format, or there is nothing that it holds.
+        DataError: no such format, there is nothing that it holds, or no place for a record of several forces.
         StorageError, DiskFullError: it cannot be written.
     """
     used = find_writer(format_)
     assert used.write is not None
+    _require_place_of_forces(campaign, used)
     left_out = _without_place(campaign, used)
     kept = models
     if models and "modes" not in used.holds:
@@ -36,6 +37,18 @@ def write_export(campaign: Campaign, out: Path, format_: str, models: Sequence[M
         kept = ()
     used.write(campaign, out, kept)
     return tuple(left_out)
+
+
+def _require_place_of_forces(campaign: Campaign, used: Format) -> None:
+    several = next((block for block in campaign.blocks if block.also_driven), None)
+    if several is None or used.several_forces or "records" not in used.holds:
+        return
+    points = " and ".join(map(str, several.driven_points))
+    raise DataError(
+        f"forces at the points {points} drove at once, and a record in {used.name} names one point of one force",
+        where=f"record {several.name}",
+        remedy="export as hdf5, which holds them all",
+    )
 
 
 def _without_place(campaign: Campaign, used: Format) -> list[str]:

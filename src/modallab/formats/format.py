@@ -38,6 +38,7 @@ class Format:
         endings: of its files, in lower case, with the dot.
         is_no: what a file with such an ending is said not to be if its content is of another kind.
         holds: what it has a place for.
+        several_forces: whether it says of a record which of several shakers drove.
         asks: what the user must say where a file does not, as fields of `ImportOptions`.
         priority: formats are tried in this order, the smallest first; no two have the same.
         certain: whether the content alone tells the format. One that is not certain is tried after all that are, and
@@ -55,6 +56,7 @@ class Format:
     endings: tuple[str, ...] = ()
     is_no: str = ""
     holds: tuple[Part, ...] = ()
+    several_forces: bool = False
     asks: tuple[Option, ...] = ()
     priority: int = 0
     certain: bool = True

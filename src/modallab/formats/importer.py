@@ -9,6 +9,7 @@ from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.progress import counted
 from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.error_list import Collected
 from modallab.formats.options import ImportOptions
@@ -103,9 +104,16 @@ def _windowed(campaign: Campaign, options: ImportOptions) -> Campaign:
 
 
 def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    read = sniff(path).read
-    assert read is not None
-    return read(path, rig, options)
+    found = sniff(path)
+    assert found.read is not None
+    campaign = found.read(path, rig, options)
+    if rig.shakers and not found.several_forces and any(block.test in BROADBAND for block in campaign.blocks):
+        raise DataError(
+            f"the rig has {1 + len(rig.shakers)} shakers, and {found.name} does not say which of them drove",
+            where=str(path),
+            remedy="import the campaign file (hdf5), or give a rig file with the shaker that drove alone",
+        )
+    return campaign
 
 
 def _checked(campaign: Campaign) -> Campaign:

@@ -12,8 +12,12 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.estimate import combine, lines, output_quantity
+from modallab.frf.references import estimate_frf
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 DRIVEN_DB = 20.0
 """A line is driven where the force's spectrum, smoothed over some lines, is within this of its highest."""
@@ -30,7 +34,7 @@ def broadband_frf(
     band_hz: tuple[float, float],
     driven_by: Sequence[Signals] | None = None,
 ) -> Frf:
-    """H1 and ordinary coherence of blocks of one level.
+    """H1 and coherence of blocks of one level, by every force that drove: multiple coherence where several did.
 
     Blocks of random drive get a Hann window, which keeps leakage low and widens every peak by a line and a half. Blocks
     of the other signals hold whole periods, or a burst and its decay, and get none. Of a periodic drive the lines that
@@ -53,53 +57,76 @@ def broadband_frf(
         raise DataError(
             f"blocks of {', '.join(sorted(tests))} make no broadband FRF", remedy="give the blocks of one signal"
         )
-    n, rate = first.force.size, first.rate_hz
+    n, rate = first.n_samples, first.rate_hz
     chosen = lines(n, rate, band_hz)
     if first.block.test in PERIODIC:
         chosen = driven_lines(chosen, driven_by or signals)
     window = _window(n, hann=first.block.test == "random")
-    force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
+    force = np.stack([_spectrum(s.forces, window)[:, chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
-    values, coherence = combine(force, response)
+    values, coherence, variance = _h1(force, response)
     return Frf(
         frequency_hz=chosen * rate / n,
-        values=values[:, None],
+        values=values,
         quantity=output_quantity(rig),
         outputs=first.outputs,
         output_points=tuple(c.point for c in rig.responses),
-        input_points=(first.block.drive_point,),
-        coherence=coherence[:, None],
-        averages=(len(signals),),
+        input_points=first.block.driven_points,
+        coherence=coherence,
+        variance=variance,
+        averages=(len(signals),) * len(first.forces),
     )
 
 
+def _h1(force: Complex, response: Complex) -> tuple[Complex, Real, Real | None]:
+    """(outputs, inputs, lines) FRF, coherence and variance; one force needs no second block, which shows no variance.
+
+    Args:
+        force: (blocks, inputs, lines)
+        response: (blocks, outputs, lines)
+    """
+    if force.shape[1] == 1:
+        values, coherence = combine(force[:, 0], response)
+        return values[:, None], coherence[:, None], None
+    found = estimate_frf(force, response)
+    coherence = np.repeat(found.coherence[:, None], force.shape[1], axis=1)
+    return found.frf, coherence, found.variance
+
+
 def driven_band(signals: Sequence[Signals]) -> tuple[float, float]:
-    """From the lowest to the highest frequency that the force holds.
+    """From the lowest to the highest frequency that every force holds.
 
     Raises:
         DataError: no blocks, or blocks that differ.
     """
     check_test(signals)
-    n, rate = signals[0].force.size, signals[0].rate_hz
+    n, rate = signals[0].n_samples, signals[0].rate_hz
     # Leakage of a plain cut would reach far beyond the band; a window would take the ends off a chirp.
     window = _window(n, hann=signals[0].block.test in ("random", "burst-random"))
-    power = np.mean([np.abs(_spectrum(s.force, window)) ** 2 for s in signals], axis=0)
+    powers = np.mean([np.abs(_spectrum(s.forces, window)) ** 2 for s in signals], axis=0)
+    edges = [_driven_edges(power) for power in powers]
+    low, high = max(first for first, _ in edges), min(last for _, last in edges)
+    return low * rate / n, max(low + 4, ceil(high)) * rate / n
+
+
+def _driven_edges(power: Real) -> tuple[int, int]:
+    """First and last of the lines where there is power."""
     smooth = np.convolve(power, np.ones(SMOOTHED) / SMOOTHED, mode="same")
     driven = np.flatnonzero(smooth > smooth.max() * 10 ** (-DRIVEN_DB / 10))
     # Smoothing reaches half its width beyond the band.
     half = SMOOTHED // 2
-    low, high = max(1, int(driven[0]) + half - 1), int(driven[-1]) - half + 1
-    return low * rate / n, max(low + 4, ceil(high)) * rate / n
+    return max(1, int(driven[0]) + half - 1), int(driven[-1]) - half + 1
 
 
 def driven_lines(chosen: NDArray[np.int64], signals: Sequence[Signals]) -> NDArray[np.int64]:
-    """Those of the lines that a periodic drive holds.
+    """Those of the lines that a periodic drive holds, each of its forces.
 
     Raises:
         DataError: fewer than 4.
     """
-    power = np.mean([np.abs(_spectrum(s.force, np.ones(s.force.size))) ** 2 for s in signals], axis=0)
-    used = chosen[power[chosen] > LEFT_OUT * ndimage.maximum_filter1d(power, SMOOTHED)[chosen]]
+    powers = np.mean([np.abs(_spectrum(s.forces, np.ones(s.n_samples))) ** 2 for s in signals], axis=0)
+    nearby = ndimage.maximum_filter1d(powers, SMOOTHED, axis=-1)
+    used = chosen[np.all(powers[:, chosen] > LEFT_OUT * nearby[:, chosen], axis=0)]
     if used.size < 4:
         raise DataError(f"the drive holds {used.size} lines of the band", remedy="widen the band")
     return used

@@ -35,10 +35,11 @@ def clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> floa
     """
     turned = weight = 0.0
     for run in contiguous(signals):
-        force = np.stack([np.fft.rfft(s.force)[lines] for s in run])
-        unit = force / np.linalg.norm(force, axis=1, keepdims=True)
+        # (blocks, inputs, lines)
+        force = np.stack([np.fft.rfft(s.forces)[:, lines] for s in run])
+        unit = force / np.linalg.norm(force, axis=(1, 2), keepdims=True)
         # One wave may follow another without a gap.
-        same = np.abs(np.sum(unit[1:] * unit[:-1].conj(), axis=1)) > ALIKE
+        same = np.abs(np.sum(unit[1:] * unit[:-1].conj(), axis=(1, 2))) > ALIKE
         cross = (force[1:] * force[:-1].conj())[same]
         turned += float(np.sum(np.abs(cross) * lines * np.angle(cross)))
         weight += 2 * np.pi * float(np.sum(np.abs(cross) * lines**2))
@@ -46,7 +47,7 @@ def clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> floa
 
 
 def on_clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> list[Signals]:
-    """The blocks resampled so that each is one period of the drive.
+    """The blocks resampled so that each is one period of the drive; their rate says so, in the converter's seconds.
 
     Args:
         signals: blocks of a periodic drive, each about a period.
@@ -59,11 +60,12 @@ def on_clock_of_drive(signals: Sequence[Signals], lines: NDArray[np.int64]) -> l
 
 
 def _resampled(run: Sequence[Signals], clock: float) -> list[Signals]:
-    n = run[0].force.size
-    rows = np.concatenate([np.vstack([s.force, s.responses]) for s in run], axis=1)
+    n, inputs = run[0].n_samples, len(run[0].forces)
+    rows = np.concatenate([np.vstack([s.forces, s.responses]) for s in run], axis=1)
     at = np.arange(rows.shape[1], dtype=np.float64)
     # About the middle, so that at either end as little as can be lies beyond the record.
     middle = at[-1] / 2
     made: Real = make_interp_spline(at, rows, k=DEGREE, axis=1)(middle + (at - middle) / (1 + clock))
     cut = made.reshape(len(rows), len(run), n)
-    return [replace(s, force=cut[0, b], responses=cut[1:, b]) for b, s in enumerate(run)]
+    rate_hz = run[0].rate_hz * (1 + clock)
+    return [replace(s, forces=cut[:inputs, b], responses=cut[inputs:, b], rate_hz=rate_hz) for b, s in enumerate(run)]

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from modallab.core.errors import DataError
 from modallab.core.frf import Frf
@@ -23,6 +24,8 @@ MOST_LINES = 9000
 """Of a record: each line is a small least-squares problem of its own."""
 
 MOST_RECORDS = 4
+LINES_A_FORCE = 4
+"""To either side of a line, over which the powers of several forces are averaged."""
 
 CLEAR = 9.0
 """Times its variance that an FRF's square is where it stands out: noise alone is so at one line in twenty."""
@@ -31,7 +34,7 @@ LEAST_CLEAR = 0.2
 
 
 def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
-    """FRF of one level's blocks of random or burst-random drive, as fine as the joined record is long.
+    """FRF of one level's blocks of random or burst-random drive by every force, as fine as the joined record is long.
 
     Args:
         signals: blocks, equal in rate and length.
@@ -46,26 +49,44 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     check_outputs(first, rig)
     rate = first.rate_hz
     longest = max(contiguous(signals), key=len)
-    force = np.concatenate([s.force for s in longest])
+    forces = np.concatenate([s.forces for s in longest], axis=1)
     responses = np.concatenate([s.responses for s in longest], axis=1)
-    n = min(force.size, max(first.force.size, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
-    count = min(MOST_RECORDS, force.size // n)
+    n = min(forces.shape[1], max(first.n_samples, int(MOST_LINES * rate / (band_hz[1] - band_hz[0]))))
+    count = min(MOST_RECORDS, forces.shape[1] // n)
     chosen = lines(n, rate, band_hz)
-    spectrum_f = _spectrum(force[None], n, count)[..., chosen]
+    spectrum_f = _spectrum(forces, n, count)[..., chosen]
     values, variance = local_polynomial_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen])
-    power = np.sum(np.abs(spectrum_f[:, 0]) ** 2, axis=0)
-    if not power.all():
-        raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
+    per_noise = _per_noise(spectrum_f)
     return Frf(
         frequency_hz=chosen * rate / n,
         values=values,
         quantity=output_quantity(rig),
         outputs=first.outputs,
         output_points=tuple(c.point for c in rig.responses),
-        input_points=(first.block.drive_point,),
-        variance=(variance / power)[:, None],
-        averages=(count,),
+        input_points=first.block.driven_points,
+        variance=variance[:, None] * per_noise,
+        averages=(count,) * len(forces),
     )
+
+
+def _per_noise(force: NDArray[np.complex128]) -> Real:
+    """(inputs, lines) variance of an FRF over that of a response's line: the diagonal of the forces' inverted powers.
+
+    One line of one record does not tell several forces apart: their powers are means over the lines that the local
+    polynomials reach over.
+
+    Args:
+        force: (records, inputs, lines)
+    """
+    inputs = force.shape[1]
+    width = 1 if inputs == 1 else 2 * LINES_A_FORCE * inputs + 1
+    powers = np.einsum("ril,rjl->ijl", force, force.conj())
+    smooth = ndimage.uniform_filter1d(powers.real, width, axis=-1) + 1j * ndimage.uniform_filter1d(
+        powers.imag, width, axis=-1
+    )
+    if not np.einsum("iil->il", smooth).real.all():
+        raise DataError("the force has no content at some lines of the band", remedy="narrow the band")
+    return np.einsum("lii->il", np.linalg.inv(smooth.transpose(2, 0, 1))).real
 
 
 def check_followed(frf: Frf) -> None:

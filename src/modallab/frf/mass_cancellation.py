@@ -66,7 +66,7 @@ def without_mass_in(signals: Sequence[Signals], mass_kg: float, rig: Rig) -> lis
     if output_quantity(rig) != "inertance":
         raise DataError("the outputs are no accelerations", remedy="use accelerometers, or `without_mass` on FRFs")
     points = tuple(c.point for c in rig.responses)
-    return [replace(s, force=s.force - mass_kg * s.responses[_driving(points, s.block.drive_point)]) for s in signals]
+    return [replace(s, forces=s.force - mass_kg * s.responses[_driving(points, s.block.drive_point)]) for s in signals]
 
 
 def _check(mass_kg: Sequence[float], inputs: int) -> None:

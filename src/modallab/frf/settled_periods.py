@@ -34,8 +34,8 @@ def without_decays(signals: Sequence[Signals], poles: Complex, band_hz: tuple[fl
 
 
 def _settled(run: Sequence[Signals], poles: Complex, band_hz: tuple[float, float]) -> list[Signals]:
-    n, rate = run[0].force.size, run[0].rate_hz
-    rows = np.stack([np.vstack([s.force, s.responses]) for s in run])
+    n, rate, inputs = run[0].n_samples, run[0].rate_hz, len(run[0].forces)
+    rows = np.stack([np.vstack([s.forces, s.responses]) for s in run])
     decays = _decays(poles, len(run), n, rate)
     first, last = (round(edge * n / rate) for edge in band_hz)
     chosen = np.arange(max(1, first), min(n // 2, last) + 1)
@@ -44,7 +44,7 @@ def _settled(run: Sequence[Signals], poles: Complex, band_hz: tuple[float, float
     basis = np.fft.rfft(decays)[..., chosen]
     size = _sizes(spectra - spectra.mean(axis=0), basis - basis.mean(axis=0))
     left = rows - np.einsum("bmn,mo->bon", decays, size)
-    return [replace(s, force=r[0], responses=r[1:]) for s, r in zip(run, left, strict=True)]
+    return [replace(s, forces=r[:inputs], responses=r[inputs:]) for s, r in zip(run, left, strict=True)]
 
 
 def _decays(poles: Complex, blocks: int, n: int, rate_hz: float) -> Real:

@@ -12,6 +12,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.frf.broadband import broadband_frf, of_one_level
 from modallab.frf.estimate import impact_frf
+from modallab.frf.shares import least_blocks, shares
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.fit import Fit
@@ -110,10 +111,11 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
     ordered = of_one_level(sorted(signals, key=lambda s: s.block.order))
 
     def halves() -> tuple[Frf, Frf]:
-        half = len(ordered) // 2
-        if half < 2:
-            raise DataError(f"there are {len(ordered)} blocks", remedy="record at least four")
-        return broadband_frf(ordered[:half], rig, band, ordered), broadband_frf(ordered[half:], rig, band, ordered)
+        least = max(2, least_blocks(ordered))
+        if len(ordered) // 2 < least:
+            raise DataError(f"there are {len(ordered)} blocks", remedy=f"record at least {2 * least}")
+        one, other = (broadband_frf(half, rig, band, ordered) for half in shares(ordered, 2))
+        return one, other
 
     def levels() -> tuple[Frf, Frf]:
         names = sorted({s.block.level or "" for s in signals})
@@ -131,10 +133,16 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
     judges: list[Judge] = [
         ("linearity", linear),
         ("time invariance", lambda: time_invariance(*halves())),
-        ("reciprocity", _not_in_this_test("a shaker test drives one point")),
+        ("reciprocity", _reciprocity(_along(frf, rig))),
         ("driving point", lambda: driving_point(_along(frf, rig))),
     ]
     return _assessed(model, fit, judges, least_strength(fit, float("nan")))
+
+
+def _reciprocity(frf: Frf) -> Callable[[], Verdict]:
+    if len(frf.input_points) == 1:
+        return _not_in_this_test("one shaker drives one point")
+    return lambda: reciprocity(frf)
 
 
 def _along(frf: Frf, rig: Rig) -> Frf:

@@ -8,9 +8,12 @@ import numpy as np
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.broadband import PERIODIC, broadband_frf, of_one_level
+from modallab.frf.broadband import PERIODIC, broadband_frf, driven_lines, of_one_level
+from modallab.frf.drive_clock import on_clock_of_drive
+from modallab.frf.estimate import lines
 from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.settled_periods import without_decays
+from modallab.frf.shares import least_blocks, shares
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.poles import poles_of
@@ -28,6 +31,14 @@ TOO_FEW = (
 )
 UNKNOWN = 0.5
 """Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""
+
+
+def on_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> list[Signals]:
+    """The blocks, of a periodic drive as its own clock would have cut them: else its lines leak into one another."""
+    first = signals[0]
+    if first.block.test not in PERIODIC:
+        return list(signals)
+    return on_clock_of_drive(signals, driven_lines(lines(first.n_samples, first.rate_hz, band_hz), signals))
 
 
 def frf_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
@@ -89,12 +100,8 @@ def _alike(frf: Frf) -> Frf:
 
 def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    # A block of a periodic drive holds a whole period: one by itself will do.
-    least = 1 if signals[0].block.test in PERIODIC else 2
-    each = max(least, len(signals) // PARTS)
+    each = max(least_blocks(signals), len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
-    ordered = sorted(signals, key=lambda s: s.block.order)
-    stretches = [ordered[k * each : (k + 1) * each] for k in range(count)]
-    return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in stretches]
+    return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in shares(signals, count)]

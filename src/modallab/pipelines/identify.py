@@ -23,7 +23,7 @@ from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
-from modallab.pipelines.drive import frf_of_drive, identify_drive
+from modallab.pipelines.drive import frf_of_drive, identify_drive, on_own_clock
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
@@ -195,6 +195,7 @@ def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Id
 
 def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identified:
     every, notes = usable(campaign, campaign.of(test))
+    every = on_own_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
     frf = frf_of_drive(every, campaign.rig, band)
     own_model = options.own_model

@@ -110,7 +110,7 @@ def _without(item: Unidentified) -> Outcome:
 
 
 def _filtered(signals: Signals) -> NDArray[np.float64] | None:
-    if PAPER_BAND[1] >= signals.rate_hz / 2 or signals.force.size < PAPER_BAND[0] * 100:
+    if PAPER_BAND[1] >= signals.rate_hz / 2 or signals.n_samples < PAPER_BAND[0] * 100:
         return None
     return bandpass(remove_mean(signals.responses), signals.rate_hz, PAPER_BAND)
 

@@ -132,4 +132,4 @@ def _joined_rig(campaigns: Sequence[Campaign]) -> Rig:
     ordered = sorted(seen.items(), key=lambda pair: (pair[1].point is None, pair[1].point or 0))
     renamed = [c.model_copy(update={"name": name, "input": ""}) for name, c in ordered]
     channels = [c.model_copy(update={"index": n}) for n, c in enumerate([rig.force_channel, *renamed])]
-    return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels)}).model_dump())
+    return Rig.model_validate(rig.model_copy(update={"channels": tuple(channels), "shakers": ()}).model_dump())

@@ -33,10 +33,25 @@ def check_test(signals: Sequence[Signals]) -> None:
     """
     if not signals:
         raise DataError("there is no block", remedy="give the blocks of one test")
-    shapes = {(s.rate_hz, s.force.size, s.outputs) for s in signals}
+    shapes = {(s.rate_hz, s.n_samples, s.outputs) for s in signals}
     if len(shapes) > 1:
         listed = "; ".join(sorted(f"{n} samples of {len(o)} outputs at {rate:g} Hz" for rate, n, o in shapes))
         raise DataError(f"the blocks of one test differ: {listed}", remedy="identify them apart, each kind by itself")
     for s in signals:
         where = f"record {s.block.name}"
-        check_signals(np.vstack([s.force, s.responses]), ("force", *s.outputs), where, force="force")
+        rows = np.vstack([s.forces, s.responses])
+        for force in (names := _named(s)):
+            check_signals(rows, (*names, *s.outputs), where, force=force)
+    driven = {s.block.driven_points for s in signals if len(s.forces) > 1}
+    if len(driven) > 1 or (driven and min(len(s.forces) for s in signals) == 1):
+        raise DataError(
+            f"the blocks were driven at other points: {'; '.join(map(str, driven))}, or by one shaker",
+            remedy="identify them apart, each set of shakers by itself",
+        )
+
+
+def _named(signals: Signals) -> tuple[str, ...]:
+    """What each force is called where it is found to be dead."""
+    if len(signals.forces) == 1:
+        return ("force",)
+    return tuple(f"force at point {point}" for point in signals.block.driven_points)

@@ -10,7 +10,7 @@ from modallab.core.rig import Rig
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ChosenOutputs:
-    """The force and some outputs.
+    """The forces and some outputs.
 
     Attributes:
         rig: with these channels only.
@@ -31,7 +31,8 @@ class ChosenOutputs:
         unknown = sorted(set(outputs) - set(known))
         if unknown:
             raise DataError(f"there is no output {', '.join(unknown)}", remedy=f"choose from {', '.join(known)}")
-        chosen = [c for c in rig.channels if not outputs or c.name in outputs or c.index == rig.force_channel.index]
+        forces = {rig.force_channel.index, *(c.index for c in rig.forces)}
+        chosen = [c for c in rig.channels if not outputs or c.name in outputs or c.index in forces]
         kept = tuple(c.model_copy(update={"index": n}) for n, c in enumerate(chosen))
         return cls(rig.model_copy(update={"channels": kept}), tuple(c.index for c in chosen))
 

@@ -32,7 +32,7 @@ class Conversion:
         si_per_count: (channels,) SI units of the channel's quantity per delivered number, positive along the drive.
         full_scale: (channels,) magnitude in delivered numbers from which on a sample is an overload; infinite if
             unknown.
-        force_at: index of the force channel; None where no force was measured.
+        forces: indices of the force channels, each shaker's, the first one's first; none where no force was measured.
         responses: indices of all other channels, in rig order.
         motion: indices of the channels that sense motion.
     """
@@ -40,7 +40,7 @@ class Conversion:
     names: tuple[str, ...]
     si_per_count: Real
     full_scale: Real
-    force_at: int | None
+    forces: tuple[int, ...]
     responses: tuple[int, ...]
     motion: tuple[int, ...]
 
@@ -65,7 +65,7 @@ class Conversion:
             names=tuple(c.name for c in rig.channels),
             si_per_count=np.array([sign_of(rig, c) * float(s) * _si_per_unit(c, unit, test) for c, unit, s in rows]),
             full_scale=np.array([min(last, _full_scale(rig, c, unit, float(s))) for c, unit, s in rows]) * (1 - 1e-9),
-            force_at=None if rig.force is None else rig.force.index,
+            forces=tuple(c.index for c in rig.forces),
             responses=tuple(c.index for c in rig.responses),
             motion=tuple(c.index for c in rig.responses if c.quantity in DERIVATIVE),
         )
@@ -80,24 +80,32 @@ class Conversion:
 
     @property
     def force(self) -> int:
-        """Index of the force channel.
+        """Index of the first shaker's force channel, which is the hammer's as well.
 
         Raises:
             DataError: no force was measured.
         """
-        if self.force_at is None:
+        if not self.forces:
             raise DataError("no force was measured", remedy="identify the responses alone (--response-only)")
-        return self.force_at
+        return self.forces[0]
 
     def si(self, samples: Samples) -> Real:
         """(channels, n) delivered numbers in SI units along the drive; delays and AC coupling as they are."""
         return samples.astype(np.float64) * self.si_per_count[:, None]
 
     def force_n(self, samples: Samples) -> Real:
-        """(n,) force in N, positive along the drive, of (channels, n) delivered numbers; zeros if none was measured."""
-        if self.force_at is None:
+        """(n,) force in N, positive along the drive, of (channels, n) delivered numbers; zeros if none was measured.
+
+        Of several it is the first shaker's.
+        """
+        if not self.forces:
             return np.zeros(samples.shape[1])
         return samples[self.force].astype(np.float64) * self.si_per_count[self.force]
+
+    def forces_n(self, samples: Samples) -> Real:
+        """(forces, n) all forces in N, positive along the drive, of (channels, n) delivered numbers."""
+        rows = list(self.forces)
+        return samples[rows].astype(np.float64) * self.si_per_count[rows, None]
 
     def overload(self, samples: Samples) -> NDArray[np.bool_]:
         """(channels,) whether any of the (channels, n) delivered numbers is at full scale."""

@@ -65,18 +65,19 @@ def mislabelled(signals: Sequence[Signals]) -> dict[str, Look]:
         signals: blocks of one test, equal in rate and length.
     """
     found: dict[str, Look] = {}
-    broadband: dict[Test, list[Signals]] = {}
+    # One shaker's records and those of several are looked at apart.
+    broadband: dict[tuple[Test, int], list[Signals]] = {}
     for s in signals:
         label = s.block.test
-        if not np.ptp(s.force):
+        if not np.ptp(s.forces, axis=1).all():
             # A channel that is dead says nothing of its test: who needs the force says that there is none.
             continue
         if label not in ("impact", "sine"):
-            broadband.setdefault(label, []).append(s)
+            broadband.setdefault((label, len(s.forces)), []).append(s)
         elif not (is_hit(s.force) if label == "impact" else _is_its_sine(s)):
             found[s.block.name] = _of_block(s.force, s.rate_hz)
-    for label, of_it in broadband.items():
-        seen = looks_like([s.force for s in of_it], of_it[0].rate_hz)
+    for (label, _), of_it in broadband.items():
+        seen = _of_drive(label, of_it)
         # One block alone cannot show that the next is the same.
         alone = len(of_it) == 1 and {label, seen} == {"random", "pseudo-random"}
         if seen != label and not alone and not _is_periodic_sweep(label, seen, of_it):
@@ -112,14 +113,25 @@ def check_kind(signals: Sequence[Signals]) -> tuple[list[Signals], tuple[str, ..
     return kept, (f"Left out, because their force is not that of a test labelled {label}: {listed}.",)
 
 
+def _of_drive(label: Test, signals: Sequence[Signals]) -> Look:
+    """What the forces of broadband blocks look like: the label, unless one of them looks like something else."""
+    for forces in zip(*(s.forces for s in signals), strict=True):
+        seen = looks_like(forces, signals[0].rate_hz)
+        if seen != label:
+            return seen
+    return label
+
+
 def _is_periodic_sweep(label: Test, seen: Look, signals: Sequence[Signals]) -> bool:
     """Whether a chirp is labelled as periodic, which it is if every block repeats the last; so is any multisine."""
-    return label == "pseudo-random" and seen == "chirp" and len(signals) > 1 and _repeats([s.force for s in signals])
+    return (
+        label == "pseudo-random" and seen == "chirp" and len(signals) > 1 and _repeats([s.forces[0] for s in signals])
+    )
 
 
 def _sweep_note(signals: Sequence[Signals]) -> tuple[str, ...]:
     periodic = [s for s in signals if s.block.test == "pseudo-random"]
-    if not periodic or looks_like([s.force for s in periodic], periodic[0].rate_hz) == "pseudo-random":
+    if not periodic or looks_like([s.forces[0] for s in periodic], periodic[0].rate_hz) == "pseudo-random":
         return ()
     return ("The force looks like a chirp that every block repeats; it is taken as the periodic drive that it is.",)
 

@@ -26,7 +26,8 @@ class Signals:
     """Force and responses of one block, positive along the drive, validated when they are made.
 
     Attributes:
-        force: (n,) in N; zeros where none was measured.
+        forces: (inputs, n) in N, one row for each force that drove, in the order of the block's `driven_points`; a
+            row of zeros where none was measured. (n,) stands for one row.
         responses: (outputs, n) in SI units of each output's quantity.
         rate_hz: sampling rate.
         outputs: (outputs,) channel names.
@@ -36,7 +37,7 @@ class Signals:
         DataError: no rate, shapes that do not belong together, values that are no finite numbers.
     """
 
-    force: Real
+    forces: Real
     responses: Real
     rate_hz: float
     outputs: tuple[str, ...]
@@ -45,15 +46,38 @@ class Signals:
     def __post_init__(self) -> None:
         where = f"record {self.block.name}"
         check_rate(self.rate_hz, where)
+        if self.forces.ndim == 1:
+            object.__setattr__(self, "forces", self.forces[None])
         shape = self.responses.shape
-        if self.force.ndim != 1 or len(shape) != 2 or shape != (len(self.outputs), self.force.size):
+        if self.forces.ndim != 2 or not len(self.forces) or shape != (len(self.outputs), self.forces.shape[1]):
             raise DataError(
-                f"force {self.force.shape}, responses {shape} and {len(self.outputs)} outputs do not belong together",
+                f"force {self.forces.shape}, responses {shape} and {len(self.outputs)} outputs do not belong together",
                 where=where,
-                remedy="give force (n,) and responses (outputs, n), one row for each output",
+                remedy="give forces (inputs, n) and responses (outputs, n), one row for each output",
             )
-        check_rows(self.force, f"force of {where}")
+        check_rows(self.forces, f"force of {where}")
         check_rows(self.responses, f"responses of {where}")
+
+    @property
+    def force(self) -> Real:
+        """(n,) in N, of a record that one force drove.
+
+        Raises:
+            DataError: several did: the responses are not those of one alone.
+        """
+        if len(self.forces) > 1:
+            points = " and ".join(map(str, self.block.driven_points))
+            raise DataError(
+                f"forces at the points {points} drove at once, and this can be computed of one force only",
+                where=f"record {self.block.name}",
+                remedy="identify the record (modallab identify), or record with one shaker (shakers: first)",
+            )
+        return self.forces[0]
+
+    @property
+    def n_samples(self) -> int:
+        """Samples of each row."""
+        return self.forces.shape[1]
 
     @cached_property
     def hit(self) -> Hit:
@@ -96,12 +120,28 @@ def to_signals(block: Block, rig: Rig) -> Signals:
     values = uncoupled(conversion.si(block.samples), block.rate_hz, rig, block.frequency_hz)
     values = aligned(values, block.rate_hz, lags_s(rig))
     return Signals(
-        force=np.zeros(block.n_samples) if conversion.force_at is None else values[conversion.force],
+        forces=values[forces_of(block, conversion)] if conversion.forces else np.zeros(block.n_samples),
         responses=values[list(conversion.responses)],
         rate_hz=block.rate_hz,
         outputs=tuple(c.name for c in rig.responses),
         block=block,
     )
+
+
+def forces_of(block: Block, conversion: Conversion) -> list[int]:
+    """Places of the force channels that drove a block, in the order of its `driven_points`.
+
+    Raises:
+        DataError: the rig has fewer.
+    """
+    count = len(block.driven_points)
+    if len(conversion.forces) < count:
+        raise DataError(
+            f"{count} forces drove, and the rig has {len(conversion.forces)} force channels",
+            where=f"record {block.name}",
+            remedy="use the rig file the record was made with",
+        )
+    return list(conversion.forces[:count])
 
 
 def to_signals_of(blocks: Sequence[Block], rig: Rig) -> list[Signals]:

@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.bench.protocol import BenchInfo, Delivery
-from modallab.core.block import Block, Campaign
+from modallab.core.block import Block, Campaign, also_driven_fact
 from modallab.core.plan import BroadbandPlan, ImpactPlan, Plan, SinePlan, records_of
 from modallab.core.units import Test
 from modallab.storage.records import BlockNote
@@ -42,6 +42,7 @@ def _likeness(block: Block) -> tuple[object, ...]:
         *form,
         block.units,
         tuple(map(float, block.scale)),
+        block.also_driven,
         block.requested_rate_hz or 0.0,
         block.actual_rate_hz or 0.0,
     )
@@ -79,7 +80,7 @@ def _note(block: Block) -> BlockNote:
         level=block.level,
         frequency_hz=block.frequency_hz,
         overload=tuple(name for name, flag in zip(block.channels, over, strict=False) if flag),
-        facts={"imported": "yes", **began},
+        facts={"imported": "yes", **began, **also_driven_fact(block.also_driven)},
     )
 
 
@@ -99,7 +100,8 @@ def plan_of(blocks: Sequence[Block], provenance: Mapping[str, str]) -> Plan:
         driven = tuple(dict.fromkeys(block.frequency_hz for block in blocks if block.frequency_hz))
         ramp: dict[str, Any] = {} if first.ramp_s is None else {"ramp_s": first.ramp_s}
         return SinePlan(frequencies_hz=driven or (1 / first.duration_s,), levels_v=levels, **rates, **ramp)
-    return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), **rates)
+    shakers = "all" if first.also_driven else "first"
+    return BroadbandPlan(signal=first.test, levels_v=levels, blocks=len(blocks), shakers=shakers, **rates)
 
 
 def _stored(provenance: Mapping[str, str], test: Test) -> list[Plan]:

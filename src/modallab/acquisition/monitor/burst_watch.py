@@ -109,6 +109,12 @@ def _limit_motion(limits: Limits) -> bool:
     return bool(limits.velocity_m_s or limits.displacement_m or limits.stroke_m)
 
 
+def expected_to_move(limits: LimitWatch, conversion: Conversion, driven: int) -> list[int]:
+    """Channels with a limit that must move while so many of the shakers drive: all but the others' force channels."""
+    still = conversion.forces[driven:]
+    return [int(channel) for channel in np.flatnonzero(np.isfinite(limits.limit)) if channel not in still]
+
+
 def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream, lowest_hz: float) -> BurstWatch:
     """The watch for a rig's limits; `lowest_hz` is the lowest frequency that will be driven."""
     watched = watch_of(rig, limits, conversion)
@@ -117,7 +123,7 @@ def burst_watch(rig: Rig, limits: Limits, conversion: Conversion, stream: Stream
         conversion.si_per_count,
         stream.scale,
         conversion.force,
-        [int(channel) for channel in np.flatnonzero(np.isfinite(watched.limit))],
+        expected_to_move(watched, conversion, 1),
         stream.rate_hz,
     )
     motion = None

@@ -67,7 +67,7 @@ def watch_of(rig: Rig, limits: Limits, conversion: Conversion) -> LimitWatch:
 
 
 def _allowed(rig: Rig, limits: Limits, channel: Channel) -> float:
-    stroke = limits.stroke_m if channel.point is not None and channel.point == rig.shaker_point else None
+    stroke = limits.stroke_m if channel.point in rig.shaker_points else None
     stated = {
         "force": (limits.force_n,),
         "acceleration": (limits.acceleration_m_s2,),

@@ -154,7 +154,7 @@ def motion_watch(
 
 
 def _stated(rig: Rig, limits: Limits, channel: Channel) -> tuple[tuple[str, Quantity, float | None], ...]:
-    at_shaker = channel.point is not None and channel.point == rig.shaker_point
+    at_shaker = channel.point in rig.shaker_points
     return (
         ("velocity", "velocity", limits.velocity_m_s),
         ("displacement", "displacement", limits.displacement_m),

@@ -1,6 +1,7 @@
 """The samples of one wave as they come, and what each look at them finds."""
 
 from collections import deque
+from collections.abc import Sequence
 from math import ceil
 
 import numpy as np
@@ -65,22 +66,22 @@ class WaveLook:
     """The samples of one wave: as delivered for flat tops, and averaged, over each channel's noise."""
 
     def __init__(
-        self, wave: Waveform, start: int, rest: Samples, noise: RestNoise, rate_hz: float, period_s: float
+        self, waves: Sequence[Waveform], start: int, rest: Samples, noise: RestNoise, rate_hz: float, period_s: float
     ) -> None:
-        self._wave, self._start, self._noise, self._rate_hz = wave, start, noise, rate_hz
+        self._waves, self._start, self._noise, self._rate_hz = tuple(waves), start, noise, rate_hz
         self._channels = len(noise.rms)
         self._repetition = Repetition(self._channels)
-        self._average = max(1, int(rate_hz // max(LEAST_RATE_HZ, wave.rate_hz / WAVE_OVERSAMPLED)))
+        self._average = max(1, int(rate_hz // max(LEAST_RATE_HZ, waves[0].rate_hz / WAVE_OVERSAMPLED)))
         self._hop = self._average * max(1, round(HOP_S * rate_hz / self._average))
         self._least_learned = LEAST_LEARNED_S * rate_hz / self._average
         self._offset = rest.mean(axis=1, keepdims=True, dtype=np.float64)
         rounding = np.maximum(noise.step, np.finfo(float).tiny) / np.sqrt(12)
         self._white = np.maximum(noise.rms, rounding)[:, None] / np.sqrt(self._average)
-        self._level_v = float(np.sqrt(np.mean(wave.samples**2)))
+        self._level_v = [float(np.sqrt(np.mean(wave.samples**2))) for wave in waves]
         self._raw: Samples = rest[:, :0]
         self._seen_to = start
         self._taken = start
-        self._said = OthersSay(self._channels + DRIVE_LAGS, FORGET)
+        self._said = OthersSay(self._channels + DRIVE_LAGS * len(waves), FORGET)
         self._hops: deque[Real] = deque(maxlen=WINDOW_HOPS + UNSURE_HOPS)
         self._usual: deque[Real] = deque(maxlen=UNSURE_HOPS + ceil(max(USUAL_S, period_s) / HOP_S))
         self._gone = np.zeros(self._channels, dtype=np.int64)
@@ -112,25 +113,28 @@ class WaveLook:
         end = self._raw.shape[1] - (self._seen_to - self._taken)
         return flat_tops(self._raw[:, :end], self._noise)
 
-    def gone(self, force: int) -> NDArray[np.bool_]:
-        """(channels,) whether a channel has not moved for some looks, where it must."""
+    def gone(self, forces: Sequence[int]) -> NDArray[np.bool_]:
+        """(channels,) whether a channel has not moved for some looks, where it must; `forces`: by wave."""
         window = np.concatenate(list(self._hops)[-WINDOW_HOPS:], axis=1)
         level = about_line_rms(window[: self._channels])
-        driven = float(np.sqrt(np.mean(window[self._channels] ** 2))) >= DRIVEN * DRIVE_SCALE
+        # Of each drive as it is now, without a lag.
+        drives = window[self._channels :: DRIVE_LAGS]
+        driven = np.sqrt(np.mean(drives**2, axis=1)) >= DRIVEN * DRIVE_SCALE
         gone = np.zeros(self._channels, dtype=np.bool_)
         if self._said.count >= self._least_learned:
             foretold, unexplained = self._said.foretell(window, self._channels, 1.0)
             gone |= about_line_rms(foretold) > np.maximum(MOVING, UNEXPLAINED * unexplained)
-        if driven and len(self._usual) == self._usual.maxlen:
+        if driven.any() and len(self._usual) == self._usual.maxlen:
             gone |= np.min(list(self._usual)[:-UNSURE_HOPS], axis=0) > MOVING
         self._usual.append(level)
         gone &= level < STILL
-        gone[force] |= driven and level[force] < FORCE_STILL and bool((np.delete(level, force) > OTHERS_SEEN).any())
+        for force, on in zip(forces, driven, strict=True):
+            gone[force] |= on and level[force] < FORCE_STILL and bool((np.delete(level, force) > OTHERS_SEEN).any())
         self._gone = np.where(gone, self._gone + 1, 0)
         return self._gone >= GONE_LOOKS
 
     def _rows(self) -> Real:
-        """(channels and lags of the drive, n) of the last hop: over the noise, and over a part of the drive's level."""
+        """(channels and lags of drives, n) of the last hop: over the noise, and over a part of the drive's level."""
         end = self._raw.shape[1] - (self._seen_to - self._taken)
         raw = (self._raw[:, end - self._hop : end] - self._offset).reshape(self._channels, -1, self._average)
         samples = raw.mean(axis=2) / self._white
@@ -138,5 +142,8 @@ class WaveLook:
         first = self._taken - self._hop - self._start
         times = (first + middle + self._average * np.arange(samples.shape[1])) / self._rate_hz
         lags = LAG_S * np.arange(DRIVE_LAGS)[:, None]
-        drive = self._wave.at((times - lags).ravel()).reshape(DRIVE_LAGS, -1)
-        return np.concatenate([samples, DRIVE_SCALE / self._level_v * drive])
+        drives = [
+            DRIVE_SCALE / level_v * wave.at((times - lags).ravel()).reshape(DRIVE_LAGS, -1)
+            for wave, level_v in zip(self._waves, self._level_v, strict=True)
+        ]
+        return np.concatenate([samples, *drives])

@@ -27,31 +27,31 @@ class WavePlausibility:
 
     failed: bool
 
-    def __init__(self, names: Sequence[str], force: int, watched: Sequence[int], rate_hz: float) -> None:
+    def __init__(self, names: Sequence[str], forces: Sequence[int], watched: Sequence[int], rate_hz: float) -> None:
         """Watch channels.
 
         Args:
             names: of all channels.
-            force: the force's channel.
-            watched: channels of force and of limits.
+            forces: force channel of each shaker that drives.
+            watched: channels with limits.
             rate_hz: of the device.
         """
-        self._names, self._force, self._rate_hz = tuple(names), force, rate_hz
-        self._watched = np.isin(np.arange(len(names)), [force, *watched])
+        self._names, self._forces, self._rate_hz = tuple(names), tuple(forces), rate_hz
+        self._watched = np.isin(np.arange(len(names)), [*forces, *watched])
         self._look: WaveLook | None = None
         self.failed = False
 
-    def begin(self, wave: Waveform, start: int, rest: Samples, noise: RestNoise, period_s: float) -> None:
-        """A wave begins.
+    def begin(self, waves: Sequence[Waveform], start: int, rest: Samples, noise: RestNoise, period_s: float) -> None:
+        """A wave begins on each shaker that drives.
 
         Args:
-            wave: as it was asked for.
-            start: its first sample.
+            waves: as they were asked for.
+            start: their first sample.
             rest: (channels, n) delivered numbers just before it.
             noise: of the same.
-            period_s: after which it repeats, or is like itself.
+            period_s: after which they repeat, or are like themselves.
         """
-        self._look = WaveLook(wave, start, rest, noise, self._rate_hz, period_s)
+        self._look = WaveLook(waves, start, rest, noise, self._rate_hz, period_s)
         self.failed = False
 
     def end(self) -> None:
@@ -71,7 +71,7 @@ class WavePlausibility:
         look.add(chunk)
         while look.next_hop():
             self._require(look.cut_off(), "is cut off: its highest samples read the same")
-            self._require(look.gone(self._force), "no longer follows the drive: dead, frozen or unplugged")
+            self._require(look.gone(self._forces), "no longer follows the drive: dead, frozen or unplugged")
 
     def _require(self, wrong: NDArray[np.bool_], what: str) -> None:
         found = np.flatnonzero(wrong & self._watched)

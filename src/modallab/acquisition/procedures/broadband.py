@@ -1,59 +1,49 @@
 """The broadband test: random, burst-random, pseudo-random or chirp drive, blocks one after another without a gap."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import ceil, inf
+from math import ceil
 
-import numpy as np
-
-from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch
+from modallab.acquisition.monitor.burst_watch import BurstWatch, burst_watch, expected_to_move
 from modallab.acquisition.monitor.context import Context, HeldBlock
 from modallab.acquisition.monitor.requests import DropBlock
 from modallab.acquisition.monitor.wave_plausibility import WavePlausibility
+from modallab.acquisition.procedures.broadband_checks import driven_points, over_limits
 from modallab.acquisition.procedures.broadband_wave import (
     Layout,
     blocks_a_wave,
+    blocks_of_wave,
     layout_of,
     peak_v,
-    slew_v_per_s,
-    wave_of,
+    waves_of,
 )
-from modallab.bench.protocol import Waveform, WavePlaying
-from modallab.core.errors import PlanError, SafetyError, SamplesLostError, UnsupportedError
+from modallab.acquisition.procedures.driven_forces import DrivenForces
+from modallab.bench.protocol import Bench, Waveform, WavePlaying, WavesPlaying
+from modallab.core.block import also_driven_fact
+from modallab.core.errors import PlanError, SafetyError, SamplesLostError
 from modallab.core.plan import BroadbandPlan
-from modallab.core.rig import Limits, Rig
+from modallab.core.rig import Limits
+from modallab.signals.conversion import Real
 from modallab.storage import BlockNote
 
-SEEN = 3.0
-"""A force is one if it is so many times what its channel shows at rest."""
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Wave:
+    """What plays now.
 
-def longest_wave_s(plan: BroadbandPlan, limits: Limits | None) -> float:
-    """How long the longest wave of a plan lasts, from 0 V to 0 V."""
-    fitting = blocks_a_wave(plan, inf if limits is None else limits.max_burst_s)
-    return layout_of(plan, fitting, plan.block_s).end_s
+    Attributes:
+        level: of it.
+        number: at this level, from 0.
+        start: its first sample.
+        layout: in time.
+        waves: of each shaker that drives.
+    """
 
-
-def wave_problems(plan: BroadbandPlan, limits: Limits) -> list[str]:
-    """What the rig's limits do not allow of a plan's waves: each of them is looked at."""
-    fitting = blocks_a_wave(plan, limits.max_burst_s)
-    if not fitting:
-        shortest_s = layout_of(plan, 1, plan.block_s).end_s
-        return [f"a wave of one block lasts {shortest_s:.4g} s; allowed by the rig: {limits.max_burst_s:g} s"]
-    layout = layout_of(plan, fitting, plan.block_s)
-    problems: list[str] = []
-    for level in plan.levels_v:
-        waves = [wave_of(plan, level, number, layout) for number in range(ceil(plan.blocks / fitting))]
-        problems += _over_limits(f"levels_v: {level}", waves, limits)
-    return problems
-
-
-def _over_limits(what: str, waves: list[Waveform], limits: Limits) -> list[str]:
-    peak, slew = max(map(peak_v, waves)), max(map(slew_v_per_s, waves))
-    found = [
-        (f"{what} has a peak of {peak:.4g} V; allowed by the rig: {limits.drive_v:g} V", peak > limits.drive_v),
-        (f"{what} slews {slew:.4g} V/s; allowed by the rig: {limits.slew_v_per_s:g} V/s", slew > limits.slew_v_per_s),
-    ]
-    return [text for text, over in found if over]
+    level: str
+    number: int
+    start: int
+    layout: Layout
+    waves: Sequence[Waveform]
 
 
 @dataclass(slots=True)
@@ -66,6 +56,8 @@ class BroadbandTest:
         limits: of the rig.
         watch: looks at the limits, and whether the channels can be believed.
         believed: the part of it that is to know what plays.
+        forces: of the shakers that drive.
+        points: where these stand, the first one's first.
         kept: names of the blocks that count, by level.
         waves: played so far, by level.
         rejected: blocks that did not count.
@@ -77,6 +69,8 @@ class BroadbandTest:
     limits: Limits
     watch: BurstWatch
     believed: WavePlausibility
+    forces: DrivenForces
+    points: tuple[int, ...]
     kept: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
     waves: dict[str, int] = field(default_factory=dict[str, int])
     rejected: int = 0
@@ -112,26 +106,26 @@ class BroadbandTest:
         context.pause_if_requested(self.watch)
         rest = stream.cut(stream.next - context.window, context.window)
         noise = self.watch.require_alive(rest, counts=stream.counts)
-        rest_n = float(np.std(context.conversion.force_n(rest)))
+        rest_n = self.forces.rms(rest)
         number, self.waves[level] = self.waves[level], self.waves[level] + 1
         missing = self.plan.blocks - len(self.kept[level])
-        fitting = min(missing, blocks_a_wave(self.plan, self.limits.max_burst_s))
+        most = blocks_a_wave(self.plan, self.limits.max_burst_s)
+        fitting = blocks_of_wave(self.plan, number, missing, most, len(self.points))
         layout = layout_of(self.plan, fitting, context.block / stream.rate_hz)
-        wave = wave_of(self.plan, level, number, layout)
-        if problems := _over_limits(f"wave {number + 1} of {level}", [wave], self.limits):
+        waves = waves_of(self.plan, level, number, layout, len(self.points))
+        if problems := over_limits(f"wave {number + 1} of {level}", waves, self.limits):
             raise PlanError("; ".join(problems), remedy="lower levels_v, or raise the rig's limits")
         context.excitation.on = True
         stream.poll()
-        assert isinstance(context.bench, WavePlaying)
-        start = context.bench.play_wave(wave)
-        self.believed.begin(wave, start, rest, noise, layout.block_s)
+        wave = _Wave(level, number, _started(context.bench, waves), layout, waves)
+        self.believed.begin(waves, wave.start, rest, noise, layout.block_s)
         held: list[HeldBlock] = []
         try:
             while len(held) < fitting:
-                held.append(self._take(self._note(level, number, len(held), start, layout, wave), rest_n))
-            stream.advance_to(start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
+                held.append(self._take(wave, len(held), rest_n))
+            stream.advance_to(wave.start + ceil(layout.end_s * stream.rate_hz) + 1, self.watch, context.driving_chunk)
         except BaseException as error:
-            self._end_early(held, error, self._note(level, number, len(held), start, layout, wave))
+            self._end_early(held, error, self._note(wave, len(held)))
             raise
         self.watch.end()
         context.excitation.on = False
@@ -171,42 +165,37 @@ class BroadbandTest:
             what = f"level {note.level}, {self.plan.signal}"
             self.context.progress(done, self.plan.blocks * len(self.kept), what)
 
-    def _note(self, level: str, number: int, place: int, start: int, layout: Layout, wave: Waveform) -> BlockNote:
+    def _note(self, wave: _Wave, place: int) -> BlockNote:
+        layout = wave.layout
         lead = self.context.stream.samples_of(layout.lead_s)
         return BlockNote(
-            name=f"{self.plan.signal}_{level}_{number + 1:02d}_{place + 1:03d}",
+            name=f"{self.plan.signal}_{wave.level}_{wave.number + 1:02d}_{place + 1:03d}",
             test=self.plan.signal,
-            first_sample=start + lead + place * self.context.block,
-            drive_point=self.context.rig.shaker_point,
-            level=level,
+            first_sample=wave.start + lead + place * self.context.block,
+            drive_point=self.points[0],
+            level=wave.level,
             facts={
-                "drive_rms_v": self.plan.levels_v[level],
-                "drive_peak_v": peak_v(wave),
-                "wave": float(number + 1),
-                "wave_first_sample": float(start),
+                "drive_rms_v": self.plan.levels_v[wave.level],
+                "drive_peak_v": max(map(peak_v, wave.waves)),
+                "wave": float(wave.number + 1),
+                "wave_first_sample": float(wave.start),
                 "settle_s": layout.lead_s + place * layout.block_s,
+                **also_driven_fact(self.points[1:]),
             },
         )
 
-    def _take(self, note: BlockNote, rest_n: float) -> HeldBlock:
+    def _take(self, wave: _Wave, place: int, rest_n: Real) -> HeldBlock:
         """Read one block, and hold it until its wave is over."""
-        context, stream = self.context, self.context.stream
+        context, stream, note = self.context, self.context.stream, self._note(wave, place)
         stream.advance_to(context.end_of(note.first_sample), self.watch, context.driving_chunk)
-        self._require_force(note, rest_n)
+        block = stream.cut(note.first_sample, context.block)
+        self.forces.require(block, rest_n, self.plan.levels_v[wave.level])
+        first_s = (note.first_sample - wave.start) / stream.rate_hz
+        self.forces.require_own(block, wave.waves, first_s, stream.rate_hz)
         overload = stream.overload(note.first_sample, context.block)
         reason = f"overload: {', '.join(overload)} beyond the range" if overload else ""
         held = replace(note, overload=overload, accepted=not overload, reason=reason)
         return context.held(note.first_sample, held)
-
-    def _require_force(self, note: BlockNote, rest_n: float) -> None:
-        block = self.context.stream.cut(note.first_sample, self.context.block)
-        force_n = float(np.std(self.context.conversion.force_n(block)))
-        if force_n <= SEEN * rest_n:
-            raise SafetyError(
-                f"the force is {force_n:.3g} N rms while {self.plan.levels_v[note.level or '']:g} V rms drive, and"
-                f" {rest_n:.3g} N at rest; the output was brought to 0 V",
-                remedy="check the force sensor, the amplifier and the stinger, or drive harder",
-            )
 
     def _require_patience(self, held: list[HeldBlock]) -> None:
         reasons = [block.note.reason for block in held if not block.note.accepted]
@@ -224,6 +213,15 @@ class BroadbandTest:
                         names.remove(request.block)
 
 
+def _started(bench: Bench, waves: Sequence[Waveform]) -> int:
+    """The sample at which the waves begin, one on each output."""
+    if len(waves) > 1:
+        assert isinstance(bench, WavesPlaying)
+        return bench.play_waves(waves)
+    assert isinstance(bench, WavePlaying)
+    return bench.play_wave(waves[0])
+
+
 def _doubted(block: HeldBlock, reason: str) -> HeldBlock:
     return replace(block, note=replace(block.note, accepted=False, reason=reason))
 
@@ -234,22 +232,10 @@ def run_broadband(context: Context, plan: BroadbandPlan) -> None:
     if limits is None:
         raise PlanError("the rig has no limits", remedy="add limits to the rig file")
     watch = burst_watch(context.rig, limits, context.conversion, context.stream, plan.band_hz[0])
-    limited = [int(channel) for channel in np.flatnonzero(np.isfinite(watch.limits.limit))]
-    waves = WavePlausibility(context.conversion.names, context.conversion.force, limited, context.stream.rate_hz)
+    points = driven_points(plan, context.rig)
+    limited = expected_to_move(watch.limits, context.conversion, len(points))
+    driven = context.conversion.forces[: len(points)]
+    waves = WavePlausibility(context.conversion.names, driven, limited, context.stream.rate_hz)
     watch.waves = waves
-    BroadbandTest(context, plan, limits, watch, waves).run()
-
-
-def require_waves(plan: BroadbandPlan, bench: object, rig: Rig) -> None:
-    """Reject a bench that cannot play waves, before anything moves.
-
-    Raises:
-        UnsupportedError: it cannot.
-    """
-    generator = rig.excitation is not None and rig.excitation.kind == "generator"
-    if generator or not isinstance(bench, WavePlaying):
-        raise UnsupportedError(
-            f"{'a sine generator' if generator else 'this bench'} plays no {plan.signal} drive",
-            where="broadband plan",
-            remedy="drive by an analog output of the device, or run a sine test",
-        )
+    forces = DrivenForces(context.conversion, len(points))
+    BroadbandTest(context, plan, limits, watch, waves, forces, points).run()

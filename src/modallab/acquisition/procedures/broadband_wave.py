@@ -62,7 +62,48 @@ def blocks_a_wave(plan: BroadbandPlan, max_burst_s: float) -> int:
     return max(0, floor(min(most, (max_burst_s - around_s) / plan.block_s + 1e-9)))
 
 
-def wave_of(plan: BroadbandPlan, level: str, number: int, layout: Layout) -> Waveform:
+def blocks_of_wave(plan: BroadbandPlan, number: int, missing: int, most: int, shakers: int) -> int:
+    """How many blocks a wave holds: as many as it can, or its share of what several shakers' waves have to show.
+
+    Args:
+        plan: with its signal.
+        number: of the wave at its level, from 0.
+        missing: blocks still to be recorded.
+        most: that a wave can hold.
+        shakers: how many play at once.
+    """
+    waves = shakers - number % shakers if is_periodic(plan) else 1
+    return min(most, ceil(missing / waves))
+
+
+def is_periodic(plan: BroadbandPlan) -> bool:
+    """Whether every block of a wave holds the same: then one wave shows what the forces do together, no more."""
+    return plan.signal in ("pseudo-random", "chirp")
+
+
+def waves_of(plan: BroadbandPlan, level: str, number: int, layout: Layout, shakers: int) -> tuple[Waveform, ...]:
+    """What each of several shakers plays at once, the first one's first.
+
+    Random drive is another noise for each. Of a periodic drive, the wave of each shaker is turned by another angle in
+    each of as many waves as there are shakers, after which its phases are drawn anew: the matrix of the angles is that
+    of a Fourier transform, so that at every line the forces of these waves are orthogonal, with the least error of all
+    FRFs that amplitudes of this size can give.
+    Source: Pintelon and Schoukens, section 2.7, and Dobrowiecki, Schoukens, Guillaume, IEEE Trans. Instrum. Meas. 55
+    (2006), 1744-1752, orthogonal multisines.
+
+    Args:
+        plan: signal, band, levels, seed.
+        level: one of the plan's.
+        number: of the wave at this level, from 0.
+        layout: in time.
+        shakers: how many play.
+    """
+    return tuple(wave_of(plan, level, number, layout, shaker, shakers) for shaker in range(shakers))
+
+
+def wave_of(
+    plan: BroadbandPlan, level: str, number: int, layout: Layout, shaker: int = 0, shakers: int = 1
+) -> Waveform:
     """One wave.
 
     Args:
@@ -70,13 +111,23 @@ def wave_of(plan: BroadbandPlan, level: str, number: int, layout: Layout) -> Wav
         level: one of the plan's.
         number: of the wave at this level, from 0; each has phases of its own.
         layout: in time.
+        shaker: whose it is, from 0.
+        shakers: how many play at once.
     """
-    rng = np.random.default_rng([plan.seed, list(plan.levels_v).index(level), number])
+    periodic = is_periodic(plan)
+    drawn = number // shakers if periodic else number
+    seeds = [plan.seed, list(plan.levels_v).index(level), drawn]
+    # As it always was for one shaker alone.
+    rng = np.random.default_rng([*seeds, shaker] if shaker else seeds)
+    turned = 2 * np.pi * (shaker * number % shakers) / shakers if periodic else 0.0
+    if plan.signal == "chirp" and shaker:
+        # All chirps have the phases of the sweep: these tell one round of waves from the next.
+        turned += 2 * np.pi * rng.random()
     period = ceil(layout.block_s * max(LEAST_RATE_HZ, OVERSAMPLED * plan.band_hz[1]))
     rate_hz = period / layout.block_s
     count = ceil(layout.end_s * rate_hz) + 1
     undriven = detection_lines(plan, number, layout.block_s) if plan.detection_lines else ()
-    samples = plan.levels_v[level] * _unit(plan, rng, period, rate_hz, count, layout, undriven)
+    samples = plan.levels_v[level] * _unit(plan, rng, turned, period, rate_hz, count, layout, undriven)
     if plan.signal != "burst-random":
         samples *= _taper(np.arange(count) / rate_hz, layout.end_s, plan.ramp_s)
     samples[0] = samples[-1] = 0.0
@@ -111,6 +162,7 @@ def slew_v_per_s(wave: Waveform) -> float:
 def _unit(
     plan: BroadbandPlan,
     rng: np.random.Generator,
+    turned: float,
     period: int,
     rate_hz: float,
     count: int,
@@ -126,6 +178,8 @@ def _unit(
         one = _sweep(period, rate_hz, plan.band_hz)
     else:
         one = _lines(rng, period, rate_hz, plan.band_hz, undriven)
+    if turned:
+        one = np.fft.irfft(np.fft.rfft(one) * np.exp(1j * turned), period)
     # A block begins with a period, whatever came before it.
     return one[(np.arange(count) - round(layout.lead_s * rate_hz)) % period]
 

@@ -2,7 +2,7 @@
 
 from math import pi
 
-from modallab.acquisition.procedures.broadband import wave_problems
+from modallab.acquisition.procedures.broadband_checks import driven_points, wave_problems
 from modallab.acquisition.procedures.broadband_wave import GROUP
 from modallab.acquisition.procedures.burst import longest_burst_s
 from modallab.acquisition.procedures.drive import HEADROOM
@@ -115,7 +115,8 @@ def _broadband_problems(plan: BroadbandPlan, rig: Rig, can_drive: bool) -> list[
     problems += _detection_problems(plan)
     if rig.limits is None:
         return [*problems, "the rig has no limits, and without them nothing is driven"]
-    return problems or wave_problems(plan, rig.limits)
+    problems += _stroke_problems(rig, rig.limits)
+    return problems or wave_problems(plan, rig.limits, len(driven_points(plan, rig)))
 
 
 def _detection_problems(plan: BroadbandPlan) -> list[str]:
@@ -157,9 +158,11 @@ def _limit_problems(plan: SinePlan, limits: Limits) -> list[str]:
 
 def _stroke_problems(rig: Rig, limits: Limits) -> list[str]:
     moved = {c.point for c in rig.responses if c.quantity != "voltage"}
-    if limits.stroke_m is None or rig.shaker_point in moved:
+    unseen = [point for point in rig.shaker_points if point not in moved]
+    if limits.stroke_m is None or not unseen:
         return []
-    return [f"limits.stroke_m: no response at shaker_point {rig.shaker_point} can see it; allowed: with one there"]
+    listed = ", ".join(map(str, unseen))
+    return [f"limits.stroke_m: no response at the shaker point {listed} can see it; allowed: with one there"]
 
 
 def _settle_problems(plan: SinePlan) -> list[str]:

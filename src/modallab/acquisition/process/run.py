@@ -15,7 +15,8 @@ from modallab.acquisition.monitor.live import LiveRing, LiveTap
 from modallab.acquisition.monitor.requests import DropBlock, Excitation, Requests
 from modallab.acquisition.monitor.run_states import Emit, Lifecycle
 from modallab.acquisition.monitor.stream import Stream
-from modallab.acquisition.procedures.broadband import longest_wave_s, require_waves, run_broadband
+from modallab.acquisition.procedures.broadband import run_broadband
+from modallab.acquisition.procedures.broadband_checks import longest_wave_s, require_waves
 from modallab.acquisition.procedures.burst import longest_burst_s, tail_s
 from modallab.acquisition.procedures.certificates import remarks_on
 from modallab.acquisition.procedures.impact import run_impact
@@ -214,7 +215,7 @@ def _work(setup: Setup) -> None:
 
 
 def _what_ends_it(plan: SinePlan | BroadbandPlan, setup: Setup) -> str:
-    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig.limits)
+    longest = longest_burst_s(plan) if isinstance(plan, SinePlan) else longest_wave_s(plan, setup.rig)
     notice = f"longest burst {longest:.4g} s: "
     excitation = setup.rig.excitation
     if not setup.bench.info.streams_bursts:

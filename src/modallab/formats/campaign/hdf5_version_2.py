@@ -73,6 +73,8 @@ def _write_block(records: h5py.Group, block: Block) -> None:
         record.attrs["ramp"] = fixed([block.ramp])[0]
     if block.drive_point is not None:
         record.attrs["drive_point"] = block.drive_point
+    if block.also_driven:
+        record.attrs["also_driven"] = np.array(block.also_driven, dtype=np.int64)
     if block.overload is not None:
         record.attrs["overload"] = np.asarray(block.overload, dtype=np.uint8)
     for name in _OPTIONAL_REALS:
@@ -104,6 +106,7 @@ def _read_block(name: str, record: h5py.Dataset, where: str) -> Block:
         first_sample=facts.whole("first_sample"),
         overload=tuple(bool(x) for x in facts.reals("overload")) if facts.has("overload") else None,
         ramp=cast("Ramp", facts.choice("ramp", "straight", "cosine")) if facts.has("ramp") else None,
+        also_driven=tuple(int(point) for point in facts.reals("also_driven")) if facts.has("also_driven") else (),
         **reals,
     )
 

@@ -42,6 +42,7 @@ FORMAT = Format(
     endings=(".h5", ".hdf5"),
     is_no="HDF5 file",
     holds=("records", "FRFs"),
+    several_forces=True,
     priority=10,
     fits=_fits,
     inside=CAMPAIGN_FILE,

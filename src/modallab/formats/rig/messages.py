@@ -10,10 +10,11 @@ from pydantic_core import ErrorDetails
 from modallab.core.effect import Revision
 from modallab.core.field_errors import allowed, short_of_wrong_entries, shown
 from modallab.core.frozen import Frozen
-from modallab.core.hardware import Calibration, Excitation, Synchronisation
+from modallab.core.hardware import Calibration, Excitation, Shaker, Synchronisation
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Converter, DampingPrior, Limits, Point, Rig, Tolerance
-from modallab.core.rig_checks import INVALID, Problem, cross_problems
+from modallab.core.rig_checks import cross_problems
+from modallab.core.rig_problem import INVALID, Problem
 
 SECTIONS: dict[str, type[Frozen]] = {
     "": Rig,
@@ -26,6 +27,7 @@ SECTIONS: dict[str, type[Frozen]] = {
     "limits": Limits,
     "excitation": Excitation,
     "history": Calibration,
+    "shakers": Shaker,
     "synchronisation": Synchronisation,
     "revisions": Revision,
 }

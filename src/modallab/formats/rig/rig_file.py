@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from modallab.core.errors import RigError
 from modallab.core.rig import Rig
-from modallab.core.rig_checks import Problem
+from modallab.core.rig_problem import Problem
 from modallab.formats.atomic import replacing
 from modallab.formats.rig.messages import rig_problems
 from modallab.formats.rig.rig_yaml import load_yaml

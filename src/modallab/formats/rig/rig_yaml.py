@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import yaml
 
-from modallab.core.rig_checks import Problem
+from modallab.core.rig_problem import Problem
 
 _MAX_DEPTH = 12
 _MAX_VALUES = 100_000

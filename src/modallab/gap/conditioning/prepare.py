@@ -140,8 +140,16 @@ def as_volts(campaign: Campaign) -> Campaign:
     """The campaign with every record as its converter saw it: noise, hum and flat tops are of volts.
 
     Raises:
-        DataError: a record with other channels than the rig's, or in units that are none of its channels'.
+        DataError: a rig of several shakers, a record with other channels than the rig's, or in units that are none of
+            its channels'.
     """
+    forces = campaign.rig.forces
+    if len(forces) > 1:
+        raise DataError(
+            f"the rig has {len(forces)} force channels, and a diagnosis has a model of one force alone",
+            where=campaign.source,
+            remedy="record hits or sines with a rig file without shakers and their force channels",
+        )
     for block in campaign.blocks:
         check_block(block, campaign.rig)
     return replace(campaign, blocks=tuple(in_volts(b, campaign.rig) for b in campaign.blocks))

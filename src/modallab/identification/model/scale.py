@@ -8,6 +8,7 @@ import numpy as np
 
 from modallab.core.model import ModalModel, ScaleUncertainty
 from modallab.core.rig import Channel, Rig
+from modallab.core.units import BROADBAND
 from modallab.identification.model.driving import driving_points
 
 
@@ -28,7 +29,7 @@ def relative_sigma(channel: Channel, rig: Rig) -> float | None:
 
 def with_scale(model: ModalModel, rig: Rig) -> ModalModel:
     """The model with the uncertainty of its scale, as far as certificates or calibrations state it."""
-    force = relative_sigma(rig.force_channel, rig)
+    force = _force_sigma(model, rig)
     known = {channel.name: relative_sigma(channel, rig) for channel in rig.responses}
     if force is None and not any(known.get(name) for name in model.outputs):
         return model
@@ -44,6 +45,14 @@ def with_scale(model: ModalModel, rig: Rig) -> ModalModel:
         shapes[row] = constants[row] / 2
     scale = ScaleUncertainty(force=force, responses=u, modal_constants=constants, shapes=shapes, modal_mass=mass)
     return model.model_copy(update={"scale_uncertainty": scale})
+
+
+def _force_sigma(model: ModalModel, rig: Rig) -> float | None:
+    """Of the force; of several that drove at once the least certain one's, None where one of them states none."""
+    used = rig.forces if model.test in BROADBAND and len(model.input_points) > 1 else (rig.force_channel,)
+    sigmas = [relative_sigma(channel, rig) for channel in used]
+    known = [sigma for sigma in sigmas if sigma is not None]
+    return max(known) if len(known) == len(sigmas) else None
 
 
 def _driving_row(model: ModalModel, rig: Rig) -> int | None:

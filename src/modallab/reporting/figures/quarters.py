@@ -29,7 +29,9 @@ def quarters(signals: Signals, output: int, rig: Rig, to_hz: float) -> tuple[Fig
     where = place(name, channel.point if channel else None)
     with style.look():
         figure, axes = style.grid(4, 2)
-        _pair(axes[:2], "Force", "N", signals.force, signals.rate_hz, to_hz, style.MODEL)
+        # Of several forces the first one's is shown, and said to be.
+        force = "Force" if len(signals.forces) == 1 else f"Force at point {signals.block.drive_point}"
+        _pair(axes[:2], force, "N", signals.forces[0], signals.rate_hz, to_hz, style.MODEL)
         _pair(
             axes[2:],
             f"{where}, {quantity}",

@@ -5,7 +5,7 @@ from datetime import UTC, date, datetime
 from modallab.core.block import Block, Campaign
 from modallab.core.metrology import Certificate
 from modallab.core.rig import Beam, Channel, Rig
-from modallab.core.units import BROADBAND, Test
+from modallab.core.units import BROADBAND, TESTS, Test
 from modallab.reporting.content import ReportContent
 from modallab.reporting.digits import counted, day, glued, listed, plain, short
 from modallab.reporting.markup import Markup, join, table
@@ -77,7 +77,8 @@ def _bench(rig: Rig) -> str:
     if rig.beam is not None:
         text += " " + _beam(rig.beam)
     sensors = rig.responses
-    text += f" {counted(len(sensors), 'sensor')} and a force transducer"
+    forces = "a force transducer" if len(rig.forces) < 2 else counted(len(rig.forces), "force transducer")
+    text += f" {counted(len(sensors), 'sensor')} and {forces}"
     text += f" stood on {counted(len(rig.points), 'point')}." if rig.points else "; their places are not known."
     if rig.converter is not None:
         text += f" The converter has {rig.converter.bits} bit over ± {short(rig.converter.range_v)} V."
@@ -93,13 +94,12 @@ def _beam(beam: Beam) -> str:
 
 
 def _blocks(campaign: Campaign) -> list[tuple[str, ...]]:
-    tests: tuple[Test, ...] = ("impact", "sine")
-    return [_recordings(test, campaign.of(test)) for test in tests if campaign.of(test)]
+    return [_recordings(test, campaign.of(test)) for test in TESTS if campaign.of(test)]
 
 
 def _recordings(test: Test, blocks: tuple[Block, ...]) -> tuple[str, ...]:
     lengths = sorted({round(b.duration_s, 9) for b in blocks})
-    points = sorted({b.drive_point for b in blocks if b.drive_point is not None})
+    points = sorted({point for b in blocks for point in b.driven_points if point is not None})
     return (
         test,
         str(len(blocks)),

@@ -6,8 +6,9 @@ from threading import Lock
 from modallab.core.block import Block
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
-from modallab.frf.broadband import broadband_frf, driven_band
+from modallab.frf.broadband import PERIODIC, broadband_frf, driven_band
 from modallab.frf.estimate import convert
+from modallab.frf.joined import contiguous
 from modallab.frf.running import RunningFrf
 from modallab.frf.stepped import Line, frf_of_lines, line_of
 from modallab.service.errors import ConflictError
@@ -110,7 +111,9 @@ class _Followed:
             self.revisions[point] = self.revisions.get(point, 0) + 1
         if self.sums.empty:
             raise ConflictError(
-                f"run {self.run} has no good block yet", where=self.run, remedy="wait for the first good block"
+                f"run {self.run} has not enough good blocks for an FRF yet",
+                where=self.run,
+                remedy="wait for the next good block",
             )
 
 
@@ -177,7 +180,11 @@ class _Broadband:
 
     @property
     def empty(self) -> bool:
-        return not self._signals
+        """Several forces cannot be distinguished before as many waves have come, of a drive that repeats."""
+        several = max((len(s.forces) for s in self._signals.values()), default=1)
+        waves = contiguous(list(self._signals.values()))
+        periodic = any(s.block.test in PERIODIC for s in self._signals.values())
+        return len(self._signals) < several + (several > 1) or (periodic and len(waves) < several)
 
     def add(self, block: Block) -> None:
         self._signals[block.order] = to_signals(block, self._rig)

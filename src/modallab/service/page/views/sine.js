@@ -67,7 +67,8 @@ function draw(state, list, force, id) {
 
 /** The force as it is now, beside its limit. */
 function watchDrive(place, limits, signal) {
-  const { name } = lab.description.channels.find(({ quantity }) => quantity === "force");
+  const others = (lab.description.shakers ?? []).map(({ force }) => force);
+  const { name } = lab.description.channels.find(({ quantity, name }) => quantity === "force" && !others.includes(name));
   const response = lab.description.channels.find(({ quantity, point }) => quantity !== "force" && point === lab.description.shaker_point) ?? lab.description.channels.find(({ quantity }) => quantity !== "force");
   const rows = [[name, limits?.force_n, "N"], [response.name, limits?.acceleration_m_s2, "m/s²"]].map(([channel, limit, unit]) => ({ channel, limit, unit, canvas: stripCanvas(channel), value: h("span", { class: "n" }, "–") }));
   put(place, place.firstChild, h("ul", { class: "scope" }, rows.map(({ channel, canvas, value }) => h("li", {}, h("span", {}, channel), canvas, value))),

@@ -1,0 +1,33 @@
+"""Parts of a test that each show all FRFs, to be held against one another."""
+
+from collections.abc import Sequence
+
+from modallab.frf.broadband import PERIODIC
+from modallab.frf.joined import contiguous
+from modallab.signals.signals import Signals
+
+
+def least_blocks(signals: Sequence[Signals]) -> int:
+    """How many blocks of a test have an FRF of their own.
+
+    A block of one periodic force holds a whole period: one by itself will do. Several take two blocks of each of as
+    many waves.
+    """
+    first = signals[0]
+    if first.block.test not in PERIODIC:
+        return 2
+    return 1 if len(first.forces) == 1 else 2 * len(first.forces)
+
+
+def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
+    """The blocks in so many parts of about one size, in the order of time.
+
+    Several periodic forces are distinguished by their waves, so that a part has its share of each of these.
+    """
+    ordered = sorted(signals, key=lambda s: s.block.order)
+    several = len(ordered[0].forces) > 1 and ordered[0].block.test in PERIODIC
+    found: list[list[Signals]] = [[] for _ in range(count)]
+    for run in contiguous(ordered) if several else [ordered]:
+        for place, one in enumerate(run):
+            found[place * count // len(run)].append(one)
+    return found
