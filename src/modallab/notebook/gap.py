@@ -19,7 +19,7 @@ from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
-from modallab.pipelines.structure_gap import diagnose_against, diagnose_structure, model_to_compare
+from modallab.pipelines.structure_gap import gap_against, gap_of, model_to_compare
 from modallab.reporting.waiting import waiting
 
 
@@ -132,9 +132,9 @@ def diagnose_by_model(
     campaign = campaign_in(measured)
     with waiting("identifying", progress=progress):
         if isinstance(reference, str | Path):
-            return diagnose_against(campaign, Path(reference))
+            return gap_against(campaign, Path(reference)).diagnosis
         known = reference.modal if isinstance(reference, Model) else model_to_compare(campaign_in(reference))
-        return diagnose_structure(campaign, known)
+        return gap_of(campaign, known).diagnosis
 
 
 def _kept(path: Path, campaign: Campaign) -> Diagnosis:
