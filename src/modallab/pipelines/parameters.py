@@ -107,9 +107,29 @@ class ReportParameters(IdentifyParameters):
 
 
 class DiagnoseParameters(Frozen):
-    """Which records no fit may see, as `modallab gap diagnose --hold-out` has it."""
+    """As `modallab gap diagnose` has it.
+
+    Attributes:
+        hold_out: records no fit may see; of a beam.
+        reference: of the job's runs those from before. The modal model that they give stands for the simulation, of
+            any structure.
+    """
 
     hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
+    reference: tuple[str, ...] = Field(default=(), exclude_if=unstated)
+
+    def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The runs that are diagnosed, and those from before.
+
+        Raises:
+            JobError: a run from before is not among the job's, or no other is.
+        """
+        foreign = [run for run in self.reference if run not in inputs]
+        today = tuple(run for run in inputs if run not in self.reference)
+        if foreign or not today:
+            found = f"{foreign[0]!r} is not among the runs" if foreign else "all runs are from before"
+            raise JobError(found, where="reference", remedy="name runs of today and from before in `runs`")
+        return today, self.reference
 
 
 class EstimateParameters(Frozen):

@@ -24,11 +24,11 @@ def candidates_section(explained: Explained) -> Markup | None:
         return None
     left = [c.gap for c in explained.diagnosis.candidates]
     rows = [["no change", "", percent(explained.diagnosis.before), ""]]
-    rows += [[spoken(c), _numbers(c), percent(gap), sure(c.probability)] for c, gap in zip(listed, left, strict=True)]
-    head = ["explanation", "numbers (95 %)", "leaves", "probability"]
+    rows += [[spoken(c), sure(c.probability), percent(gap), _numbers(c)] for c, gap in zip(listed, left, strict=True)]
+    head = ["explanation", "probability", "leaves", "numbers (95 %)"]
     return section(
         "What else might explain it",
-        table("The best of each kind, once fitted", head, rows, numeric=(2, 3), class_="wide"),
+        table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
     )
 
 

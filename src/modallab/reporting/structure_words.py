@@ -5,7 +5,6 @@ from typing import cast
 
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import FoundChange
-from modallab.reporting.digits import plain
 from modallab.reporting.gap_words import in_between
 from modallab.twin.effects import model_of
 
@@ -46,5 +45,10 @@ def numbers_of(change: FoundChange) -> list[tuple[str, str, str]]:
 def _between(value: float, interval: tuple[float, float], unit: str) -> tuple[str, str]:
     low, high = interval
     if low > 0 and high > OPEN * low:
-        return f"about {plain(value, 1)} {unit}", "not known: the records leave it open"
+        return f"about {_rough(value)} {unit}", "not known: the records leave it open"
     return in_between(value, interval, unit)
+
+
+def _rough(value: float) -> str:
+    """To one digit."""
+    return f"{float(f'{value:.1g}'):.15g}"
