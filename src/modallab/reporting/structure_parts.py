@@ -7,7 +7,7 @@ from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, Scale, log_bars
 from modallab.reporting.gap_page import section
 from modallab.reporting.gap_words import percent, sure
-from modallab.reporting.markup import Markup, table
+from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
 from modallab.reporting.structure_words import numbers_of, spoken
 
@@ -26,9 +26,16 @@ def candidates_section(explained: Explained) -> Markup | None:
     rows = [["no change", "", percent(explained.diagnosis.before), ""]]
     rows += [[spoken(c), sure(c.probability), percent(gap), _numbers(c)] for c, gap in zip(listed, left, strict=True)]
     head = ["explanation", "probability", "leaves", "numbers (95 %)"]
+    known = explained.diagnosis.verdict == "known"
+    said = (
+        "Probabilities are of these explanations among one another. One that leaves the percentage as it is may still "
+        "relieve the tolerances, which count as well."
+    )
+    none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."
     return section(
-        "What else might explain it",
+        "What else might explain it" if known else "What was tried",
         table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
+        tag("p", said + none),
     )
 
 
