@@ -1,4 +1,4 @@
-"""FRFs of a broadband test: H1 over its blocks, with the window that its signal asks for."""
+"""FRFs of a broadband test: H1, H2 or Hv over its blocks, with the window that its signal asks for."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -12,6 +12,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.estimate import combine, lines, output_quantity
+from modallab.frf.sums import Estimator, check_averages
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
@@ -29,8 +30,9 @@ def broadband_frf(
     rig: Rig,
     band_hz: tuple[float, float],
     driven_by: Sequence[Signals] | None = None,
+    estimator: Estimator = "H1",
 ) -> Frf:
-    """H1 and ordinary coherence of blocks of one level.
+    """FRF and ordinary coherence of blocks of one level.
 
     Blocks of random drive get a Hann window, which keeps leakage low and widens every peak by a line and a half. Blocks
     of the other signals hold whole periods, or a burst and its decay, and get none. Of a periodic drive the lines that
@@ -41,11 +43,14 @@ def broadband_frf(
         rig: names, points and quantities.
         band_hz: lines to give.
         driven_by: blocks whose force says which lines are driven; None for `signals`.
+        estimator: H1, H2 or Hv.
 
     Raises:
-        DataError: no blocks, blocks that differ, of several signals or of another test, or a band without lines.
+        DataError: no blocks, blocks that differ, of several signals or of another test, a band without lines, or one
+            block for H2 or Hv.
     """
     check_test(signals)
+    check_averages(estimator, [len(signals)], "blocks")
     first = signals[0]
     check_outputs(first, rig)
     tests = {s.block.test for s in signals}
@@ -60,7 +65,7 @@ def broadband_frf(
     window = _window(n, hann=first.block.test == "random")
     force = np.stack([_spectrum(s.force, window)[chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
-    values, coherence = combine(force, response)
+    values, coherence = combine(force, response, estimator)
     return Frf(
         frequency_hz=chosen * rate / n,
         values=values[:, None],

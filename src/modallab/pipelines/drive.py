@@ -11,6 +11,7 @@ from modallab.core.rig import Rig
 from modallab.frf.broadband import PERIODIC, broadband_frf, of_one_level
 from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.settled_periods import without_decays
+from modallab.frf.sums import Estimator
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.poles import poles_of
@@ -30,13 +31,16 @@ UNKNOWN = 0.5
 """Share of a damping ratio beyond which its sigma says that it is that of noise, or an artefact of the FRF's errors."""
 
 
-def frf_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def frf_of_drive(
+    signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1"
+) -> Frf:
     """The FRF of the level that has most blocks.
 
     Raises:
-        DataError: the responses do not follow the force, or a band without lines.
+        DataError: the responses do not follow the force, a band without lines, or one block of a periodic drive for H2
+            or Hv.
     """
-    measured = _made(of_one_level(signals), rig, band_hz)
+    measured = _made(of_one_level(signals), rig, band_hz, estimator)
     check_followed(measured)
     return _alike(measured)
 
@@ -59,9 +63,9 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
         poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
         used = without_decays(of_one_level(signals), poles, band)
-        frf = _alike(_made(used, rig, band))
+        frf = _alike(_made(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
-    parts = _parts(used, rig, found.band_hz) if options.refined else []
+    parts = _parts(used, rig, found.band_hz, options.frf) if options.refined else []
     if options.refined and not parts:
         found = found.model_copy(update={"notes": (*found.notes, TOO_FEW)})
     model = with_scatter_of_parts(found, parts)
@@ -76,10 +80,10 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
 
 
-def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> Frf:
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
     made = joined_frf if signals[0].block.test in ("random", "burst-random") else broadband_frf
-    return made(signals, rig, band_hz)
+    return made(signals, rig, band_hz, estimator=estimator)
 
 
 def _alike(frf: Frf) -> Frf:
@@ -87,14 +91,14 @@ def _alike(frf: Frf) -> Frf:
     return replace(frf, coherence=None, variance=None)
 
 
-def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> list[Frf]:
+def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    # A block of a periodic drive holds a whole period: one by itself will do.
-    least = 1 if signals[0].block.test in PERIODIC else 2
+    # A block of a periodic drive holds a whole period: one by itself will do, but for H2 and Hv, which need an average.
+    least = 1 if signals[0].block.test in PERIODIC and estimator == "H1" else 2
     each = max(least, len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
     ordered = sorted(signals, key=lambda s: s.block.order)
     stretches = [ordered[k * each : (k + 1) * each] for k in range(count)]
-    return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in stretches]
+    return [in_band(_alike(_made(part, rig, band_hz, estimator)), band_hz) for part in stretches]
