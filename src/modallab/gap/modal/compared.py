@@ -14,6 +14,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.errors import sizes, weights
+from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
 from modallab.gap.modal.synthesis import outside, synthesised
 from modallab.gap.modal.weights import Weights
@@ -120,6 +121,7 @@ def compared(reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float =
             remedy="identify both in one band",
         )
     reference, bench = _common(reference, bench, rig)
+    reference = in_form_of(bench, reference)
     shapes = shapes_of(reference, rig)
     outputs, inputs, signs = freedoms_of(reference, rig)
     s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
