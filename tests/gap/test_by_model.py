@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from closed_form_plate import OMEGA, REFERENCE, X, Y, model, rig, shapes, with_mass
+from closed_form_plate import OMEGA, REFERENCE, SENSORS, A, B, X, Y, model, rig, shapes, with_mass
 from scipy.linalg import eigh
 
 from modallab.core.errors import DataError
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
+from modallab.gap.modal.mesh import MOST, Mesh
 from modallab.gap.modal.shapes import shapes_of
 from modallab.gap.modal.weights import Weights
 
@@ -82,3 +83,51 @@ def test_shapes_without_a_scale_are_rejected() -> None:
     elsewhere = REFERENCE.model_copy(update={"output_points": (21, 22, 23)})
     with pytest.raises(DataError, match="no scale"):
         shapes_of(elsewhere, rig())
+
+
+def mesh() -> Mesh:
+    """Nodes some 25 mm apart, the shapes with the signs that an eigensolver happens to give."""
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, A, 21), np.linspace(0, B, 17), indexing="ij"))
+    signs = np.array([1.0, -1.0, 1.0, -1.0])
+    return Mesh(np.stack([x, y, 0 * x], axis=1), {"z": (shapes(x, y) * signs[:, None]).T})
+
+
+def test_between_the_points_a_mesh_tells_the_shapes() -> None:
+    offsets = np.array([[0.031, 0.022, 0.0], [-0.04, 0.03, 0.0], [0.02, -0.045, 0.0]])
+    for point in SENSORS:
+        true = shapes(X[point - 1] + offsets[:, 0], Y[point - 1] + offsets[:, 1]).T
+        off = []
+        for known in (None, mesh()):
+            found = shapes_of(REFERENCE, rig(), known)
+            here = found.psi[:, found.index((point, "z"))] * shapes(X[point - 1], Y[point - 1])
+            off.append(np.abs(np.sign(here) * found.moved((point, "z"), offsets) - true).max())
+            if known is not None:
+                assert np.all(found.uncertain((point, "z"), offsets) < 3e-3 * np.abs(true).max())
+        assert off[1] < 0.1 * off[0]
+        assert off[1] < 1e-3 * np.abs(true).max()
+
+
+def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -> None:
+    moved = (0.024, -0.017)
+    psi = shapes(X, Y)
+    elsewhere = shapes(np.array([X[6] + moved[0]]), np.array([Y[6] + moved[1]]))[:, 0]
+    bench = model(OMEGA, psi)
+    constants = bench.modal_constants.copy()
+    constants[:, 1] = elsewhere[:, None] * psi
+    found = diagnose_by_model(REFERENCE, bench.model_copy(update={"modal_constants": constants}), rig(), mesh())
+    (effect,) = found.effects
+    assert (effect.effect, effect.place) == ("position_error", {"channel": "a2"})
+    assert (effect.parameters["dx"], effect.parameters["dy"]) == pytest.approx(moved, abs=1e-3)
+
+
+def test_of_a_large_mesh_the_nodes_about_the_points_are_kept() -> None:
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(-2 * A, 3 * A, 200), np.linspace(0, B, 60), indexing="ij"))
+    points = np.stack([X, Y, 0 * X], axis=1)
+    kept = Mesh(np.stack([x, y, 0 * x], axis=1), {"z": np.zeros((x.size, 4))}).about(points)
+    assert len(kept.places_m) <= MOST == len(kept.motion["z"])
+    away = np.linalg.norm(kept.places_m[:, None] - points[None], axis=2).min(axis=1)
+    assert away.max() < 0.4 * A
+    # Wherever a change may be looked for, a node is near.
+    there = points[:, None] + np.array([[0.03, 0.0, 0.0], [0.0, 0.03, 0.0], [-0.03, 0.02, 0.0]])
+    near = np.linalg.norm(there.reshape(-1, 1, 3) - kept.places_m[None], axis=2).min(axis=1)
+    assert near.max() < 0.03

@@ -9,8 +9,9 @@ from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import is_fem, read_fem
 from modallab.gap.modal.diagnosis import explained_by_model
+from modallab.gap.modal.mesh import Mesh
 from modallab.identification.options import Options
-from modallab.pipelines.finite_elements import model_of_elements
+from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
@@ -42,11 +43,13 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
     """
     identified = _identified(campaign)
     bench = identified.identified[0]
-    reference = read_reference(path, campaign.rig, bench.model)
-    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}")
+    reference, mesh = read_reference(path, campaign.rig, bench.model)
+    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh)
 
 
-def gap_between(campaign: Campaign, reference: ModalModel, identified: Result, named: str) -> StructureGap:
+def gap_between(
+    campaign: Campaign, reference: ModalModel, identified: Result, named: str, mesh: Mesh | None = None
+) -> StructureGap:
     """What differs between a reference and the first model that a campaign gave.
 
     Args:
@@ -54,12 +57,13 @@ def gap_between(campaign: Campaign, reference: ModalModel, identified: Result, n
         reference: at the rig's points and channels.
         identified: what it gave.
         named: the reference in words.
+        mesh: its shapes at nodes between the points, where it was computed.
 
     Raises:
         DataError: the two have nothing in common.
     """
     bench = identified.identified[0]
-    explained = explained_by_model(reference, bench.model, campaign.rig)
+    explained = explained_by_model(reference, bench.model, campaign.rig, mesh)
     records = None if bench.verification is None else bench.verification.measured
     return StructureGap(campaign.rig, explained, named, records, _beside(identified, reference, bench))
 
@@ -104,8 +108,10 @@ def _identified(campaign: Campaign) -> Result:
     return identify_campaign(campaign, Options())
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ModalModel:
+def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None]:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
+
+    With it the shapes at the nodes of a finite-element model, where it says its places.
 
     Args:
         path: of it.
@@ -121,8 +127,10 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ModalModel:
         models = read_models(path)
         if not models:
             raise DataError("holds no model", where=str(path), remedy="write one with modallab identify --json")
-        return models[0]
+        return models[0], None
     if is_fem(path):
         driven = tuple(p for p in dict.fromkeys(bench.input_points) if p is not None)
-        return model_of_elements(read_fem(path), rig, bench.band_hz, driven)
-    return model_to_compare(read_campaign(path, rig))
+        fem = read_fem(path)
+        how = (fem, rig, bench.band_hz, driven)
+        return model_of_elements(*how), mesh_of_elements(*how)
+    return model_to_compare(read_campaign(path, rig)), None
