@@ -104,7 +104,7 @@ def test_between_the_points_a_mesh_tells_the_shapes() -> None:
             if known is not None:
                 assert np.all(found.uncertain((point, "z"), offsets) < 3e-3 * np.abs(true).max())
         assert off[1] < 0.1 * off[0]
-        assert off[1] < 1e-3 * np.abs(true).max()
+        assert off[1] < 2e-3 * np.abs(true).max()
 
 
 def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -> None:
