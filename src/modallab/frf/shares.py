@@ -22,14 +22,16 @@ def least_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
 
 
 def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:
-    """The blocks in so many parts of about one size, in the order of time.
+    """The blocks in so many parts of one size, in the order of time; what is left over at the end is in none.
 
-    Several periodic forces are distinguished by their waves, so that a part has its share of each of these.
+    Several periodic forces are distinguished by their waves: there a part has its share of each, of about one size.
     """
     ordered = sorted(signals, key=lambda s: s.block.order)
-    several = len(ordered[0].forces) > 1 and ordered[0].block.test in PERIODIC
+    if len(ordered[0].forces) == 1 or ordered[0].block.test not in PERIODIC:
+        each = len(ordered) // count
+        return [ordered[k * each : (k + 1) * each] for k in range(count)]
     found: list[list[Signals]] = [[] for _ in range(count)]
-    for run in contiguous(ordered) if several else [ordered]:
+    for run in contiguous(ordered):
         for place, one in enumerate(run):
             found[place * count // len(run)].append(one)
     return found
