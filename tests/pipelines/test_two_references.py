@@ -30,6 +30,7 @@ from modallab.frf.broadband import broadband_frf, driven_band
 from modallab.frf.joined import joined_frf
 from modallab.frf.settled_periods import without_decays
 from modallab.gap.diagnosis import diagnose
+from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
@@ -227,6 +228,9 @@ def test_what_knows_one_force_says_so(tmp_path: Path) -> None:
         write_export(campaign, tmp_path / "two.uff", "uff")
     with pytest.raises(DataError, match="the rig has 2 force channels, and a diagnosis has a model of one"):
         diagnose(campaign)
+    model = identified("pseudo-random").model
+    with pytest.raises(DataError, match="2 shakers drove the bench at once, and a comparison knows the gain of one"):
+        diagnose_by_model(model, model, RIG)
     one_shaker = [replace(b, also_driven=()) for b in campaign.blocks]
     write_export(replace(campaign, blocks=tuple(one_shaker)), tmp_path / "one.uff", "uff")
     with pytest.raises(DataError, match="uff does not say which of them drove"):
