@@ -45,7 +45,9 @@ def test_a_mass_that_came_later_is_found_beside_the_campaign_from_before(
     assert effect["place"]["at_m"][0] == pytest.approx(0.8, abs=0.05)
     assert effect["parameters"]["mass"] == pytest.approx(0.15, rel=0.25)
     capsys.readouterr()
-    assert main(["gap", "diagnose", before, "--reference", before]) == 0
+    page = tmp_path / "found.html"
+    assert main(["gap", "diagnose", before, "--reference", before, "--report", str(page)]) == 0
+    assert "a campaign from before, campaign.h5" in page.read_text(encoding="utf-8")
     assert "No gap beyond the tolerances" in " ".join(capsys.readouterr().out.split())
 
 

@@ -2,62 +2,16 @@
 
 import numpy as np
 import pytest
+from closed_form_plate import OMEGA, REFERENCE, SENSORS, A, B, X, Y, model, rig, shapes, with_mass
 from scipy.linalg import eigh
 
 from modallab.core.errors import DataError
-from modallab.core.model import ModalModel
-from modallab.core.rig import Channel, Point, Rig, Tolerance
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
+from modallab.gap.modal.mesh import MOST, Mesh
 from modallab.gap.modal.shapes import shapes_of
 from modallab.gap.modal.weights import Weights
-
-A, B, MASS_KG = 0.5, 0.4, 2.0
-X, Y = (v.ravel() for v in np.meshgrid(np.linspace(0.1, 0.9, 5) * A, np.linspace(0.15, 0.85, 4) * B, indexing="ij"))
-ORDERS = ((1, 1), (2, 1), (1, 2), (2, 2))
-OMEGA = 2 * np.pi * 20.0 * np.array([(m / A) ** 2 + (n / B) ** 2 for m, n in ORDERS]) / (1 / A**2 + 1 / B**2)
-SENSORS = (1, 7, 14)
-
-
-def shapes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(modes, places) at unit modal mass."""
-    each = [np.sin(m * np.pi * x / A) * np.sin(n * np.pi * y / B) for m, n in ORDERS]
-    return 2 / np.sqrt(MASS_KG) * np.array(each)
-
-
-def rig() -> Rig:
-    points = tuple(Point(id=n + 1, x_m=x, y_m=y) for n, (x, y) in enumerate(zip(X.tolist(), Y.tolist(), strict=True)))
-    force = Channel(index=0, name="force", quantity="force", unit="N")
-    sensors = tuple(
-        Channel(index=n + 1, name=f"a{n + 1}", quantity="acceleration", unit="m/s^2", point=p)
-        for n, p in enumerate(SENSORS)
-    )
-    return Rig(name="plate", model="unknown", tolerance=Tolerance.usual(), points=points, channels=(force, *sensors))
-
-
-def model(omega: np.ndarray, psi: np.ndarray, gains: tuple[float, ...] = (1.0, 1.0, 1.0)) -> ModalModel:
-    """Of shapes (modes, points), struck at every point."""
-    out = psi[:, [p - 1 for p in SENSORS]] * np.array(gains)
-    constants = out[:, :, None] * psi[:, None, :]
-    nothing, hz = np.full(omega.size, np.nan), omega / (2 * np.pi)
-    return ModalModel(
-        method="plscf", band_hz=(5.0, 1.2 * float(hz[-1])), frequency_hz=hz, damping_ratio=np.full(omega.size, 0.005),
-        frequency_sigma_hz=nothing, damping_sigma=nothing, outputs=("a1", "a2", "a3"), output_points=SENSORS,
-        input_points=tuple(range(1, X.size + 1)), modal_constants=constants.astype(complex),
-        modal_constant_sigma=np.full(constants.shape, np.nan), residuals=np.zeros((0, 3, X.size)),
-        half_power=nothing, half_power_floor=nothing,
-    )  # fmt: skip
-
-
-def with_mass(kg: float, x: float, y: float) -> ModalModel:
-    """By the eigenproblem of the modes with the mass among them, which the diagnosis does not solve."""
-    there = shapes(np.array([x]), np.array([y]))
-    squared, turned = eigh(np.diag(OMEGA**2), np.eye(OMEGA.size) + kg * there @ there.T)
-    return model(np.sqrt(squared), turned.T @ shapes(X, Y))
-
-
-REFERENCE = model(OMEGA, shapes(X, Y))
 
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:
@@ -129,3 +83,51 @@ def test_shapes_without_a_scale_are_rejected() -> None:
     elsewhere = REFERENCE.model_copy(update={"output_points": (21, 22, 23)})
     with pytest.raises(DataError, match="no scale"):
         shapes_of(elsewhere, rig())
+
+
+def mesh() -> Mesh:
+    """Nodes some 25 mm apart, the shapes with the signs that an eigensolver happens to give."""
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, A, 21), np.linspace(0, B, 17), indexing="ij"))
+    signs = np.array([1.0, -1.0, 1.0, -1.0])
+    return Mesh(np.stack([x, y, 0 * x], axis=1), {"z": (shapes(x, y) * signs[:, None]).T})
+
+
+def test_between_the_points_a_mesh_tells_the_shapes() -> None:
+    offsets = np.array([[0.031, 0.022, 0.0], [-0.04, 0.03, 0.0], [0.02, -0.045, 0.0]])
+    for point in SENSORS:
+        true = shapes(X[point - 1] + offsets[:, 0], Y[point - 1] + offsets[:, 1]).T
+        off = []
+        for known in (None, mesh()):
+            found = shapes_of(REFERENCE, rig(), known)
+            here = found.psi[:, found.index((point, "z"))] * shapes(X[point - 1], Y[point - 1])
+            off.append(np.abs(np.sign(here) * found.moved((point, "z"), offsets) - true).max())
+            if known is not None:
+                assert np.all(found.uncertain((point, "z"), offsets) < 3e-3 * np.abs(true).max())
+        assert off[1] < 0.1 * off[0]
+        assert off[1] < 2e-3 * np.abs(true).max()
+
+
+def test_a_sensor_that_stands_elsewhere_is_found_by_the_mesh_to_a_millimetre() -> None:
+    moved = (0.024, -0.017)
+    psi = shapes(X, Y)
+    elsewhere = shapes(np.array([X[6] + moved[0]]), np.array([Y[6] + moved[1]]))[:, 0]
+    bench = model(OMEGA, psi)
+    constants = bench.modal_constants.copy()
+    constants[:, 1] = elsewhere[:, None] * psi
+    found = diagnose_by_model(REFERENCE, bench.model_copy(update={"modal_constants": constants}), rig(), mesh())
+    (effect,) = found.effects
+    assert (effect.effect, effect.place) == ("position_error", {"channel": "a2"})
+    assert (effect.parameters["dx"], effect.parameters["dy"]) == pytest.approx(moved, abs=1e-3)
+
+
+def test_of_a_large_mesh_the_nodes_about_the_points_are_kept() -> None:
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(-2 * A, 3 * A, 200), np.linspace(0, B, 60), indexing="ij"))
+    points = np.stack([X, Y, 0 * X], axis=1)
+    kept = Mesh(np.stack([x, y, 0 * x], axis=1), {"z": np.zeros((x.size, 4))}).about(points)
+    assert len(kept.places_m) <= MOST == len(kept.motion["z"])
+    away = np.linalg.norm(kept.places_m[:, None] - points[None], axis=2).min(axis=1)
+    assert away.max() < 0.4 * A
+    # Wherever a change may be looked for, a node is near.
+    there = points[:, None] + np.array([[0.03, 0.0, 0.0], [0.0, 0.03, 0.0], [-0.03, 0.02, 0.0]])
+    near = np.linalg.norm(there.reshape(-1, 1, 3) - kept.places_m[None], axis=2).min(axis=1)
+    assert near.max() < 0.03

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from twin_campaign import built, link
 from waiting import ended
 
 from modallab.core.block import Campaign
+from modallab.core.effects import Effect
 from modallab.core.errors import JobError, StorageError
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig
@@ -18,7 +20,13 @@ from modallab.pipelines.identify import identify_campaign
 from modallab.pipelines.job_kinds import kinds
 from modallab.pipelines.parameters import DiagnoseParameters, parse_parameters
 
+MASS = Effect(effect="added_mass", parameters={"mass": 0.15}, place={"x": 0.8})
 DATA = Path(__file__).parents[1] / "data"
+
+
+def _mass_later(inputs: tuple[str, ...]) -> Campaign:
+    (name,) = inputs
+    return built(link(), *(MASS,) * (name == "today"), tests=("impact",))
 
 
 def _campaign(inputs: tuple[str, ...]) -> Campaign:
@@ -69,8 +77,24 @@ def test_parameters_are_checked_before_a_job_is_ordered() -> None:
     for kind, given in (
         ("dance", {}),
         ("diagnose", {"hold_out": "all"}),
+        ("diagnose", {"reference": "run-1"}),
         ("identify", {"order": 3}),
         ("identify", {"band_hz": [float("nan"), 3]}),
     ):
         with pytest.raises(JobError):
             parse_parameters(kind, given)
+
+
+def test_runs_from_before_stand_for_the_simulation(jobs: Jobs, tmp_path: Path) -> None:
+    with Runner(jobs, kinds(_mass_later, tmp_path), workers=1):
+        found, alone = ended(
+            jobs,
+            jobs.submit("diagnose", {"reference": ["before"]}, ["before", "today"]),
+            jobs.submit("diagnose", {"reference": ["before"]}, ["before"]),
+            patience_s=120,
+        )
+    assert found.error is None
+    (effect,) = found.result["document"]["effects"]
+    assert effect["effect"] == "added_mass"
+    assert "a campaign from before" in (tmp_path / found.result["files"]["gap.html"]).read_text(encoding="utf-8")
+    assert "all runs are from before" in str(alone.error)

@@ -1,15 +1,21 @@
 """A finite-element model taken at a rig's channels: the receptances of the whole model, in the band of a test."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from beam_elements import beam
 
 from modallab.core.errors import DataError
+from modallab.core.frf import Frf
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
 from modallab.formats.fem.matrices import modes_of
+from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.synthesis import synthesised
-from modallab.pipelines.finite_elements import model_of_elements
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.options import Options
+from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
 
 EI, PER_M, LENGTH, BAND = 70.0, 0.8, 0.9, (3.0, 250.0)
 K, M, FREEDOMS, NODES = beam(EI, PER_M, LENGTH, 12)
@@ -88,3 +94,48 @@ def test_points_are_nodes_by_place_by_name_or_by_number() -> None:
     np.testing.assert_array_equal(model_of_elements(numbered, rig(), BAND, (3,)).modal_constants, expected)
     with pytest.raises(DataError, match="has no node 101 for point 101"):
         model_of_elements(FemModel(numbered.modes, {}), elsewhere, BAND, (103,))
+
+
+def test_in_the_form_of_the_bench_it_misses_the_valleys_as_an_identification_does() -> None:
+    """Of FRFs without noise: what three terms do not hold of the modes above the band is not a gap."""
+    hz = np.arange(BAND[0], BAND[1], 0.1)
+    squares = (2 * np.pi * CLAMPED.modes.frequency_hz) ** 2
+    at = np.array([CLAMPED.modes.at[node][:, 2] for node in (4, 8, 12)]).T
+    s = 2j * np.pi * hz
+    zeta = 0.01
+    kernel = s**2 / (s**2 + 2 * zeta * np.sqrt(squares)[:, None] * s + squares[:, None])
+    measured = Frf(
+        hz, np.einsum("ro,ri,rl->oil", at, at, kernel), "inertance", ("a0", "a1", "a2"), (1, 2, 3), (1, 2, 3)
+    )
+    bench, _ = identify_frf(measured, rig(), Options())
+    computed = model_of_elements(
+        replace(CLAMPED, modes=replace(CLAMPED.modes, damping_ratio=np.full(24, zeta))), rig(), BAND, (1, 2, 3)
+    )
+    alike = in_form_of(bench, computed)
+    assert alike.residual_powers == bench.residual_powers != computed.residual_powers
+    valley = 2j * np.pi * np.array([4.0, 30.0, 90.0, 240.0])
+    off, off_alike = (np.abs(synthesised(m, valley) / synthesised(bench, valley) - 1).max() for m in (computed, alike))
+    assert off > 0.02
+    assert off_alike < 0.2 * off
+
+
+def test_a_reference_of_the_same_form_stays_as_it_is() -> None:
+    found = model_of_elements(CLAMPED, rig(), BAND, (3,))
+    assert in_form_of(found, found) is found
+
+
+def test_the_mesh_moves_as_the_channels_read() -> None:
+    """Along a drive that points down it is turned, as modal constants are."""
+    how = (CLAMPED, rig(), BAND, (3,))
+    made, found = model_of_elements(*how), mesh_of_elements(*how)
+    assert found is not None
+    tip = int(np.argmax(found.places_m[:, 0]))
+    here = np.abs(found.motion["z"][tip]) ** 2
+    np.testing.assert_allclose(here, made.modal_constants[:, 2, 0].real, rtol=1e-9)
+    down = np.array([CLAMPED.modes.at[node][: made.n_modes, 2] for node in CLAMPED.modes.at])
+    np.testing.assert_allclose(found.motion["z"], -down)
+
+
+def test_a_model_whose_owner_names_nodes_has_no_mesh_in_the_rigs_coordinates() -> None:
+    named = FemModel(CLAMPED.modes, {1: 4, 2: 8, 3: 12})
+    assert mesh_of_elements(named, rig(), BAND, (3,)) is None

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from modallab.cli.options import not_negative, positive
+from modallab.core.units import FRF_ESTIMATORS
 from modallab.formats.format import writers
 
 ROLES = ("observer", "operator", "admin")
@@ -29,7 +30,9 @@ def _add_export(commands: _Commands) -> None:
     command.add_argument("--out", type=Path, required=True, metavar="FILE", help="for csv a folder")
     command.add_argument("--run", action="append", metavar="RUN", help="of a data folder; may be repeated")
     command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="if it is neither inside nor beside the campaign")
-    command.add_argument("--frf", action="store_true", help="add the measured FRFs of the impact test")
+    command.add_argument(
+        "--frf", nargs="?", const="H1", choices=FRF_ESTIMATORS, help="add the FRFs of the impact test (H1)"
+    )
     command.add_argument("--models", type=Path, metavar="MODELS.json", help="add the modes that identify wrote")
     command.set_defaults(module="export")
 

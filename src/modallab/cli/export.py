@@ -12,6 +12,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.core.units import FrfEstimator
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.exporter import write_export
 from modallab.formats.rig.rig_file import read_rig
@@ -26,8 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Export, and say what had no place in the format."""
     rig = None if arguments.rig is None else read_rig(arguments.rig)
     campaign = _campaign(arguments.source, arguments.run or (), rig)
-    if arguments.frf:
-        campaign = _with_frfs(campaign)
+    if arguments.frf is not None:
+        campaign = _with_frfs(campaign, arguments.frf)
     models: Sequence[ModalModel] = () if arguments.models is None else read_models(arguments.models)
     console = Console()
     for note in write_export(campaign, arguments.out, arguments.format, models):
@@ -46,8 +47,9 @@ def _campaign(source: Path, runs: Sequence[str], rig: Rig | None) -> Campaign:
     return campaign if rig is None else replace(campaign, rig=rig)
 
 
-def _with_frfs(campaign: Campaign) -> Campaign:
+def _with_frfs(campaign: Campaign, estimator: FrfEstimator) -> Campaign:
     if not campaign.of("impact"):
         raise DataError("there are no hits, so no FRFs", where=campaign.source, remedy="leave --frf out")
     groups = group_by_point(to_signals_of(campaign.of("impact"), campaign.rig))
-    return replace(campaign, frfs=(*campaign.frfs, impact_frf(groups, campaign.rig, default_band(groups))))
+    frf = impact_frf(groups, campaign.rig, default_band(groups), estimator=estimator)
+    return replace(campaign, frfs=(*campaign.frfs, frf))

@@ -14,7 +14,7 @@ from modallab.cli.options import only_with
 from modallab.cli.saying import console_of, write_json
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
-from modallab.core.errors import ConfigurationError, FormatError, PlanError
+from modallab.core.errors import FormatError, PlanError
 from modallab.core.plan import ImpactPlan, Plan
 from modallab.core.rig import Rig
 from modallab.core.setups import rig_of, split_setups
@@ -88,17 +88,20 @@ def _compare(console: Console, campaign: Campaign, arguments: argparse.Namespace
 
 
 def _by_model(console: Console, campaign: Campaign, arguments: argparse.Namespace) -> int:
-    if arguments.report is not None:
-        raise ConfigurationError("--reference writes no report yet", remedy="leave --report out; --json holds it all")
     # Imported here: the other ways of a diagnosis need no identification, which takes a second to load.
-    from modallab.pipelines.structure_gap import diagnose_against
+    from modallab.pipelines.structure_gap import gap_against
+    from modallab.reporting.structure_report import write_structure_report
 
     with waiting("identifying", progress=not arguments.hush):
-        found = diagnose_against(campaign, arguments.reference)
+        gap = gap_against(campaign, arguments.reference)
+    found = gap.diagnosis
     for line in (sentence_by_model(found), *(f"  {note}" for note in found.notes)):
         console.print(line, markup=False)
     if arguments.json is not None:
         write_json(arguments.json, found.model_dump(mode="json"))
+    if arguments.report is not None:
+        write_structure_report(arguments.report, gap)
+        console.print(f"report: {arguments.report}", markup=False)
     return 0
 
 

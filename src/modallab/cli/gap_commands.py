@@ -54,7 +54,7 @@ def _add_diagnose(actions: _Commands) -> None:
         type=Path,
         metavar="MODELS.json|CAMPAIGN|MODEL",
         help="of any structure: its modal model stands for the simulation, a campaign from before, or a "
-        "finite-element model (.frd, .f06, .pch, .unv, matrices in .npz or .mat, or a YAML file)",
+        "finite-element model (.frd, .f06, .pch, .op2, .unv, matrices in .npz or .mat, or a YAML file)",
     )
     command.add_argument("--json", type=Path, metavar="FILE", help=JSON_HELP.format("diagnosis"))
     command.add_argument("--report", type=Path, metavar="FILE", help="write a self-contained HTML report")

@@ -8,6 +8,7 @@ from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.core.errors import PlanError
 from modallab.core.progress import heard_by
+from modallab.core.rounded import rounded
 from modallab.core.units import Test
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -50,6 +51,6 @@ def said(found: InForm) -> str:
     """How far the form is from the bench, in one sentence."""
     share = "" if found.closed is None else f", {found.closed:.1%} closed"
     return (
-        f"In this form the gap is {found.before:.3g} noise units before and {found.after:.3g} after{share}; that of "
-        f"the twin itself is {found.twin_after:.3g}. On {len(found.records)} records."
+        f"In this form the gap is {rounded(found.before)} noise units before and {rounded(found.after)} after{share}; "
+        f"that of the twin itself is {rounded(found.twin_after)}. On {len(found.records)} records."
     )

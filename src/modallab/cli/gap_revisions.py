@@ -10,6 +10,7 @@ from rich.table import Table
 
 from modallab.cli.gap import read_diagnosis
 from modallab.core.progress import heard_by
+from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.rig.rig_file import read_rig, write_rig
@@ -58,6 +59,6 @@ def _write(path: Path, text: str) -> None:
 def _table(steps: list[Step]) -> Table:
     table = Table("revision", "with", "gap when applied", *steps[0].measured)
     for step in steps:
-        gap = "" if step.gap is None else f"{step.gap:.3g}"
+        gap = "" if step.gap is None else rounded(step.gap)
         table.add_row(str(step.number), step.effects, gap, *(f"{v:.3g}" for v in step.measured.values()))
     return table

@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         pick_hz=tuple(arguments.pick or ()),
         drop_hz=tuple(arguments.drop or ()),
         refine=arguments.refine,
+        frf=arguments.frf,
     )
     console = console_of(arguments)
     if arguments.response_only:
@@ -98,6 +99,7 @@ def _require_plain(arguments: argparse.Namespace) -> None:
         "--order": arguments.order is not None,
         "--pick": arguments.pick is not None,
         "--drop": arguments.drop is not None,
+        "--frf": arguments.frf != "H1",
     }
     named = [name for name, there in given.items() if there]
     if named:

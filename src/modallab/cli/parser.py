@@ -8,7 +8,7 @@ from modallab.cli.data_commands import add_data_commands
 from modallab.cli.gap_commands import add_gap_commands
 from modallab.cli.options import JSON_HELP, add_saying, not_negative, positive
 from modallab.cli.usage import Parser
-from modallab.core.units import TESTS
+from modallab.core.units import FRF_ESTIMATORS, TESTS
 from modallab.formats.format import readers
 from modallab.identification.estimator import USUAL, estimator_names
 
@@ -94,6 +94,12 @@ def _add_identify(commands: _Commands) -> None:
         "--refine",
         action=argparse.BooleanOptionalAction,
         help="refine the poles by maximum likelihood, or not (default: as is usual with the method)",
+    )
+    command.add_argument(
+        "--frf",
+        choices=FRF_ESTIMATORS,
+        default="H1",
+        help="how FRFs are made: H2 and Hv allow for noise on the force (random drives, chirps, several hits a point)",
     )
     command.add_argument("--test", choices=TESTS, help="only this test (default: every test there is)")
     command.add_argument("--band", type=not_negative, nargs=2, metavar=("LO", "HI"), help="band in Hz")

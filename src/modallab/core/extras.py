@@ -13,6 +13,7 @@ EXTRAS = {
     "opendaq": "opendaq",
     "pandas": "tables",
     "psycopg": "postgresql",
+    "pyyeti": "nastran",
     "xarray": "tables",
 }
 """Package -> the extra that brings it."""

@@ -2,6 +2,8 @@
 
 from typing import Any, Literal
 
+from pydantic import Field
+
 from modallab.core.diagnosis import CandidateSet, Verdict
 from modallab.core.effects import Stage
 from modallab.core.frozen import Frozen
@@ -28,6 +30,24 @@ class FoundChange(Frozen):
     place: dict[str, Any]
 
 
+class PartOfGap(Frozen):
+    """What one channel, or the lines about one mode, contribute: shares of the response, as of the whole.
+
+    Attributes:
+        name: of the channel; of a mode its number among the bench's, from 1.
+        frequency_hz: of a mode; None of a channel.
+        nominal: share by which the modal model as it came misses it.
+        before: with the tolerances fitted.
+        after: with the change judged present, or with the best one where none explains it.
+    """
+
+    name: str
+    frequency_hz: float | None = None
+    nominal: float
+    before: float
+    after: float
+
+
 class ModalDiagnosis(Frozen):
     """Where a structure as it is differs from its modal model, beyond the tolerances of the rig.
 
@@ -44,6 +64,8 @@ class ModalDiagnosis(Frozen):
         effects: the change that causes it.
         candidates: all explanations, the most probable first; `gap` is the share that each leaves.
         modes: numbers of modes of the reference and of the bench.
+        by_channel: the gap of each output that both models have; [] in older files.
+        by_mode: the gap on the lines nearest to each mode of the bench; [] in older files.
         notes: what was found on the way.
     """
 
@@ -58,4 +80,6 @@ class ModalDiagnosis(Frozen):
     effects: list[FoundChange]
     candidates: list[CandidateSet]
     modes: tuple[int, int]
+    by_channel: list[PartOfGap] = Field(default_factory=list)
+    by_mode: list[PartOfGap] = Field(default_factory=list)
     notes: list[str]

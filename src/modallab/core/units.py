@@ -10,6 +10,9 @@ Broadband = Literal["random", "burst-random", "pseudo-random", "chirp"]
 Test = Literal["impact", "sine", "random", "burst-random", "pseudo-random", "chirp"]
 BROADBAND: tuple[Broadband, ...] = get_args(Broadband)
 TESTS: tuple[Test, ...] = get_args(Test)
+FrfEstimator = Literal["H1", "H2", "Hv"]
+"""How an FRF is made of averaged blocks: as if the force, the responses, or neither were exact."""
+FRF_ESTIMATORS: tuple[FrfEstimator, ...] = get_args(FrfEstimator)
 
 STANDARD_GRAVITY = 9.80665
 

@@ -1,4 +1,4 @@
-"""FRFs of a broadband test: H1 over its blocks, with the window that its signal asks for."""
+"""FRFs of a broadband test: H1, H2 or Hv over its blocks, with the window that its signal asks for."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -13,6 +13,7 @@ from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.frf.estimate import combine, lines, output_quantity
 from modallab.frf.references import estimate_frf
+from modallab.frf.sums import Estimator, check_averages
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
@@ -33,8 +34,9 @@ def broadband_frf(
     rig: Rig,
     band_hz: tuple[float, float],
     driven_by: Sequence[Signals] | None = None,
+    estimator: Estimator = "H1",
 ) -> Frf:
-    """H1 and coherence of blocks of one level, by every force that drove: multiple coherence where several did.
+    """FRF and coherence of blocks of one level, by every force that drove: multiple coherence where several did.
 
     Blocks of random drive get a Hann window, which keeps leakage low and widens every peak by a line and a half. Blocks
     of the other signals hold whole periods, or a burst and its decay, and get none. Of a periodic drive the lines that
@@ -45,11 +47,14 @@ def broadband_frf(
         rig: names, points and quantities.
         band_hz: lines to give.
         driven_by: blocks whose force says which lines are driven; None for `signals`.
+        estimator: H1, H2 or Hv.
 
     Raises:
-        DataError: no blocks, blocks that differ, of several signals or of another test, or a band without lines.
+        DataError: no blocks, blocks that differ, of several signals or of another test, a band without lines, or one
+            block for H2 or Hv.
     """
     check_test(signals)
+    check_averages(estimator, [len(signals)], "blocks")
     first = signals[0]
     check_outputs(first, rig)
     tests = {s.block.test for s in signals}
@@ -64,7 +69,7 @@ def broadband_frf(
     window = _window(n, hann=first.block.test == "random")
     force = np.stack([_spectrum(s.forces, window)[:, chosen] for s in signals])
     response = np.stack([_spectrum(s.responses, window)[:, chosen] for s in signals])
-    values, coherence, variance = _h1(force, response)
+    values, coherence, variance = _estimated(force, response, estimator)
     return Frf(
         frequency_hz=chosen * rate / n,
         values=values,
@@ -78,17 +83,18 @@ def broadband_frf(
     )
 
 
-def _h1(force: Complex, response: Complex) -> tuple[Complex, Real, Real | None]:
+def _estimated(force: Complex, response: Complex, estimator: Estimator) -> tuple[Complex, Real, Real | None]:
     """(outputs, inputs, lines) FRF, coherence and variance; one force needs no second block, which shows no variance.
 
     Args:
         force: (blocks, inputs, lines)
         response: (blocks, outputs, lines)
+        estimator: H1, H2 or Hv.
     """
     if force.shape[1] == 1:
-        values, coherence = combine(force[:, 0], response)
+        values, coherence = combine(force[:, 0], response, estimator)
         return values[:, None], coherence[:, None], None
-    found = estimate_frf(force, response)
+    found = estimate_frf(force, response, estimator)
     coherence = np.repeat(found.coherence[:, None], force.shape[1], axis=1)
     return found.frf, coherence, found.variance
 

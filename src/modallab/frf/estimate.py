@@ -12,7 +12,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.frf.sums import Estimator, PowerSums
+from modallab.frf.sums import Estimator, PowerSums, check_averages
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
@@ -141,9 +141,10 @@ def impact_frf(
 
     Raises:
         DataError: no blocks, blocks that differ or that no bench records, other outputs than the rig's, a block without
-            a hit, a band without lines.
+            a hit, a band without lines, or a point with one hit for H2 or Hv.
     """
     check_test([s for group in groups for s in group])
+    check_averages(estimator, [len(group) for group in groups], "hits")
     first = groups[0][0]
     check_outputs(first, rig)
     n, rate = first.force.size, first.rate_hz

@@ -14,7 +14,8 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.frf.estimate import lines, output_quantity
-from modallab.frf.local_polynomial import local_polynomial_frf
+from modallab.frf.noisy_force import one_force_frf
+from modallab.frf.sums import Estimator
 from modallab.signals.block_sets import check_outputs, check_test
 from modallab.signals.signals import Signals
 
@@ -33,13 +34,14 @@ LEAST_CLEAR = 0.2
 """Share of the lines where one of the responses must."""
 
 
-def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1") -> Frf:
     """FRF of one level's blocks of random or burst-random drive by every force, as fine as the joined record is long.
 
     Args:
         signals: blocks, equal in rate and length.
         rig: names, points and quantities.
         band_hz: lines to give.
+        estimator: H1, H2 or Hv; the lines about each are averaged over, so that one record will do.
 
     Raises:
         DataError: no blocks, blocks that differ, or a band without lines.
@@ -55,7 +57,7 @@ def joined_frf(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float
     count = min(MOST_RECORDS, forces.shape[1] // n)
     chosen = lines(n, rate, band_hz)
     spectrum_f = _spectrum(forces, n, count)[..., chosen]
-    values, variance = local_polynomial_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen])
+    values, variance = one_force_frf(spectrum_f, _spectrum(responses, n, count)[..., chosen], estimator)
     per_noise = _per_noise(spectrum_f)
     return Frf(
         frequency_hz=chosen * rate / n,

@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.frf.estimate import hit_sums, lines, output_quantity
-from modallab.frf.sums import PowerSums
+from modallab.frf.sums import Estimator, PowerSums, check_averages
 from modallab.signals.block_sets import check_outputs
 from modallab.signals.signals import Signals
 
@@ -60,17 +60,18 @@ class RunningFrf:
         """Take all hits of a point out, to add those that still count again."""
         self._sums.pop(point, None)
 
-    def frf(self, points: tuple[int | None, ...] | None = None) -> Frf:
+    def frf(self, points: tuple[int | None, ...] | None = None, estimator: Estimator = "H1") -> Frf:
         """FRFs (outputs, points, lines) with coherence; of all points, or of some of them.
 
         Raises:
-            DataError: no hit yet, or a point without one.
+            DataError: no hit yet, a point without one, or with one for H2 or Hv.
         """
         chosen = self.points if points is None else points
         missing = [point for point in chosen if point not in self._sums]
         if missing or not chosen:
             raise DataError(f"no hit at point {missing or 'any'} counts yet", remedy="wait for the first good hit")
-        found = [self._sums[point].frf() for point in chosen]
+        check_averages(estimator, [self._sums[point].averages for point in chosen], "hits")
+        found = [self._sums[point].frf(estimator) for point in chosen]
         size, rate_hz = self._shape
         return Frf(
             frequency_hz=self._lines * rate_hz / size,

@@ -4,19 +4,21 @@ from collections.abc import Sequence
 
 from modallab.frf.broadband import PERIODIC
 from modallab.frf.joined import contiguous
+from modallab.frf.sums import Estimator
 from modallab.signals.signals import Signals
 
 
-def least_blocks(signals: Sequence[Signals]) -> int:
+def least_blocks(signals: Sequence[Signals], estimator: Estimator) -> int:
     """How many blocks of a test have an FRF of their own.
 
-    A block of one periodic force holds a whole period: one by itself will do. Several take two blocks of each of as
-    many waves.
+    A block of one periodic force holds a whole period: one by itself will do, but for H2 and Hv, which need an average.
+    Several take two blocks of each of as many waves.
     """
     first = signals[0]
     if first.block.test not in PERIODIC:
         return 2
-    return 1 if len(first.forces) == 1 else 2 * len(first.forces)
+    one = 1 if estimator == "H1" else 2
+    return one if len(first.forces) == 1 else 2 * len(first.forces)
 
 
 def shares(signals: Sequence[Signals], count: int) -> list[list[Signals]]:

@@ -1,17 +1,19 @@
 """What the FRF of one input is made of: powers and cross powers, summed over blocks as they come."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import DataError
+from modallab.core.units import FrfEstimator
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
-Estimator = Literal["H1", "H2", "Hv"]
+Estimator = FrfEstimator
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -85,6 +87,24 @@ class PowerSums:
         if estimator == "H2":
             return phase * h2_magnitude, coherence
         return phase * np.sqrt(np.abs(h1) * h2_magnitude), coherence
+
+
+def check_averages(estimator: Estimator, averages: Sequence[int], what: str) -> None:
+    """Reject H2 and Hv of single blocks: they are H1 by construction, and say nothing that it does not.
+
+    Args:
+        estimator: H1, H2 or Hv.
+        averages: blocks of each input.
+        what: these are, in the plural: hits, blocks.
+
+    Raises:
+        DataError: an input has one block only.
+    """
+    if estimator != "H1" and min(averages) < 2:
+        raise DataError(
+            f"{estimator} asks for several {what} of each input, and there is one: of one it is H1",
+            remedy=f"record more {what}, or use H1",
+        )
 
 
 def _power(spectrum: Complex) -> Real:

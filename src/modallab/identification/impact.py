@@ -12,6 +12,7 @@ from modallab.core.model import ModalModel
 from modallab.core.progress import part
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.frf.sums import Estimator
 from modallab.identification.estimate import alone, estimate_poles
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
@@ -105,11 +106,15 @@ def default_band(groups: Groups) -> tuple[float, float]:
     return LOWEST_LINE * rate / n, min(ANTI_ALIAS_SHARE * rate, float(loud[-1]) * rate / n)
 
 
-def start_frf(groups: Groups, rig: Rig, band_hz: tuple[float, float]) -> Frf:
-    """The averaged FRFs that the estimators see: on Re s = sigma, where the block's end cuts nothing off."""
+def start_frf(groups: Groups, rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1") -> Frf:
+    """The averaged FRFs that the estimators see: on Re s = sigma, where the block's end cuts nothing off.
+
+    Raises:
+        DataError: a block without a hit, a band without lines, or a point with one hit for H2 or Hv.
+    """
     first = groups[0][0]
     shift = np.log(LEAK) / (first.force.size / first.rate_hz)
-    return impact_frf(groups, rig, band_hz, damping_shift=float(shift))
+    return impact_frf(groups, rig, band_hz, estimator=estimator, damping_shift=float(shift))
 
 
 def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: Options) -> NDArray[np.complex128]:

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.core.units import Test
+from modallab.core.units import FRF_ESTIMATORS, FrfEstimator, Test
 from modallab.identification.estimator import USUAL, Estimator, find_estimator
 
 
@@ -22,6 +22,8 @@ class Options:
         max_order: highest order of an estimator that has one, or None for one that suits the data.
         pick_hz: if given, these modes and no others, whatever the automatic selection says.
         drop_hz: modes to leave out, though the automatic selection has them.
+        frf: how FRFs are made of records. With H2 and Hv hits are identified from their FRFs; the likelihood of their
+            records, which H1 stands for, allows for noise on the force by itself.
         refine: whether the poles only begin a maximum-likelihood search; None for what is usual with the method.
     """
 
@@ -31,17 +33,22 @@ class Options:
     pick_hz: tuple[float, ...] = ()
     drop_hz: tuple[float, ...] = ()
     refine: bool | None = None
+    frf: FrfEstimator = "H1"
 
     def __post_init__(self) -> None:
         """Reject what no identification can be asked for.
 
         Raises:
-            IdentificationError: a method, a band, an order, or frequencies to pick or drop that cannot be.
+            IdentificationError: a method, FRF, band, order, or frequencies to pick or drop that cannot be.
         """
         band = self.band_hz
         if band is not None and not (np.isfinite(band).all() and 0 <= band[0] < band[1]):
             raise IdentificationError(
                 f"there is no band {band[0]:g} to {band[1]:g} Hz", remedy="give the lower edge first, both in Hz"
+            )
+        if self.frf not in FRF_ESTIMATORS:
+            raise IdentificationError(
+                f"no FRF is called {self.frf!r}", remedy=f"use one of {', '.join(FRF_ESTIMATORS)}"
             )
         if self.max_order is not None and self.estimator.order is not None:
             self.estimator.order.check(self.max_order)

@@ -19,7 +19,8 @@ from modallab.notebook.model import Model, campaign_in
 from modallab.notebook.recording import Recording
 from modallab.notebook.shown import Shown
 from modallab.notebook.twin import DiagnosedTwin
-from modallab.pipelines.structure_gap import diagnose_against, diagnose_structure, model_to_compare
+from modallab.pipelines.structure_gap import gap_against, gap_of, model_to_compare
+from modallab.reporting.structure_report import StructureGap, write_structure_report
 from modallab.reporting.waiting import waiting
 
 
@@ -114,7 +115,11 @@ def diagnose(
 
 @one_thread()
 def diagnose_by_model(
-    measured: Recording | MeasuredFrf, reference: Model | Recording | MeasuredFrf | Path | str, *, progress: bool = True
+    measured: Recording | MeasuredFrf,
+    reference: Model | Recording | MeasuredFrf | Path | str,
+    *,
+    report: str | Path | None = None,
+    progress: bool = True,
 ) -> ModalDiagnosis:
     """Where a structure differs from its modal model, whatever structure it is, beyond the rig's tolerances.
 
@@ -122,19 +127,30 @@ def diagnose_by_model(
         measured: of the structure as it is.
         reference: its modal model, or what was measured before, with the same channels and driven points; or a file
             of a finite-element model.
+        report: where to write the HTML page of it.
         progress: show how far it is, where somebody looks.
 
     Raises:
         DataError: the two share no band, output or driven point, or no shape has a scale.
         FormatError: the file can be read as none of these.
         IdentificationError: one of them holds no mode.
+        StorageError: the page cannot be written, or its name does not end with .html.
     """
     campaign = campaign_in(measured)
+    page = None if report is None else path_for(report, (".html",))
     with waiting("identifying", progress=progress):
-        if isinstance(reference, str | Path):
-            return diagnose_against(campaign, Path(reference))
-        known = reference.modal if isinstance(reference, Model) else model_to_compare(campaign_in(reference))
-        return diagnose_structure(campaign, known)
+        gap = _against(campaign, reference)
+    if page is not None:
+        write_structure_report(page, gap)
+    return gap.diagnosis
+
+
+def _against(campaign: Campaign, reference: Model | Recording | MeasuredFrf | Path | str) -> StructureGap:
+    if isinstance(reference, str | Path):
+        return gap_against(campaign, Path(reference))
+    if isinstance(reference, Model):
+        return gap_of(campaign, reference.modal)
+    return gap_of(campaign, model_to_compare(campaign_in(reference)), "what was measured before")
 
 
 def _kept(path: Path, campaign: Campaign) -> Diagnosis:

@@ -13,7 +13,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.extras import optional_package
 from modallab.core.model import ModalModel
-from modallab.core.units import Test
+from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL
 from modallab.identification.options import Options
 from modallab.identification.selection.criteria import mac
@@ -216,6 +216,7 @@ def identify(
     pick: tuple[float, ...] = (),
     drop: tuple[float, ...] = (),
     refine: bool | None = None,
+    frf: FrfEstimator = "H1",
     response_only: bool | None = None,
     response_method: ResponseMethod = USUAL_RESPONSE,
     progress: bool = True,
@@ -231,6 +232,8 @@ def identify(
         pick: frequencies in Hz of the modes to keep, by hand; the others are left out.
         drop: frequencies in Hz of modes to leave out.
         refine: whether a maximum-likelihood search follows; None for what is usual with the method.
+        frf: how FRFs are made of blocks: H2 takes the force for noisy and the responses for exact, Hv stands between it
+            and H1; of random drives, chirps, and several hits at each point.
         response_only: whether the force is left out, and taken for random; None for where none was measured. Shapes
             then have no scale: `modal.operating_shapes`, 1 at the largest.
         response_method: how modes of the responses alone are found.
@@ -246,6 +249,7 @@ def identify(
         pick_hz=frequencies_of(pick, "pick"),
         drop_hz=frequencies_of(drop, "drop"),
         refine=refine,
+        frf=frf,
     )
     if isinstance(measured, list | tuple):
         with waiting("identifying", progress=progress):

@@ -117,7 +117,7 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
         ordered = without_decays(ordered, poles, band)
 
     def halves() -> tuple[Frf, Frf]:
-        least = max(2, least_blocks(ordered))
+        least = max(2, least_blocks(ordered, "H1"))
         if len(ordered) // 2 < least:
             raise DataError(f"there are {len(ordered)} blocks", remedy=f"record at least {2 * least}")
         one, other = (broadband_frf(half, rig, band, ordered) for half in shares(ordered, 2))

@@ -14,6 +14,7 @@ from modallab.frf.estimate import lines
 from modallab.frf.joined import check_followed, joined_frf
 from modallab.frf.settled_periods import without_decays
 from modallab.frf.shares import least_blocks, shares
+from modallab.frf.sums import Estimator
 from modallab.identification.frf_model import identify_frf, in_band
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.poles import poles_of
@@ -41,13 +42,16 @@ def on_own_clock(signals: Sequence[Signals], band_hz: tuple[float, float]) -> li
     return on_clock_of_drive(signals, driven_lines(lines(first.n_samples, first.rate_hz, band_hz), signals))
 
 
-def frf_of_drive(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def frf_of_drive(
+    signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator = "H1"
+) -> Frf:
     """The FRF of the level that has most blocks.
 
     Raises:
-        DataError: the responses do not follow the force, or a band without lines.
+        DataError: the responses do not follow the force, a band without lines, or one block of a periodic drive for H2
+            or Hv.
     """
-    measured = _made(of_one_level(signals), rig, band_hz)
+    measured = _made(of_one_level(signals), rig, band_hz, estimator)
     check_followed(measured)
     return _alike(measured)
 
@@ -70,9 +74,9 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     for _ in range(SETTLED_LOOKS if used[0].block.test in PERIODIC else 0):
         poles = poles_of(2 * np.pi * found.frequency_hz, found.damping_ratio)
         used = without_decays(of_one_level(signals), poles, band)
-        frf = _alike(_made(used, rig, band))
+        frf = _alike(_made(used, rig, band, options.frf))
         found, fit = identify_frf(frf, rig, options)
-    parts = _parts(used, rig, found.band_hz) if options.refined else []
+    parts = _parts(used, rig, found.band_hz, options.frf) if options.refined else []
     if options.refined and not parts:
         found = found.model_copy(update={"notes": (*found.notes, TOO_FEW)})
     model = with_scatter_of_parts(found, parts)
@@ -87,10 +91,10 @@ def identify_drive(signals: Sequence[Signals], frf: Frf, rig: Rig, options: Opti
     return kept.model_copy(update={"notes": (*kept.notes, note)}), fit, frf
 
 
-def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> Frf:
+def _made(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> Frf:
     # A block of random drive is cut out of what never ends: only the blocks together are long enough.
     made = joined_frf if signals[0].block.test in ("random", "burst-random") else broadband_frf
-    return made(signals, rig, band_hz)
+    return made(signals, rig, band_hz, estimator=estimator)
 
 
 def _alike(frf: Frf) -> Frf:
@@ -98,10 +102,10 @@ def _alike(frf: Frf) -> Frf:
     return replace(frf, coherence=None, variance=None)
 
 
-def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float]) -> list[Frf]:
+def _parts(signals: Sequence[Signals], rig: Rig, band_hz: tuple[float, float], estimator: Estimator) -> list[Frf]:
     """FRFs of stretches of a test; none where it is too short to be divided."""
-    each = max(least_blocks(signals), len(signals) // PARTS)
+    each = max(least_blocks(signals, estimator), len(signals) // PARTS)
     count = min(PARTS, len(signals) // each)
     if count < LEAST_PARTS:
         return []
-    return [in_band(_alike(_made(part, rig, band_hz)), band_hz) for part in shares(signals, count)]
+    return [in_band(_alike(_made(part, rig, band_hz, estimator)), band_hz) for part in shares(signals, count)]

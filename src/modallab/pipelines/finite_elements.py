@@ -7,6 +7,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Channel, Point, Rig
 from modallab.formats.fem.fem_file import FemModel
+from modallab.gap.modal.mesh import Mesh
 
 Real = NDArray[np.float64]
 
@@ -30,15 +31,12 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     Raises:
         DataError: a point is at no node, a channel has none, or the band holds no mode.
     """
-    channels = [channel for channel in rig.responses if channel.point is not None]
-    out = np.array([_along(fem, rig, c.point or 0, c) for c in channels]).T
-    into = np.array([_along(fem, rig, p, None) for p in inputs]).T
+    channels = _channels(rig)
+    constants = _constants(fem, rig, channels, inputs)
     hz = fem.modes.frequency_hz
-    constants = out[:, :, None] * into[:, None, :]
     rigid = np.arange(hz.size) < _rigid(hz)
     inside = ~rigid & (hz <= ABOVE * band_hz[1])
-    size = np.max(np.abs(constants), axis=(1, 2)) if hz.size else np.zeros(0)
-    kept = inside & (size > UNSEEN * size.max(initial=0.0))
+    kept = _kept(inside, constants)
     if not np.any(kept):
         raise DataError(
             f"the model has no mode up to {band_hz[1]:.4g} Hz that the sensors see",
@@ -50,6 +48,44 @@ def model_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inp
     whole = {-2: np.sum(constants[rigid], axis=0)} if np.any(rigid) else {}
     outside = whole | dict(zip(POWERS, _compliance(constants[above], hz[above], band_hz), strict=True))
     return _model(fem, rig, band_hz, channels, inputs, kept, constants, outside)
+
+
+def mesh_of_elements(fem: FemModel, rig: Rig, band_hz: tuple[float, float], inputs: tuple[int, ...]) -> Mesh | None:
+    """Shapes of the modes of `model_of_elements` at all nodes; None where the file does not say where these are.
+
+    Nor where its owner has named the nodes of points: its places need not be those of the rig then.
+
+    Raises:
+        DataError: as `model_of_elements`.
+    """
+    nodes = [node for node in fem.modes.at if node in fem.modes.places_m]
+    if not nodes or fem.points:
+        return None
+    hz = fem.modes.frequency_hz
+    inside = (np.arange(hz.size) >= _rigid(hz)) & (hz <= ABOVE * band_hz[1])
+    kept = _kept(inside, _constants(fem, rig, _channels(rig), inputs))
+    sense, axis = rig.drive_direction
+    turned = {a: -1.0 if (sense, a) == ("-", axis) else 1.0 for a in "xyz"}
+    motion = np.array([fem.modes.at[node][kept] for node in nodes])
+    places = np.array([fem.modes.places_m[node] for node in nodes])
+    return Mesh(places, {a: turned[a] * motion[:, :, k] for k, a in enumerate("xyz")})
+
+
+def _channels(rig: Rig) -> list[Channel]:
+    return [channel for channel in rig.responses if channel.point is not None]
+
+
+def _constants(fem: FemModel, rig: Rig, channels: list[Channel], inputs: tuple[int, ...]) -> Real:
+    """(modes, outputs, inputs) of all modes."""
+    out = np.array([_along(fem, rig, c.point or 0, c) for c in channels]).T
+    into = np.array([_along(fem, rig, p, None) for p in inputs]).T
+    return out[:, :, None] * into[:, None, :]
+
+
+def _kept(inside: NDArray[np.bool_], constants: Real) -> NDArray[np.bool_]:
+    """(modes,) those of the band that a sensor sees."""
+    size = np.max(np.abs(constants), axis=(1, 2)) if len(constants) else np.zeros(0)
+    return inside & (size > UNSEEN * size.max(initial=0.0))
 
 
 def _compliance(constants: Real, hz: Real, band_hz: tuple[float, float]) -> Real:

@@ -23,6 +23,7 @@ from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
 from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
+from modallab.pipelines.averaged_hits import identify_averaged_hits
 from modallab.pipelines.drive import frf_of_drive, identify_drive, on_own_clock
 from modallab.signals.drive_kind import check_kind
 from modallab.signals.full_scale import overloaded
@@ -168,8 +169,11 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
     groups = group_by_point(signals)
     own_model = options.own_model
     if own_model is not None:
-        frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups))
+        frf = impact_frf(groups, campaign.rig, options.band_hz or default_band(groups), estimator=options.frf)
         return Identified("impact", _with_notes(own_model(frf, "impact"), notes), None)
+    if options.frf != "H1":
+        model, fit, frf = identify_averaged_hits(groups, campaign.rig, options)
+        return _judged("impact", _with_notes(model, notes), verify_frf(model, frf), assess_frf(model, fit, frf))
     with part(0.05, 0.9):
         model, fit = identify_impact(signals, campaign.rig, options)
     report(0.9, "assessment")
@@ -179,6 +183,7 @@ def _impact(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> 
 
 
 def _sine(campaign: Campaign, blocks: tuple[Block, ...], options: Options) -> Identified:
+    _require_averaged(options, "a sine's FRF is the ratio of two fitted amplitudes")
     signals, notes = usable(campaign, blocks)
     own_model = options.own_model
     if own_model is not None:
@@ -197,7 +202,7 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
     every, notes = usable(campaign, campaign.of(test))
     every = on_own_clock(every, options.band_hz or driven_band(every))
     band = options.band_hz or driven_band(every)
-    frf = frf_of_drive(every, campaign.rig, band)
+    frf = frf_of_drive(every, campaign.rig, band, options.frf)
     own_model = options.own_model
     if own_model is not None:
         return Identified(test, _with_notes(own_model(frf, test), notes), None)
@@ -208,6 +213,7 @@ def _broadband(campaign: Campaign, test: Broadband, options: Options) -> Identif
 
 
 def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
+    _require_averaged(options, "these FRFs are made already")
     frf = campaign.frfs[index]
     own_model = options.own_model
     if own_model is not None:
@@ -215,3 +221,8 @@ def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     model, fit = identify_frf(frf, campaign.rig, options)
     assessment = assess_frf(model, fit, frf)
     return _judged("frf", model, verify_frf(model, frf), assessment, index)
+
+
+def _require_averaged(options: Options, why: str) -> None:
+    if options.frf != "H1":
+        raise DataError(f"there is no {options.frf} to be had: {why}", remedy="leave the kind of FRF out, or give H1")

@@ -6,6 +6,7 @@ A task is imported where it is computed: whoever hands the jobs out needs none, 
 import json
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -38,6 +39,8 @@ RESULTS = "results"
 Campaigns = Callable[[tuple[str, ...]], Campaign]
 Revision = Callable[[tuple[str, ...]], str]
 Payload = tuple[Campaign, Any]
+Compared = tuple[Campaign, DiagnoseParameters, Campaign | None]
+"""What is diagnosed, how, and what it is held against where that is a campaign from before."""
 
 
 def kinds(
@@ -62,6 +65,11 @@ def kinds(
 
         return Kind(name, load, compute, keep, limit_s, revision)
 
+    def load_compared(parameters: dict[str, JsonValue], inputs: tuple[str, ...]) -> Compared:
+        asked = DiagnoseParameters.model_validate(parse_parameters("diagnose", parameters))
+        today, before = asked.parted(inputs)
+        return campaigns(today), asked, campaigns(before) if before else None
+
     # While a run goes on its blocks change all the time, and an estimate is of those that are there when it begins.
     estimate = Kind(
         "estimate",
@@ -73,7 +81,7 @@ def kinds(
     return (
         kind("identify", _identify, 3600.0),
         kind("report", _report, 3600.0),
-        kind("diagnose", _diagnose, 4 * 3600.0),
+        replace(kind("diagnose", _diagnose, 4 * 3600.0), load=load_compared),
         estimate,
         kind("blind", _blind, 24 * 3600.0),
     )
@@ -134,15 +142,29 @@ def _report(payload: tuple[Campaign, ReportParameters], notify: Notify) -> Compu
     return Computed(_plain(model_document(campaign, result)), {"report.html": render(content).encode()})
 
 
-def _diagnose(payload: tuple[Campaign, DiagnoseParameters], notify: Notify) -> Computed:
+def _diagnose(payload: Compared, notify: Notify) -> Computed:
     from modallab.gap.diagnosis import diagnose
     from modallab.reporting.gap_report import render
 
-    campaign, parameters = payload
+    campaign, parameters, before = payload
+    if before is not None:
+        return _by_model(campaign, before, notify)
     with heard_by(notify), part(0.0, 0.95):
         diagnosis = diagnose(campaign, parameters.hold_out)
     notify(0.95, "figures")
     return Computed(json.loads(diagnosis.model_dump_json()), {"gap.html": render(diagnosis, campaign).encode()})
+
+
+def _by_model(campaign: Campaign, before: Campaign, notify: Notify) -> Computed:
+    from modallab.pipelines.structure_gap import gap_of, model_to_compare
+    from modallab.reporting.structure_report import render
+
+    with heard_by(notify), part(0.0, 0.4):
+        reference = model_to_compare(before)
+    with heard_by(notify), part(0.4, 0.95):
+        gap = gap_of(campaign, reference, f"a campaign from before, {before.source}")
+    notify(0.95, "figures")
+    return Computed(json.loads(gap.diagnosis.model_dump_json()), {"gap.html": render(gap).encode()})
 
 
 def _blind(payload: tuple[None, BlindParameters], notify: Notify) -> Computed:

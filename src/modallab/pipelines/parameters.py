@@ -12,7 +12,7 @@ from modallab.core.block import Campaign
 from modallab.core.errors import IdentificationError, JobError
 from modallab.core.field_errors import sentences
 from modallab.core.frozen import Frozen, unstated
-from modallab.core.units import Test
+from modallab.core.units import FrfEstimator, Test
 from modallab.identification.estimator import USUAL, estimator_names, find_estimator
 from modallab.identification.options import Options
 from modallab.pipelines.identify import Result
@@ -38,6 +38,7 @@ class IdentifyParameters(Frozen):
         max_order: highest order of an estimator that has one, within its limits; None for one that suits the data.
         test: only this test.
         pick_hz: if given, these modes and no others.
+        frf: H1, H2 or Hv: how FRFs are made of blocks of random drives and chirps, and of several hits at each point.
         refine: whether its poles begin a maximum-likelihood search; None for what is usual with the method.
         response_only: whether the responses alone are identified, to a random force; None for where none was measured.
             Of the others only band_hz and test go with it.
@@ -52,6 +53,7 @@ class IdentifyParameters(Frozen):
     pick_hz: Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(max_length=100)] = Field(
         default=(), exclude_if=unstated
     )
+    frf: FrfEstimator = Field(default="H1", exclude_if=lambda estimator: estimator == "H1")
     response_only: bool | None = Field(default=None, exclude_if=unstated)
     response_method: ResponseMethod = Field(default=USUAL_RESPONSE, exclude_if=lambda method: method == USUAL_RESPONSE)
 
@@ -97,6 +99,7 @@ class IdentifyParameters(Frozen):
             max_order=self.max_order,
             refine=self.refine,
             pick_hz=self.pick_hz,
+            frf=self.frf,
         )
 
 
@@ -107,9 +110,29 @@ class ReportParameters(IdentifyParameters):
 
 
 class DiagnoseParameters(Frozen):
-    """Which records no fit may see, as `modallab gap diagnose --hold-out` has it."""
+    """As `modallab gap diagnose` has it.
+
+    Attributes:
+        hold_out: records no fit may see; of a beam.
+        reference: of the job's runs those from before. The modal model that they give stands for the simulation, of
+            any structure.
+    """
 
     hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
+    reference: tuple[str, ...] = Field(default=(), exclude_if=unstated)
+
+    def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The runs that are diagnosed, and those from before.
+
+        Raises:
+            JobError: a run from before is not among the job's, or no other is.
+        """
+        foreign = [run for run in self.reference if run not in inputs]
+        today = tuple(run for run in inputs if run not in self.reference)
+        if foreign or not today:
+            found = f"{foreign[0]!r} is not among the runs" if foreign else "all runs are from before"
+            raise JobError(found, where="reference", remedy="name runs of today and from before in `runs`")
+        return today, self.reference
 
 
 class EstimateParameters(Frozen):

@@ -59,7 +59,7 @@ def identify_chosen(
     if replace(options, band_hz=None) != Options():
         raise IdentificationError(
             "of the options of an identification, only the band goes with the responses alone",
-            remedy="leave out method, order, refine, and what is to be picked or dropped",
+            remedy="leave out method, order, refine, the kind of FRF, and what is to be picked or dropped",
         )
     return identify_responses(campaign, test, options.band_hz, method)
 

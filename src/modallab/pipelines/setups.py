@@ -51,6 +51,11 @@ def identify_setups(campaigns: Sequence[Campaign], options: Options) -> Joined:
         DataError: fewer than two set-ups, one of them twice, or struck at different points.
         IdentificationError: a set-up has no mode, or no mode is in all of them.
     """
+    if options.frf != "H1":
+        raise DataError(
+            f"set-ups are joined by their records, of which there is no {options.frf}",
+            remedy="leave the kind of FRF out, or identify each set-up by itself",
+        )
     if len(campaigns) < 2:
         raise DataError(f"{len(campaigns)} set-up is nothing to join", remedy="name at least two")
     names = setup_names(campaigns)

@@ -4,38 +4,88 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError
-from modallab.core.modal_diagnosis import ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import is_fem, read_fem
-from modallab.gap.modal.diagnosis import diagnose_by_model
+from modallab.gap.modal.diagnosis import explained_by_model
+from modallab.gap.modal.mesh import Mesh
 from modallab.identification.options import Options
-from modallab.pipelines.finite_elements import model_of_elements
-from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
+from modallab.pipelines.identify import Identified, Result, identify_campaign
 from modallab.pipelines.model_file import read_models
+from modallab.reporting.structure_report import StructureGap
 
 
-def diagnose_structure(campaign: Campaign, reference: ModalModel) -> ModalDiagnosis:
+def gap_of(campaign: Campaign, reference: ModalModel, named: str = "a modal model") -> StructureGap:
     """What differs between a modal model and the structure of a campaign, beyond the tolerances of its rig.
+
+    Returns:
+        the diagnosis, with all that its report shows.
 
     Raises:
         DataError: no force was measured, or the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return diagnose_by_model(reference, model_to_compare(campaign), campaign.rig)
+    return gap_between(campaign, reference, _identified(campaign), named)
 
 
-def diagnose_against(campaign: Campaign, path: Path) -> ModalDiagnosis:
+def gap_against(campaign: Campaign, path: Path) -> StructureGap:
     """The same against the reference in a file: models, a campaign from before, or a finite-element model.
+
+    Returns:
+        the diagnosis, with all that its report shows.
 
     Raises:
         DataError: no force was measured, or the two have nothing in common.
         FormatError: the file can be read as none of these.
         IdentificationError: a campaign holds no mode.
     """
-    bench = model_to_compare(campaign)
-    return diagnose_by_model(read_reference(path, campaign.rig, bench), bench, campaign.rig)
+    identified = _identified(campaign)
+    bench = identified.identified[0]
+    reference, mesh = read_reference(path, campaign.rig, bench.model)
+    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh)
+
+
+def gap_between(
+    campaign: Campaign, reference: ModalModel, identified: Result, named: str, mesh: Mesh | None = None
+) -> StructureGap:
+    """What differs between a reference and the first model that a campaign gave.
+
+    Args:
+        campaign: it was identified from.
+        reference: at the rig's points and channels.
+        identified: what it gave.
+        named: the reference in words.
+        mesh: its shapes at nodes between the points, where it was computed.
+
+    Raises:
+        DataError: the two have nothing in common.
+    """
+    bench = identified.identified[0]
+    explained = explained_by_model(reference, bench.model, campaign.rig, mesh)
+    records = None if bench.verification is None else bench.verification.measured
+    return StructureGap(campaign.rig, explained, named, records, _beside(identified, reference, bench))
+
+
+def _what(path: Path) -> str:
+    if path.suffix == ".json":
+        return "a modal model"
+    return "a finite-element model" if is_fem(path) else "a campaign from before"
+
+
+def _beside(identified: Result, reference: ModalModel, bench: Identified) -> tuple[str, ...]:
+    """What of a campaign was not compared, a sentence each."""
+    model = bench.model
+    tests = [f.source for f in (*identified.identified[1:], *identified.unidentified)]
+    outputs = [name for name in model.outputs if name not in reference.outputs]
+    points = [p for p in dict.fromkeys(model.input_points) if p not in reference.input_points]
+    said = (
+        (tests, f"Other tests of the campaign than {bench.source}: {', '.join(tests)}."),
+        (outputs, f"Outputs that the reference does not have: {', '.join(outputs)}."),
+        (points, f"Driven points that the reference does not have: {', '.join(map(str, points))}."),
+    )
+    return tuple(line for there, line in said if there)
 
 
 def model_to_compare(campaign: Campaign) -> ModalModel:
@@ -45,17 +95,23 @@ def model_to_compare(campaign: Campaign) -> ModalModel:
         DataError: no force was measured, so that the modal constants are not known.
         IdentificationError: there is no mode.
     """
+    return _identified(campaign).identified[0].model
+
+
+def _identified(campaign: Campaign) -> Result:
     if campaign.rig.force is None:
         raise DataError(
             "no force was measured: modal constants are not known, and nothing can be compared with them",
             where=campaign.source,
             remedy="compare campaigns with a force channel",
         )
-    return identify_campaign(campaign, Options()).identified[0].model
+    return identify_campaign(campaign, Options())
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ModalModel:
+def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None]:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
+
+    With it the shapes at the nodes of a finite-element model, where it says its places.
 
     Args:
         path: of it.
@@ -71,8 +127,10 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> ModalModel:
         models = read_models(path)
         if not models:
             raise DataError("holds no model", where=str(path), remedy="write one with modallab identify --json")
-        return models[0]
+        return models[0], None
     if is_fem(path):
         driven = tuple(p for p in dict.fromkeys(bench.input_points) if p is not None)
-        return model_of_elements(read_fem(path), rig, bench.band_hz, driven)
-    return model_to_compare(read_campaign(path, rig))
+        fem = read_fem(path)
+        how = (fem, rig, bench.band_hz, driven)
+        return model_of_elements(*how), mesh_of_elements(*how)
+    return model_to_compare(read_campaign(path, rig)), None

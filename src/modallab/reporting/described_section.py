@@ -2,6 +2,7 @@
 
 from modallab.core.described import Learned
 from modallab.core.diagnosis import Diagnosis
+from modallab.core.rounded import rounded
 from modallab.reporting.gap_candidates import closed_bar
 from modallab.reporting.gap_page import captioned, section
 from modallab.reporting.markup import Markup, table, tag
@@ -34,9 +35,10 @@ def described_section(diagnosis: Diagnosis) -> Markup | None:
     shrink = described.shrink
     said = (
         f"Share of the reducible gap that this closes on {len(shrink.held_out)} records no fit has seen: from "
-        f"{shrink.before:.3g} to {shrink.after:.3g} noise units. It is no cause: another thing may behave alike."
+        f"{rounded(shrink.before)} to {rounded(shrink.after)} noise units. It is no cause: another thing may behave "
+        "alike."
     )
-    others = [tag("li", f"{other.says}: leaves {other.gap:.3g} noise units") for other in described.alternatives]
+    others = [tag("li", f"{other.says}: leaves {rounded(other.gap)} noise units") for other in described.alternatives]
     return section(
         "What it behaves like",
         tag("p", f"The gap behaves like {described.says.rstrip(',')}."),

@@ -1,11 +1,12 @@
 """What a diagnosis compared: explanations with what they leave, and the residual before and after."""
 
 from modallab.core.diagnosis import Diagnosis, Shrink
+from modallab.core.rounded import rounded
 from modallab.reporting.bars import Bar, bars
 from modallab.reporting.figures import style
 from modallab.reporting.figures.log_bars import Row, log_bars
 from modallab.reporting.gap_page import captioned, section
-from modallab.reporting.gap_words import named, part_of, probability_of, sure, units
+from modallab.reporting.gap_words import named, part_of, probability_of, sure
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.sections.section import plate
 
@@ -43,7 +44,7 @@ def shrink_section(diagnosis: Diagnosis) -> Markup | None:
     interval = f" (95 %: {' to '.join(ends)}, the dark line)" if len(set(ends)) > 1 else ""
     said = (
         f"Share of the gap above noise that is closed on {len(shrink.held_out)} records that no fit has "
-        f"seen{interval}: from {units(shrink.before)} to {units(shrink.after)} noise units."
+        f"seen{interval}: from {rounded(shrink.before)} to {rounded(shrink.after)} noise units."
     )
     return section("How far it shrinks", captioned(bars(rows, CLOSED, 1.0), said))
 
@@ -67,9 +68,9 @@ def residual_section(diagnosis: Diagnosis) -> Markup:
     said = "The gap of each channel, before any effect and with what was found. 1 is noise alone."
     bands = [[f"{k.replace('-', ' to ')} Hz", part_of(v)] for k, v in gap.by_band.items()]
     tests = [
-        *([f"{k} test", units(v)] for k, v in gap.by_test.items()),
-        *([f"level {k}", units(v)] for k, v in gap.by_level.items()),
-        *([f"{k} of the time", units(v)] for k, v in gap.by_order.items()),
+        *([f"{k} test", rounded(v)] for k, v in gap.by_test.items()),
+        *([f"level {k}", rounded(v)] for k, v in gap.by_level.items()),
+        *([f"{k} of the time", rounded(v)] for k, v in gap.by_order.items()),
     ]
     return section(
         "The residual, before and after",

@@ -6,6 +6,7 @@ from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.effects import kind_of
 from modallab.core.rig import Rig
+from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.gap.report.summary import own_error, sentence
 from modallab.gap.revisions.history import history
@@ -15,7 +16,7 @@ from modallab.reporting.figures.gap_pictures import bench_picture
 from modallab.reporting.gap_budget import budget_section
 from modallab.reporting.gap_candidates import candidates_section, residual_section, shrink_section
 from modallab.reporting.gap_page import captioned, page, section
-from modallab.reporting.gap_words import both, of_parameter, place_of, sure, typeset, units
+from modallab.reporting.gap_words import both, of_parameter, place_of, sure, typeset
 from modallab.reporting.markup import Markup, table, tag
 from modallab.reporting.revisions_report import revisions_section
 from modallab.reporting.sections.section import plate
@@ -57,10 +58,10 @@ def _width(diagnosis: Diagnosis) -> Markup:
     gap = diagnosis.gap
     rows = [
         ["as the rig file describes the bench", "–", *both(gap.share_nominal)],
-        ["the same, as near as its tolerances allow", units(gap.before), *both(gap.share_before)],
+        ["the same, as near as its tolerances allow", rounded(gap.before), *both(gap.share_before)],
     ]
     if diagnosis.effects:
-        rows.append(["with what was found", units(gap.after), *both(gap.share_after)])
+        rows.append(["with what was found", rounded(gap.after), *both(gap.share_after)])
     head = ["simulation", "noise units", "% at resonance", "% away from it"]
     said = table("Measured less simulated", head, rows, numeric=(1, 2, 3))
     note = (

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from math import floor, isfinite, log10
+from math import floor, isfinite
 from typing import cast
 
 from modallab.core.diagnosis import BudgetRow, CandidateSet, Diagnosis, Found, Percent
@@ -108,11 +108,6 @@ def part_of(share: float) -> str:
     """A part of the whole, to a tenth of a percent."""
     at = round(100 * share, 1)
     return f"{0.0 if at == 0 else at:.1f} %".replace("-", "\u2212")
-
-
-def units(gap: float) -> str:
-    """A gap in noise units, to three digits."""
-    return f"{gap:.3g}" if gap < 1000 else f"{round(gap, 2 - floor(log10(gap))):g}"
 
 
 def mostly(row: BudgetRow) -> str:

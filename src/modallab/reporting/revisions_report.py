@@ -5,6 +5,7 @@ from math import log10
 from pathlib import Path
 
 from modallab.core.rig import Rig
+from modallab.core.rounded import rounded
 from modallab.formats.atomic import replacing
 from modallab.gap.revisions.history import Step
 from modallab.reporting.gap_page import captioned, page, section
@@ -36,7 +37,7 @@ def revisions_section(steps: Sequence[Step]) -> Markup:
         [
             str(s.number),
             s.effects,
-            "" if s.gap is None else f"{s.gap:.3g}",
+            "" if s.gap is None else rounded(s.gap),
             *(f"{s.measured[n]:.3g}" for n in names),
         ]
         for s in steps
@@ -55,7 +56,7 @@ def revision_curve(steps: Sequence[Step]) -> Markup:
     def at(number: int, gap: float) -> tuple[float, float]:
         return 70 + 600 * number / max(len(steps) - 1, 1), 200 - 180 * log10(max(gap, 1.0)) / log10(top)
 
-    parts: list[Markup] = [_axis(200, "1"), _axis(20, f"{top:.3g}")]
+    parts: list[Markup] = [_axis(200, "1"), _axis(20, rounded(top))]
     for line, colour in zip(lines, ("second", "measured", "model", "warning", "ink"), strict=False):
         points = [at(number, gap) for number, gap in enumerate(line) if gap is not None]
         joined = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)

@@ -51,6 +51,8 @@ class Search:
             says little more of where it is; 0 where the number has no place.
         drowns: whether its force grows faster than the motion: of a small motion its overtones drown in the noise.
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
+        behind: its stiffness at the root, in series with which stands what the beam's higher modes give way there: how
+            many modes the bench has, the records hardly say; "" for none.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
         deviations_from: how many deviations of the rig file's tolerances it is off the effect of that name at its own
@@ -73,6 +75,7 @@ class Search:
     on_slowest: int = 0
     drowns: bool = False
     rough: bool = False
+    behind: str = ""
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
     deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
 

@@ -3,6 +3,7 @@
 import re
 
 import httpx
+import numpy as np
 import pytest
 from lab import RIG, TOKEN, Lab
 
@@ -247,6 +248,10 @@ def test_a_run_over_http_with_its_illegal_step_and_the_list_of_legal_ones(lab: L
         blocks = client.get(f"{place}/blocks", params={"limit": 500}).json()["items"]
         frf = client.get(f"{place}/frf").json()
         assert frf["averages"] == [sum(block["accepted"] for block in blocks)]
+        h1, h2 = (client.get(f"{place}/frf?estimator={kind}").json()["values"] for kind in ("H1", "H2"))
+        # Over the coherence, which is at most 1.
+        assert np.all(np.hypot(h2["re"], h2["im"]) >= 0.999999 * np.hypot(h1["re"], h1["im"]))
+        assert client.get(f"{place}/frf?estimator=H3").status_code == 422
         first = client.put(f"{place}/blocks/0/verdict", json={"accepted": False}, headers=mine).json()
         assert not first["accepted"]
         assert client.get(f"{place}/frf").json()["averages"] == [frf["averages"][0] - 1]

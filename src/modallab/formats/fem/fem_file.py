@@ -15,6 +15,7 @@ from modallab.formats.fem.calculix import read_calculix
 from modallab.formats.fem.matrices import modes_of
 from modallab.formats.fem.matrix_file import holds, read_matrix
 from modallab.formats.fem.nastran import read_nastran
+from modallab.formats.fem.nastran_op2 import read_op2
 from modallab.formats.fem.node_modes import NodeModes, Units, in_si
 from modallab.formats.fem.uff_modes import read_uff_modes
 
@@ -24,6 +25,7 @@ RESULTS = {
     ".frd": read_calculix,
     ".f06": read_nastran,
     ".pch": read_nastran,
+    ".op2": read_op2,
     ".uff": read_uff_modes,
     ".unv": read_uff_modes,
 }
@@ -36,7 +38,7 @@ class FemFile(Frozen):
     """What belongs to a model; files are named beside this one.
 
     Attributes:
-        results: modes of CalculiX (.frd), Nastran (.f06, .pch) or a universal file.
+        results: modes of CalculiX (.frd), Nastran (.f06, .pch, .op2) or a universal file.
         stiffness: K instead: Matrix Market, NumPy, SciPy or MATLAB.
         mass: M.
         freedoms: node and direction (x, y, z, rx, ry, rz or 1 to 6) of each row of the matrices.

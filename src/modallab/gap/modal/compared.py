@@ -15,6 +15,8 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.gap.modal.errors import sizes, weights
+from modallab.gap.modal.mesh import Mesh
+from modallab.gap.modal.same_form import in_form_of
 from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
 from modallab.gap.modal.synthesis import outside, synthesised
 from modallab.gap.modal.weights import Weights
@@ -106,8 +108,10 @@ class Compared:
         return max(float(np.median(known)), 0.0) if known else 0.0
 
 
-def compared(reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float = SMOOTH) -> Compared:
-    """Both models on common lines, for the outputs and inputs that both have.
+def compared(
+    reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float = SMOOTH, mesh: Mesh | None = None
+) -> Compared:
+    """Both models on common lines, for the outputs and inputs that both have; between the points by the mesh, if any.
 
     Raises:
         DataError: they share no band, no output or no input, or the reference's shapes have no scale.
@@ -121,7 +125,8 @@ def compared(reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float =
             remedy="identify both in one band",
         )
     reference, bench = _common(reference, bench, rig)
-    shapes = shapes_of(reference, rig)
+    reference = in_form_of(bench, reference)
+    shapes = shapes_of(reference, rig, mesh)
     outputs, inputs, signs = freedoms_of(reference, rig)
     s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
     measured = synthesised(bench, s)

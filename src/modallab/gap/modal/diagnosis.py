@@ -1,5 +1,7 @@
 """The diagnosis of a structure that no beam describes: its modal model stands for the simulation."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,8 @@ from modallab.core.rig import Rig
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.judged import Judged, judged, strain
+from modallab.gap.modal.mesh import Mesh
+from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import Fitted, explanations
 from modallab.gap.modal.shapes import Freedom
 from modallab.gap.model.tolerances import with_tolerances
@@ -24,32 +28,64 @@ LOOSE = 5.0
 """How much looser a search begins than it ends."""
 
 
-def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig) -> ModalDiagnosis:
+@dataclass(frozen=True, eq=False, slots=True)
+class Explained:
+    """What a comparison came to, with the comparison itself.
+
+    Attributes:
+        free: what was compared, and the numbers that were free in it.
+        judged: the fits, and which of them counts.
+        diagnosis: what is said of it.
+    """
+
+    free: Free
+    judged: Judged
+    diagnosis: ModalDiagnosis
+
+    @property
+    def ranked(self) -> list[FoundChange]:
+        """Every explanation that was fitted to the end, the most probable first."""
+        return [changed(self.free.of, f, p) for f, p in self.judged.ranked if f.candidate is not None]
+
+
+def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None) -> ModalDiagnosis:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
     Args:
         reference: the simulation: identified before, or computed; with modal constants.
         bench: identified from the records of today, on the same outputs and driven points.
         rig: points, channels and tolerances; the usual ones where it states none.
+        mesh: the reference's shapes at nodes between the points, where it was computed.
 
     Raises:
         DataError: the two share no band, output or driven point, or the reference's shapes have no scale.
     """
+    return explained_by_model(reference, bench, rig, mesh).diagnosis
+
+
+def explained_by_model(reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None) -> Explained:
+    """The same with the fits behind it, from which FRFs can be drawn.
+
+    Raises:
+        DataError: as `diagnose_by_model`.
+    """
     known = with_tolerances(rig)
-    free = Free(compared(reference, bench, known))
-    base, tried = explanations(levels(reference, bench, known, free))
-    return _said(free, judged(free, base, tried), (reference.n_modes, bench.n_modes))
+    free = Free(compared(reference, bench, known, mesh=mesh))
+    base, tried = explanations(levels(reference, bench, known, free, mesh))
+    found = judged(free, base, tried)
+    return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
 
 
-def levels(reference: ModalModel, bench: ModalModel, rig: Rig, last: Free) -> list[Free]:
+def levels(reference: ModalModel, bench: ModalModel, rig: Rig, last: Free, mesh: Mesh | None = None) -> list[Free]:
     """The comparison from the smoothest and loosest to the last."""
-    smoother = [Free(compared(reference, bench, rig, smooth), LOOSE) for smooth in SMOOTHER]
+    smoother = [Free(compared(reference, bench, rig, smooth, mesh), LOOSE) for smooth in SMOOTHER]
     return [*smoother, Free(last.of, LOOSE), last]
 
 
 def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
     best, probable = found.best, {id(f): p for f, p in found.ranked}
     known = found.verdict == "known"
+    misses = Misses.of(free, found.base, best)
     return ModalDiagnosis(
         rig=free.of.rig.name,
         verdict=found.verdict,
@@ -58,18 +94,21 @@ def _said(free: Free, found: Judged, modes: tuple[int, int]) -> ModalDiagnosis:
         after=free.share(best.u, best.change),
         strain_before=strain(free, found.base),
         strain_after=strain(free, best),
-        effects=[_change(free.of, best, probable[id(best)])] if known else [],
+        effects=[changed(free.of, best, probable[id(best)])] if known else [],
         candidates=[
             CandidateSet(effects=[f.candidate.effect], probability=p, gap=free.share(f.u, f.change))
             for f, p in found.ranked
             if f.candidate is not None
         ],
         modes=modes,
+        by_channel=by_channel(free, misses),
+        by_mode=by_mode(free, misses),
         notes=found.notes,
     )
 
 
-def _change(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
+def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
+    """A fitted change with its numbers, their intervals and its place."""
     candidate = fitted.candidate
     assert candidate is not None
     # What the best explanation leaves is the scale of an error, as in the probabilities.

@@ -148,8 +148,11 @@ class Free:
         found = derivatives(self.of, self.state(u, change), self.sizes)
         return self.of.weights.weighed(found) * (self.deviations / self.loose)
 
-    def share(self, u: Real, change: Change = NOTHING) -> float:
-        """Rms of predicted less measured over measured, small FRFs as if they were a share of the rms of a line."""
+    def missed(self, u: Real, change: Change = NOTHING) -> Real:
+        """(lines, outputs, inputs) |predicted less measured| over measured; small FRFs count as in `Compared.sizes`."""
         c = self.of
-        left = np.abs(self.state(u, change).receptance(c.s, c.outside) - c.measured) / c.sizes
-        return float(np.sqrt(np.mean(left**2)))
+        return np.abs(self.state(u, change).receptance(c.s, c.outside) - c.measured) / c.sizes
+
+    def share(self, u: Real, change: Change = NOTHING) -> float:
+        """Rms over all of them."""
+        return float(np.sqrt(np.mean(self.missed(u, change) ** 2)))

@@ -7,7 +7,7 @@ Scattered Data Approximation, 2005, ch. 8).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.gap.modal.mesh import Mesh
 
 Real = NDArray[np.float64]
 Freedom = tuple[int, str]
@@ -42,10 +43,18 @@ class Shapes:
     between: Mapping[str, "Between"]
 
     @classmethod
-    def of(cls, freedoms: tuple[Freedom, ...], at_m: Real, psi: Real) -> "Shapes":
-        """With what lies between."""
+    def of(cls, freedoms: tuple[Freedom, ...], at_m: Real, psi: Real, mesh: Mesh | None = None) -> "Shapes":
+        """With what lies between: through the nodes of a mesh, else through the freedoms themselves."""
         same = {axis: np.array([f[1] == axis for f in freedoms]) for _, axis in freedoms}
-        return cls(freedoms, at_m, psi, {a: Between.of(at_m[s], psi[:, s].T) for a, s in same.items()})
+        if mesh is None or not set(same) <= set(mesh.motion):
+            return cls(freedoms, at_m, psi, {a: Between.of(at_m[s], psi[:, s].T) for a, s in same.items()})
+        known = mesh.about(at_m)
+        between = {a: Between.of(known.places_m, known.motion[a]) for a in same}
+        # A shape's sign is free: that of the mesh follows the one of the modal constants.
+        together = sum(np.sum(between[a].at(at_m[s]) * psi[:, s].T, axis=0) for a, s in same.items())
+        sign = np.where(np.asarray(together) < 0, -1.0, 1.0)
+        turned = {a: replace(b, weights=b.weights * sign) for a, b in between.items()}
+        return cls(freedoms, at_m, psi, turned)
 
     def index(self, freedom: Freedom) -> int:
         """Place of a freedom."""
@@ -81,8 +90,8 @@ class Shapes:
         return (both[:2] - both[2:]) / (2 * step)
 
 
-def shapes_of(model: ModalModel, rig: Rig) -> Shapes:
-    """The shapes that a model's constants hold.
+def shapes_of(model: ModalModel, rig: Rig, mesh: Mesh | None = None) -> Shapes:
+    """The shapes that a model's constants hold, and between the points those of a mesh where there is one.
 
     Raises:
         DataError: an output or input has no point, or no sensor along the drive stands at a driven point, so that
@@ -100,7 +109,7 @@ def shapes_of(model: ModalModel, rig: Rig) -> Shapes:
     rows, columns = [listed.index(f) for f in outputs], [listed.index(f) for f in inputs]
     psi = np.array([_rank_one(a, rows, columns, len(listed)) for a in constants])
     points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
-    return Shapes.of(listed, np.array([points[f[0]] for f in listed]), psi)
+    return Shapes.of(listed, np.array([points[f[0]] for f in listed]), psi, mesh)
 
 
 def freedoms_of(model: ModalModel, rig: Rig) -> tuple[list[Freedom], list[Freedom], Real]:

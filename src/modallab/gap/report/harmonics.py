@@ -13,6 +13,12 @@ OFTEN = 0.06
 """Share of sine responses with overtones that is no chance."""
 SEVERAL = 0.04
 """Share of a channel's sine responses with a harmonic that is more than one or two."""
+BROKEN = 0.4
+"""Second harmonics for each third one up to which a law may answer alike both ways.
+
+At a few sines such a law breaks its own symmetry (Parlitz and Lauterborn, Phys. Lett. A 107, 1985, 351); one that does
+not makes second ones wherever it makes third ones.
+"""
 ORDERS = (2, 3)
 """Multiples of a sine's frequency that are looked at."""
 CLEAR_OF_NOISE = 8.0
@@ -33,9 +39,10 @@ def out_of_proportion(prepared: Prepared) -> Overtones | None:
     force = prepared.campaign.rig.force_channel.index
     if max(third[force], second[force]) > OFTEN:
         return None
-    if float(np.median(second[rows])) > OFTEN:
+    twice, thrice = float(np.median(second[rows])), float(np.median(third[rows]))
+    if twice > max(OFTEN, BROKEN * thrice):
         return "even"
-    return "odd" if float(np.median(third[rows])) > SEVERAL else None
+    return "odd" if thrice > SEVERAL else None
 
 
 def harmonic_shares(prepared: Prepared) -> tuple[float, float]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import Stage
+from modallab.core.rounded import rounded
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced, Rows
 from modallab.gap.model.fit import Fit, Problem, all_hz, all_rows
@@ -79,7 +80,11 @@ def _of_beam_or_test(bench: Bench, base: Fit, tests: tuple[str, ...]) -> Locatio
     by_test = {t: excess(_on_test(bench, base, t)) for t in tests} if len(tests) > 1 else {}
     why = [f"The poles of the ring-down lie {shift:.2%} (rms) off those of the best beam."]
     if by_test:
-        why.append("Fitted alone: " + ", ".join(f"{t} {np.sqrt(1 + by_test[t]):.3g}" for t in tests) + " noise units.")
+        why.append(
+            "Fitted alone: "
+            + ", ".join(f"{t} {rounded(float(np.sqrt(1 + by_test[t])))}" for t in tests)
+            + " noise units."
+        )
     levels = levels_differ(base)
     if by_test and shift < POLE_SHIFT:
         bad = tuple(t for t in tests if np.sqrt(1 + by_test[t]) > ALONE * bench.flat + 1e-3 * base.gap)

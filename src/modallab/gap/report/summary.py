@@ -6,6 +6,7 @@ from typing import cast
 
 from modallab.core.diagnosis import Diagnosis, Found, Gap, Percent
 from modallab.core.effects import kind_of
+from modallab.core.rounded import rounded
 from modallab.twin.effects import model_of
 
 UNITS = 4
@@ -32,13 +33,13 @@ def sentence(diagnosis: Diagnosis, channels: Sequence[str] = ()) -> str:
         where = diagnosis.where
         at = f" on {', '.join(where.channels)}" if 0 < len(where.channels) < 4 else ""
         return (
-            f"A gap of {gap.before:.3g} noise units lies in the {where.stage}{at}, and none of the known effects "
+            f"A gap of {rounded(gap.before)} noise units lies in the {where.stage}{at}, and none of the known effects "
             f"explains it.{_behaves(diagnosis)}"
         )
     parts = " and ".join(spoken(f, channels) for f in diagnosis.effects)
     closed = diagnosis.shrink.closed
     how_far = f", which closes {100 * closed:.1f} % of it on records held out" if closed is not None else ""
-    return f"The gap of {gap.before:.3g} noise units comes from {parts}{how_far}."
+    return f"The gap of {rounded(gap.before)} noise units comes from {parts}{how_far}."
 
 
 def _behaves(diagnosis: Diagnosis) -> str:

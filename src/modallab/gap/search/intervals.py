@@ -14,6 +14,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.model.fit import Fit, all_hz, all_rows, seen
 from modallab.gap.model.minimise import jacobian
+from modallab.gap.search.behind_modes import HIDDEN, behind
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess, ordinary
 from modallab.twin.candidate import Slot
@@ -77,6 +78,10 @@ def intervals(choice: Choice) -> list[Believed]:
             model = float(np.hypot(off, sure)) if slot.name != "x" else 0.0
             why = not_known(slot, float(fit.u[at]), float(deviation[at]), model)
             own.within[slot.name] = None if why else interval(slot, float(fit.u[at]), float(deviation[at]), model)
+            known = own.within[slot.name]
+            if known is not None and slot.name == search_of(candidate.effect).behind:
+                own.within[slot.name] = behind(fit, known)
+                why = "" if own.within[slot.name] else HIDDEN
             if why:
                 own.not_known[slot.name] = why
             at += 1

@@ -85,9 +85,8 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         hopeful = begins if screen.large else begins[:LIKELY]
         with part(0.2, 0.5):
             glanced = counted(workers.map(glance, hopeful), len(hopeful), f"explanations{beside}, at a glance")
-            glances = sorted(glanced, key=lambda fits: fits[0].cost)
+            likely, unlikely = _likely(list(glanced))
         with part(0.5, 0.8):
-            likely = [f for fits in glances[:LIKELY] for f in fits]
             looked = counted(workers.map(look, likely), len(likely), f"the likeliest{beside}")
             looks = _best_of_each(looked)
         better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
@@ -101,8 +100,20 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         best += workers.map(last, better[len(hopeful) : finished])
         if not any(is_sound(bench, f) for f in best):
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
-    rest = (*better, *looks[LONGER:], *(fits[0] for fits in glances[LIKELY:]))
+    rest = (*better, *looks[LONGER:], *unlikely)
     return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+
+
+def _likely(glances: list[list[Fit]]) -> tuple[list[Fit], list[Fit]]:
+    """The fits of the likeliest candidates, and the best of each other one.
+
+    Likely is what leaves least at a glance, and what left least when it was screened, in the order of which they are
+    given: one step may not lead as far as a large effect is away.
+    """
+    order = sorted(range(len(glances)), key=lambda i: glances[i][0].cost)
+    chosen = [*order[:LIKELY], *(i for i in order[LIKELY:] if i < LIKELY)]
+    rest = [i for i in order[LIKELY:] if i >= LIKELY]
+    return [f for i in chosen for f in glances[i]], [glances[i][0] for i in rest]
 
 
 def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:

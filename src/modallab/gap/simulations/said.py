@@ -1,6 +1,7 @@
 """What was found of a simulation, in words."""
 
 from modallab.core.diagnosis import Found
+from modallab.core.rounded import rounded
 from modallab.gap.report.summary import spoken
 from modallab.gap.simulations.compare import Compared
 
@@ -8,12 +9,11 @@ from modallab.gap.simulations.compare import Compared
 def sentence_of(found: Compared) -> str:
     """The verdict in one sentence."""
     if found.verdict == "no_gap":
-        return f"No effect parts simulation and bench: the gap is {found.before:.3g} noise units, {_after(found)}."
+        return f"No effect parts simulation and bench: the gap is {rounded(found.before)} noise units, {_after(found)}."
     if found.verdict == "unknown":
-        return f"The simulation is {found.before:.3g} noise units off the bench, and not all of that is explained."
-    return (
-        f"The simulation is {found.before:.3g} noise units off the bench: {'; '.join(_parts(found))}. {_how_far(found)}"
-    )
+        return f"The simulation is {rounded(found.before)} noise units off the bench, and not all of that is explained."
+    off = f"The simulation is {rounded(found.before)} noise units off the bench"
+    return f"{off}: {'; '.join(_parts(found))}. {_how_far(found)}"
 
 
 def _parts(found: Compared) -> list[str]:
@@ -29,9 +29,9 @@ def _numbers(found: Found) -> str:
 
 
 def _after(found: Compared) -> str:
-    return f"{found.after:.3g} with the beam's numbers as the bench has them"
+    return f"{rounded(found.after)} with the beam's numbers as the bench has them"
 
 
 def _how_far(found: Compared) -> str:
     share = "" if found.closed is None else f"that is {found.closed:.1%} of it closed, "
-    return f"Corrected, it is {found.after:.3g} off; {share}on {len(found.records)} records held out."
+    return f"Corrected, it is {rounded(found.after)} off; {share}on {len(found.records)} records held out."

@@ -11,6 +11,8 @@ WIDTH = 420
 LEFT, RIGHT = 44, 404
 """Clamp and tip."""
 STAGES = ("excitation", "structure", "sensor", "acquisition")
+HALF_LABEL = 28
+"""Half of what a place takes beside the clamp."""
 LETTER = 7.0
 """Width of a letter of 12 units."""
 
@@ -51,7 +53,8 @@ def bench_picture(rig: Rig, where: Where, within_m: tuple[float, float] | None =
         parts.append(
             tag("circle", cx=f"{x:.1f}", cy="75", r="14", fill="none", stroke="var(--warning)", stroke_width="2.5")
         )
-        parts.append(_text(min(max(x, LEFT), RIGHT - 16), 104, f"{where.x_m:.3f} m", "middle", True))
+        # Beside the clamp, not on it.
+        parts.append(_text(min(max(x, LEFT + HALF_LABEL), RIGHT - 16), 104, f"{where.x_m:.3f} m", "middle", True))
     return tag(
         "svg",
         *parts,

@@ -1,19 +1,40 @@
-"""Bars in noise units on a logarithmic axis, one panel."""
+"""Bars on a logarithmic axis, one panel: in noise units, or as shares of the response."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from modallab.core.rounded import rounded
 from modallab.reporting.figures import style
 
-AXIS = "rms of measured less simulated [noise units]"
-LEAST, SLIVER = 1.0, 1.012
-"""Where the axis begins, at noise alone; and how far a bar reaches that is no longer than that."""
-ROW, LABELLED, AROUND = 30, 44, 76
-"""Height of a row, of one with its label above, and of what is around the rows, in px."""
+SLIVER = 1.012
+"""How far a bar reaches that is no longer than where the axis begins, over that."""
+BAR, BETWEEN, LABELLED, AROUND = 13, 4, 44, 76
+"""Height of a bar, of what is between rows, of a row with its label above, and of what is around all rows, in px."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """What the bars are measured in.
+
+    Attributes:
+        label: of the axis.
+        least: where it begins.
+        most: it reaches at least as far.
+        said: a value in words.
+    """
+
+    label: str
+    least: float
+    most: float
+    said: Callable[[float], str]
+
+
+NOISE = Scale("rms of measured less simulated [noise units]", 1.0, 10.0, rounded)
+"""From noise alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +43,7 @@ class Row:
 
     Attributes:
         label: over them.
-        values: in noise units, one for each name of the figure; None is left out.
+        values: one for each name of the figure; None is left out.
         said: behind the last.
     """
 
@@ -31,44 +52,48 @@ class Row:
     said: str = ""
 
 
-def log_bars(rows: Sequence[Row], names: Sequence[str], colours: Sequence[str], above: bool = False) -> Figure:
-    """The rows from the top, on an axis that begins at 1, the noise.
+def log_bars(
+    rows: Sequence[Row], names: Sequence[str], colours: Sequence[str], above: bool = False, scale: Scale = NOISE
+) -> Figure:
+    """The rows from the top, on one axis.
 
     Args:
         rows: what is compared.
         names: of the values of each row, for the legend.
         colours: of the values.
         above: whether labels stand over their bars, as long ones must, and not before them.
+        scale: of the axis.
     """
-    most = max([v for row in rows for v in row.values if v is not None] + [10.0])
-    height = (LABELLED if above else ROW) * len(rows)
+    most = max([v for row in rows for v in row.values if v is not None] + [scale.most])
+    height = (LABELLED if above else BAR * len(colours) + BETWEEN) * len(rows)
     with style.look():
         figure, (axes,) = style.grid(1, 1, style.Cell(420, AROUND + height))
         for y, row in enumerate(rows):
-            _row(axes, y, row, colours, above)
+            _row(axes, y, row, colours, above, scale)
         style.logarithmic(axes, "x")
-        axes.set_xlim(LEAST, LEAST * (most / LEAST) ** 1.3)
+        axes.set_xlim(scale.least, scale.least * (most / scale.least) ** 1.3)
         axes.set_ylim(len(rows) - 0.5, -0.5)
         axes.set_yticks(range(len(rows)), [""] * len(rows) if above else [style.shorten(r.label, 9) for r in rows])
         axes.grid(visible=False, axis="y")
         axes.tick_params(axis="y", length=0)
-        axes.set_xlabel(AXIS, labelpad=3)
+        axes.set_xlabel(scale.label, labelpad=3)
         if len(names) > 1:
             style.legend(figure, [Patch(color=c, label=n) for c, n in zip(colours, names, strict=True)])
     return figure
 
 
-def _row(axes: Axes, y: int, row: Row, colours: Sequence[str], above: bool) -> None:
+def _row(axes: Axes, y: int, row: Row, colours: Sequence[str], above: bool, scale: Scale) -> None:
     top, each = (-0.1, 0.5) if above else (-0.4, 0.8)
     each /= len(colours)
     if above:
-        _write(axes, LEAST, y - 0.28, row.label, 10.5)
+        _write(axes, scale.least, y - 0.28, row.label, 10.5)
     for k, value in enumerate(row.values):
         if value is None:
             continue
         at, last = y + top + each * (k + 0.5), k == len(colours) - 1
-        axes.barh(at, max(value, SLIVER) - LEAST, 0.9 * each, left=LEAST, color=colours[k])
-        _write(axes, max(value, SLIVER), at, f"{value:.3g}{row.said if last else ''}", 9.5)
+        end = max(value, SLIVER * scale.least)
+        axes.barh(at, end - scale.least, 0.9 * each, left=scale.least, color=colours[k])
+        _write(axes, end, at, f"{scale.said(value)}{row.said if last else ''}", 9.5)
 
 
 def _write(axes: Axes, x: float, y: float, text: str, size: float) -> None:

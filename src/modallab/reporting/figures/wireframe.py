@@ -97,14 +97,14 @@ def wireframes(
     return moving(pictures, "wireframes", "wireframe.js")
 
 
-def _projection() -> Real:
+def projection() -> Real:
     """(3, 2): x to the right and back, y back, z up."""
     c, s = np.cos(_TURN), np.sin(_TURN)
     return np.array([[c, s * np.sin(_TILT)], [-s, c * np.sin(_TILT)], [0.0, -np.cos(_TILT)]])
 
 
 def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequence[int]], shape: MovingShape) -> Markup:
-    flat = (xyz - xyz.mean(axis=0)) @ _projection()
+    flat = (xyz - xyz.mean(axis=0)) @ projection()
     size = float(np.ptp(xyz, axis=0).max()) or 1.0
     span = np.maximum(np.ptp(flat, axis=0), 1e-9)
     scale = min((_WIDTH - 2 * _EDGE) / span[0], (_HEIGHT - 2 * _EDGE) / span[1])
@@ -113,7 +113,7 @@ def _picture(xyz: Real, pairs: Sequence[tuple[int, int]], faces: Sequence[Sequen
     turned = straighten(shape.motion.ravel()).reshape(shape.motion.shape)
     reach = float(np.abs(turned).max()) or 1.0
     most = min(_REACH * size * scale, _EDGE - 6)
-    moved = turned @ _projection() * (most / reach)
+    moved = turned @ projection() * (most / reach)
     data = np.column_stack([rest, moved.real, moved.imag]).round(1)
     at = data[:, :2] + data[:, 2:4]
     joined = "".join(f"M{at[a, 0]:.1f} {at[a, 1]:.1f}L{at[b, 0]:.1f} {at[b, 1]:.1f}" for a, b in pairs)

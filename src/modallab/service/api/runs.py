@@ -2,13 +2,14 @@
 
 from typing import Annotated
 
-from fastapi import Body, Response
+from fastapi import Body, Query, Response
 from fastapi.openapi.models import Example
 
 from modallab.core.documents.pages import Page
 from modallab.core.documents.results import FrfView
 from modallab.core.documents.runs import Command, RunNew, RunView
 from modallab.core.frf import UNIT
+from modallab.core.units import FrfEstimator
 from modallab.service.api.campaigns import Archived, Deleted
 from modallab.service.api.problems import documented
 from modallab.service.api.request_context import (
@@ -106,13 +107,19 @@ frf_router = make_router("frf")
 @frf_router.get(
     "/runs/{run}/frf", response_model=FrfView, responses={304: {"description": "unchanged"}} | documented(404, 409)
 )
-def get_frf(run: str, service: ServiceOf, response: Response, if_none_match: IfNoneMatch = None) -> FrfView | Response:
-    """Mobility (H1) and coherence of the blocks that count now; the ETag changes with every one of them."""
+def get_frf(
+    run: str,
+    service: ServiceOf,
+    response: Response,
+    if_none_match: IfNoneMatch = None,
+    estimator: Annotated[FrfEstimator, Query(description="H2 and Hv allow for noise on the force.")] = "H1",
+) -> FrfView | Response:
+    """Mobility and coherence of the blocks that count now; the ETag changes with every one of them."""
     counted = [row.n for row in block_records(service, run) if row.note.accepted]
-    tag = f"{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
+    tag = f"{estimator}-{len(counted)}-{hash(tuple(counted)) & 0xFFFFFFFF:08x}"
     if unchanged(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": f'"{tag}"'})
-    frf = service.frfs().frf(run)
+    frf = service.frfs().frf(run, estimator=estimator)
     mark(response, tag)
     return FrfView(
         run=run,

@@ -4,8 +4,10 @@ from collections import OrderedDict
 from threading import Lock
 
 from modallab.core.block import Block
+from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
+from modallab.core.units import FrfEstimator
 from modallab.frf.broadband import PERIODIC, broadband_frf, driven_band
 from modallab.frf.estimate import convert
 from modallab.frf.joined import contiguous
@@ -36,17 +38,18 @@ class LiveFrfs:
         self._lock = Lock()
         self._runs: OrderedDict[tuple[str, ...], _Followed] = OrderedDict()
 
-    def frf(self, run: str, outputs: tuple[str, ...] = ()) -> Frf:
+    def frf(self, run: str, outputs: tuple[str, ...] = (), estimator: FrfEstimator = "H1") -> Frf:
         """Mobility of the blocks that count now, with coherence where blocks are averaged; of some outputs, or of all.
 
         Raises:
             ConflictError: there is no block that counts yet.
-            DataError, StorageError: blocks that cannot be used, or not be read, or an output that is not there.
+            DataError, StorageError: blocks that cannot be used, or not be read, an output that is not there, or H2 or
+                Hv of single blocks or of sines.
         """
         followed = self._of(run, outputs)
         with followed.lock:
             followed.follow(self._store)
-            return convert(followed.sums.frf(followed.points), "mobility")
+            return convert(followed.sums.frf(followed.points, estimator), "mobility")
 
     def news(self, run: str, outputs: tuple[str, ...], seen: Revisions) -> tuple[Revisions, list[Frf]]:
         """As `frf`, point by point, of the points whose FRF is another one than `seen`; and what is seen with them.
@@ -139,9 +142,9 @@ class _Hits:
             for point in points:
                 self._running.forget(point)
 
-    def frf(self, points: tuple[int | None, ...] | None) -> Frf:
+    def frf(self, points: tuple[int | None, ...] | None, estimator: FrfEstimator = "H1") -> Frf:
         assert self._running is not None
-        return self._running.frf(points)
+        return self._running.frf(points, estimator)
 
 
 class _Sines:
@@ -163,7 +166,12 @@ class _Sines:
         for n in numbers:
             self._lines.pop(n, None)
 
-    def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
+    def frf(self, _points: tuple[int | None, ...] | None, estimator: FrfEstimator = "H1") -> Frf:
+        if estimator != "H1":
+            raise DataError(
+                f"there is no {estimator} of sines: their FRF is the ratio of two fitted amplitudes",
+                remedy="leave the estimator out",
+            )
         return frf_of_lines(self._of_last_level(), self._rig)
 
     def _of_last_level(self) -> list[Line]:
@@ -193,7 +201,7 @@ class _Broadband:
         for n in numbers:
             self._signals.pop(n, None)
 
-    def frf(self, _points: tuple[int | None, ...] | None) -> Frf:
+    def frf(self, _points: tuple[int | None, ...] | None, estimator: FrfEstimator = "H1") -> Frf:
         level = self._signals[max(self._signals)].block.level
         chosen = [s for s in self._signals.values() if s.block.level == level]
-        return broadband_frf(chosen, self._rig, driven_band(chosen))
+        return broadband_frf(chosen, self._rig, driven_band(chosen), estimator=estimator)

@@ -48,6 +48,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True),
+    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True, behind="k_stick"),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )

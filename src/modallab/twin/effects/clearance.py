@@ -46,6 +46,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a contact begins is a convention.
-    search=Search(rank=40, slots=_slots, inexact=0.05, acts="root", by_sine=True, rough=True),
+    search=Search(rank=40, slots=_slots, inexact=0.05, acts="root", by_sine=True, rough=True, behind="k_contact"),
     experiment="Repeat the sines at a third level: a play stiffens the root with the level, friction softens it.",
 )

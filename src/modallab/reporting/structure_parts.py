@@ -1,0 +1,69 @@
+"""What a structure's diagnosis tried, and its gap channel by channel and mode by mode, before and after."""
+
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis, PartOfGap
+from modallab.gap.modal.diagnosis import Explained
+from modallab.reporting.digits import plain
+from modallab.reporting.figures import style
+from modallab.reporting.figures.log_bars import Row, Scale, log_bars
+from modallab.reporting.gap_page import section
+from modallab.reporting.gap_words import percent, sure
+from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.sections.section import plate
+from modallab.reporting.structure_words import numbers_of, spoken
+
+SHARE = Scale("rms of measured less predicted [% of the response]", 0.1, 10.0, "{:.2g} %".format)
+"""From a thousandth of the response."""
+NAMES = ("as it came", "within tolerances", "with the change")
+COLOURS = (style.SOFT, style.MEASURED, style.SECOND)
+
+
+def candidates_section(explained: Explained) -> Markup | None:
+    """Every explanation that was fitted, with its numbers, its probability and what it leaves; None without any."""
+    listed = explained.ranked
+    if not listed:
+        return None
+    left = [c.gap for c in explained.diagnosis.candidates]
+    rows = [["no change", "", percent(explained.diagnosis.before), ""]]
+    rows += [[spoken(c), sure(c.probability), percent(gap), _numbers(c)] for c, gap in zip(listed, left, strict=True)]
+    head = ["explanation", "probability", "leaves", "numbers (95 %)"]
+    known = explained.diagnosis.verdict == "known"
+    said = (
+        "Probabilities are of these explanations among one another. One that leaves the percentage as it is may still "
+        "relieve the tolerances, which count as well."
+    )
+    none = "" if known else " Here none was needed, or none was enough, however probable it is beside the others."
+    return section(
+        "What else might explain it" if known else "What was tried",
+        table("The best of each kind, once fitted", head, rows, numeric=(1, 2), class_="wide"),
+        tag("p", said + none),
+    )
+
+
+def _numbers(change: FoundChange) -> str:
+    said = (f"{name} {value}" + f" ({between})" * bool(between) for name, value, between in numbers_of(change))
+    return ", ".join(said)
+
+
+def parts_section(found: ModalDiagnosis) -> Markup | None:
+    """Two figures: the gap of each mode and of each channel."""
+    changed = found.after != found.before
+    figures = [
+        _figure(parts, f"The gap {by}. {said}", name, changed)
+        for parts, by, said, name in (
+            (found.by_mode, "about each mode of the bench", "Each line counts for the mode nearest to it.", "modes"),
+            (found.by_channel, "of each channel", "Over all driven points.", "channels"),
+        )
+        if parts
+    ]
+    return section("Where it shrinks", *figures) if figures else None
+
+
+def _figure(parts: list[PartOfGap], said: str, name: str, changed: bool) -> Markup:
+    many = 3 if changed else 2
+    rows = [Row(_label(p), tuple(100 * v for v in (p.nominal, p.before, p.after)[:many])) for p in parts]
+    figure = log_bars(rows, NAMES[:many], COLOURS[:many], scale=SHARE)
+    return plate(figure, name, said, said, columns=1)
+
+
+def _label(part: PartOfGap) -> str:
+    return part.name if part.frequency_hz is None else f"{plain(part.frequency_hz, 3)} Hz"

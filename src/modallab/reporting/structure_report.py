@@ -1,0 +1,169 @@
+"""The report of a structure held against its modal model: one HTML file that a person understands at once."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from modallab.core.frf import Frf
+from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
+from modallab.core.rig import Rig
+from modallab.formats.atomic import replacing
+from modallab.gap.modal.diagnosis import Explained
+from modallab.gap.modal.said import sentence_by_model
+from modallab.reporting.figures.structure_curves import structure_curves
+from modallab.reporting.figures.structure_picture import Marked, structure_picture
+from modallab.reporting.gap_page import captioned, page, section
+from modallab.reporting.gap_words import percent, sure, typeset
+from modallab.reporting.markup import Markup, table, tag
+from modallab.reporting.sections.section import plate
+from modallab.reporting.structure_parts import candidates_section, parts_section
+from modallab.reporting.structure_words import at_of_change, numbers_of, place_of_change
+from modallab.twin.effects import model_of
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StructureGap:
+    """What the report shows.
+
+    Attributes:
+        rig: of the campaign, with all its points.
+        explained: the comparison and what it came to.
+        reference: what it is compared with, in words.
+        records: mobility of the records that the bench's model was identified from; None where there is none.
+        beside: what the campaign holds and nothing looked at, a sentence each.
+    """
+
+    rig: Rig
+    explained: Explained
+    reference: str
+    records: Frf | None = None
+    beside: tuple[str, ...] = ()
+
+    @property
+    def diagnosis(self) -> ModalDiagnosis:
+        """What is said of it, as a document."""
+        return self.explained.diagnosis
+
+
+def write_structure_report(path: Path, gap: StructureGap) -> None:
+    """Write the report. The file is whole or, after an error, as it was before.
+
+    Raises:
+        StorageError: the file can't be written.
+    """
+    text = render(gap)
+    with replacing(path) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def render(gap: StructureGap) -> str:
+    """The whole page as text."""
+    return page(
+        f"The gap of {gap.rig.name}",
+        [typeset(sentence_by_model(gap.diagnosis)), *(typeset(note) for note in gap.diagnosis.notes)],
+        _width(gap),
+        _where(gap),
+        _what(gap.diagnosis),
+        candidates_section(gap.explained),
+        _curves(gap),
+        parts_section(gap.diagnosis),
+        _beside(gap),
+    )
+
+
+def _width(gap: StructureGap) -> Markup:
+    found = gap.diagnosis
+    best = gap.explained.judged.best.candidate is not None
+    rows = [
+        ["as it came", percent(found.nominal), "–"],
+        ["as near as the tolerances allow", percent(found.before), f"{found.strain_before:.2f}"],
+    ]
+    if best:
+        said = "with what was found" if found.effects else "with the best explanation"
+        rows.append([said, percent(found.after), f"{found.strain_after:.2f}"])
+    head = ["the reference", "% of the response", "strain of the tolerances [σ]"]
+    note = (
+        f"The reference: {gap.reference}. Percentages are the rms of measured less predicted over the measured "
+        "response, of all FRFs of both models, where each mode counts alike. The strain says how far the numbers "
+        "within their tolerances, and what no number stands for, had to be moved: 1 is ordinary, more than 1.5 is a "
+        "gap."
+    )
+    return tag("section", table("Measured less predicted", head, rows, numeric=(1, 2)), tag("p", typeset(note)))
+
+
+def _where(gap: StructureGap) -> Markup | None:
+    if not gap.rig.points:
+        return None
+    found = gap.diagnosis.effects
+    marked = _marked(gap, found[0]) if found else None
+    if found:
+        at = at_of_change(found[0])
+        place = "" if at is None else f", at ({', '.join(f'{x:.3f}' for x in at)}) m"
+        said = f"Stage: {found[0].stage}. The {model_of(found[0].effect).spoken} {place_of_change(found[0])}{place}."
+    elif gap.diagnosis.verdict == "no_gap":
+        said = "Nothing stands out: what is left lies within the tolerances."
+    else:
+        said = "No place stands out: no change that was tried explains the gap."
+    said += " Filled points have a sensor."
+    return section("Where it lies", captioned(tag("div", structure_picture(gap.rig, marked), class_="drawn"), said))
+
+
+def _marked(gap: StructureGap, change: FoundChange) -> Marked | None:
+    at, said = at_of_change(change), model_of(change.effect).spoken
+    if at is not None:
+        return Marked(np.array([at]), said=said)
+    places = {p.id: (p.x_m, p.y_m, p.z_m) for p in gap.rig.points}
+    channel = next((c for c in gap.rig.responses if c.name == change.place.get("channel")), None)
+    if channel is None:
+        driven = [places[p] for p in gap.explained.free.of.model.input_points if p in places]
+        return Marked(np.array(driven).reshape(-1, 3), said=said)
+    if channel.point not in places:
+        return None
+    here = np.array(places[channel.point])
+    moved = [change.parameters.get(axis, 0.0) for axis in ("dx", "dy", "dz")]
+    return Marked(here[None], here + moved if any(moved) else None, f"{channel.name}: {said}")
+
+
+def _what(found: ModalDiagnosis) -> Markup | None:
+    if not found.effects:
+        return None
+    tables = [
+        table(
+            f"{model_of(c.effect).spoken.capitalize()} {place_of_change(c)}, probability {sure(c.probability)}",
+            ["", "value", "95 % interval"],
+            numbers_of(c),
+            numeric=(1, 2),
+        )
+        for c in found.effects
+    ]
+    return section("What causes it", *tables)
+
+
+def _curves(gap: StructureGap) -> Markup:
+    said = (
+        "Mobility at the outputs that miss most, each at the driven point where it does: as identified from the "
+        "records and free of the end of their blocks, of the reference as it came and as it was corrected, and what "
+        "is left between the latter and the measurement."
+    )
+    if gap.records is not None:
+        said += (
+            " Thin, the records themselves: where a block ends before the ring-down, their peaks are lower and wider."
+        )
+    figure = structure_curves(gap.explained, gap.records)
+    return section("What was measured, and what the reference says", plate(figure, "curves", said, said))
+
+
+def _beside(gap: StructureGap) -> Markup:
+    c = gap.explained.free.of
+    low, high = c.s.imag[[0, -1]] / (2 * np.pi)
+    axes = sorted({axis for _, axis in c.shapes.freedoms})
+    said = [
+        *gap.beside,
+        f"Frequencies below {low:.4g} Hz and above {high:.4g} Hz.",
+        "Two changes at once: each is tried by itself.",
+        "A clamp, a loss of stiffness such as a crack, and damping beyond that of each mode: they are not in the list.",
+        "What depends on the size of the motion: both models are linear.",
+        f"Motions that nothing measured: springs pull along {', '.join(axes)} only, and a mass counts along these.",
+    ]
+    return section("What was not looked at", tag("ul", *(tag("li", typeset(line)) for line in said)))
