@@ -10,12 +10,14 @@ from modallab.core.errors import DataError, ModallabError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.frf.broadband import broadband_frf, of_one_level
+from modallab.frf.broadband import PERIODIC, broadband_frf, of_one_level
 from modallab.frf.estimate import impact_frf
+from modallab.frf.settled_periods import without_decays
 from modallab.frf.shares import least_blocks, shares
 from modallab.frf.stepped import stepped_frf
 from modallab.identification.impact import LEAK
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.poles import poles_of
 from modallab.identification.model.driving import driving_points
 from modallab.identification.selection.assumptions import (
     CHANGE_LIMIT,
@@ -109,6 +111,10 @@ def assess_broadband(model: ModalModel, fit: Fit, signals: Sequence[Signals], fr
     """Verdicts on broadband blocks: level against level, the first half against the second, and the driving point."""
     band = model.band_hz
     ordered = of_one_level(sorted(signals, key=lambda s: s.block.order))
+    if ordered[0].block.test in PERIODIC:
+        # What still fades from the start of a wave is no change of the structure.
+        poles = poles_of(2 * np.pi * model.frequency_hz, model.damping_ratio)
+        ordered = without_decays(ordered, poles, band)
 
     def halves() -> tuple[Frf, Frf]:
         least = max(2, least_blocks(ordered, "H1"))

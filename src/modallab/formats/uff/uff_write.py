@@ -86,7 +86,9 @@ def _records(block: Block, rig: Rig) -> Iterator[bytes]:
 
 
 def _place(channel: Channel, drive_point: int | None, rig: Rig) -> tuple[str, int, int]:
+    others = {shaker.force: shaker.point for shaker in rig.shakers}
     if channel.quantity == "force":
+        drive_point = others.get(channel.name, drive_point)
         return channel.name, drive_point or 0, axis_of(rig.drive_direction) if drive_point else 0
     return channel.name, channel.point or 0, axis_of(channel.direction)
 

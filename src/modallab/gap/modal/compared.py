@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
 from modallab.gap.modal.errors import sizes, weights
 from modallab.gap.modal.mesh import Mesh
 from modallab.gap.modal.same_form import in_form_of
@@ -162,6 +163,12 @@ def _common(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[ModalMo
             "reference and bench share no output or no driven point",
             where=rig.name,
             remedy="measure both with the same channels and points",
+        )
+    if bench.test in BROADBAND and len(inputs) > 1:
+        raise DataError(
+            f"{len(inputs)} shakers drove the bench at once, and a comparison knows the gain of one force alone",
+            where=rig.name,
+            remedy="compare a test of one shaker (shakers: first), or one with a hammer",
         )
     return _chosen(reference, outputs, inputs), _chosen(bench, outputs, inputs)
 
