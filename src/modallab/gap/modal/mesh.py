@@ -11,6 +11,15 @@ Real = NDArray[np.float64]
 MOST = 400
 """Nodes that shapes are taken along from: n of them cost n^3, and modes of a band are smooth."""
 
+NEXT = 8
+"""Nodes next to one that show the surface about it."""
+THIN = 0.4
+"""Spread of these across a surface over their lesser one along it, at most: more is a body, or a sharp bend."""
+OFF = 0.25
+"""Of the reach: so far from all nodes, or as far as these are from one another, is off the surface."""
+LEVEL = 0.5
+"""Share of a motion along the surface from which nothing is moved in that direction."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Mesh:
@@ -32,7 +41,7 @@ class Mesh:
         """
         near = _next_to(self.places_m, points_m)
         away = np.linalg.norm(self.places_m[:, None] - self.places_m[near][None], axis=2).min(axis=1)
-        reach = 2 * _apart(points_m)
+        reach = 2 * apart(points_m)
         within = np.linalg.norm(self.places_m[:, None] - points_m[None], axis=2).min(axis=1) <= reach
         away[~within] = 0.0
         taken = list(near)
@@ -43,12 +52,35 @@ class Mesh:
         return Mesh(self.places_m[taken], {axis: values[taken] for axis, values in self.motion.items()})
 
 
+def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real | None:
+    """(2, 3) unit vectors along the surface on which the nodes next to a place lie, across a motion along an axis.
+
+    One is 0 where the motion itself is along the surface, or where the surface bends away within reach: off it nothing
+    is known. None where the nodes show no surface: they fill a body.
+    """
+    away = np.linalg.norm(places_m - here_m, axis=1)
+    # All nodes of one distance, or none: else the plane leans towards those that were taken.
+    near = away <= np.sort(away)[min(NEXT, away.size - 1)] * (1 + 1e-6)
+    _, spread, axes = np.linalg.svd(places_m[near] - here_m, full_matrices=False)
+    if spread.size < 3 or spread[2] > THIN * spread[1]:
+        return None
+    plane = axes[:2]
+    along = plane[:, "xyz".index(axis)]
+    size = float(np.linalg.norm(along))
+    found = plane if size < LEVEL else np.stack([np.array([-along[1], along[0]]) / size @ plane, np.zeros(3)])
+    largest = found[np.arange(2), np.argmax(np.abs(found), axis=1)]
+    turned = found * np.where(largest < 0, -1.0, 1.0)[:, None]
+    there = here_m + reach_m * np.stack([turned, -turned])
+    left = np.linalg.norm(there[:, :, None] - places_m, axis=3).min(axis=(0, 2))
+    return turned * (left <= max(OFF * reach_m, float(np.sort(away)[min(NEXT // 2, away.size - 1)])))[:, None]
+
+
 def _next_to(places_m: Real, points_m: Real) -> list[int]:
     away = np.linalg.norm(points_m[:, None] - places_m[None], axis=2)
     return list(dict.fromkeys(np.argmin(away, axis=1).tolist()))
 
 
-def _apart(points_m: Real) -> float:
+def apart(points_m: Real) -> float:
     """Median distance from a point to the nearest other, m."""
     places = np.unique(points_m, axis=0)
     away = np.linalg.norm(places[:, None] - places[None], axis=2)
