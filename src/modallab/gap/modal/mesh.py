@@ -16,7 +16,7 @@ NEXT = 8
 THIN = 0.4
 """Spread of these across a surface over their lesser one along it, at most: more is a body, or a sharp bend."""
 OFF = 0.25
-"""Of the reach: so far from all nodes, or as far as these are from one another, is off the surface."""
+"""Of the reach: the surface is off its tangent by more, so that a straight move would leave it."""
 LEVEL = 0.5
 """Share of a motion along the surface from which nothing is moved in that direction."""
 
@@ -61,18 +61,26 @@ def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real 
     away = np.linalg.norm(places_m - here_m, axis=1)
     # All nodes of one distance, or none: else the plane leans towards those that were taken.
     near = away <= np.sort(away)[min(NEXT, away.size - 1)] * (1 + 1e-6)
-    _, spread, axes = np.linalg.svd(places_m[near] - here_m, full_matrices=False)
+    around = places_m[near] - here_m
+    _, spread, axes = np.linalg.svd(around, full_matrices=False)
     if spread.size < 3 or spread[2] > THIN * spread[1]:
         return None
     plane = axes[:2]
     along = plane[:, "xyz".index(axis)]
     size = float(np.linalg.norm(along))
-    found = plane if size < LEVEL else np.stack([np.array([-along[1], along[0]]) / size @ plane, np.zeros(3)])
+    flat = np.eye(2) if size < LEVEL else np.array([[-along[1], along[0]], [0.0, 0.0]]) / size
+    bends = _bends(around @ plane.T, around @ axes[2])
+    off = np.abs(np.einsum("ti,ij,tj->t", flat, bends, flat)) * reach_m**2
+    found = (flat * (off <= OFF * reach_m)[:, None]) @ plane
     largest = found[np.arange(2), np.argmax(np.abs(found), axis=1)]
-    turned = found * np.where(largest < 0, -1.0, 1.0)[:, None]
-    there = here_m + reach_m * np.stack([turned, -turned])
-    left = np.linalg.norm(there[:, :, None] - places_m, axis=3).min(axis=(0, 2))
-    return turned * (left <= max(OFF * reach_m, float(np.sort(away)[min(NEXT // 2, away.size - 1)])))[:, None]
+    return found * np.where(largest < 0, -1.0, 1.0)[:, None]
+
+
+def _bends(flat_m: Real, off_m: Real) -> Real:
+    """(2, 2) form whose value at a place (2,) in the tangent plane is by how much the surface is off it, m."""
+    x, y = flat_m.T
+    a, b, c = np.linalg.lstsq(np.stack([x * x, y * y, 2 * x * y], axis=1), off_m, rcond=None)[0]
+    return np.array([[a, c], [c, b]])
 
 
 def _next_to(places_m: Real, points_m: Real) -> list[int]:
