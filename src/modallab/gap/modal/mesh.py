@@ -17,6 +17,8 @@ THIN = 0.4
 """Spread of these across a surface over their lesser one along it, at most: more is a body, or a sharp bend."""
 OFF = 0.25
 """Of the reach: the surface is off its tangent by more, so that a straight move would leave it."""
+LINE = 0.1
+"""Lesser spread along a surface over the larger one, at least: less is a line of nodes."""
 LEVEL = 0.5
 """Share of a motion along the surface from which nothing is moved in that direction."""
 
@@ -56,14 +58,14 @@ def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real 
     """(2, 3) unit vectors along the surface on which the nodes next to a place lie, across a motion along an axis.
 
     One is 0 where the motion itself is along the surface, or where the surface bends away within reach: off it nothing
-    is known. None where the nodes show no surface: they fill a body.
+    is known. None where the nodes show no surface: they fill a body, or stand in a line.
     """
     away = np.linalg.norm(places_m - here_m, axis=1)
     # All nodes of one distance, or none: else the plane leans towards those that were taken.
     near = away <= np.sort(away)[min(NEXT, away.size - 1)] * (1 + 1e-6)
     around = places_m[near] - here_m
     _, spread, axes = np.linalg.svd(around, full_matrices=False)
-    if spread.size < 3 or spread[2] > THIN * spread[1]:
+    if spread.size < 3 or spread[1] <= LINE * spread[0] or spread[2] > THIN * spread[1]:
         return None
     plane = axes[:2]
     along = plane[:, "xyz".index(axis)]
