@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
-from modallab.gap.modal.mesh import MOST, Mesh
+from modallab.gap.modal.mesh import MOST, Mesh, on_surface
 from modallab.gap.modal.shapes import shapes_of
 from modallab.gap.modal.weights import Weights
 
@@ -131,3 +131,32 @@ def test_of_a_large_mesh_the_nodes_about_the_points_are_kept() -> None:
     there = points[:, None] + np.array([[0.03, 0.0, 0.0], [0.0, 0.03, 0.0], [-0.03, 0.02, 0.0]])
     near = np.linalg.norm(there.reshape(-1, 1, 3) - kept.places_m[None], axis=2).min(axis=1)
     assert near.max() < 0.03
+
+
+AROUND = np.arange(24) * np.pi / 12
+TUBE = np.array([(x, 0.05 * np.cos(a), 0.05 * np.sin(a)) for x in np.linspace(0, 1.2, 49) for a in AROUND])
+LATTICE = np.stack([v.ravel() for v in np.meshgrid(*[np.linspace(0, 1, 11)] * 3, indexing="ij")], axis=1)
+
+
+def test_on_a_tube_a_place_is_moved_along_the_axis_alone_where_the_wall_bends_away() -> None:
+    here = np.array([0.6, 0.0, 0.05])
+    for axis in "yz":
+        found = on_surface(TUBE, here, axis, 0.07)
+        assert found is not None
+        np.testing.assert_allclose(np.abs(found), [[1, 0, 0], [0, 0, 0]], atol=1e-9)
+    near = on_surface(TUBE, here, "z", 0.02)
+    assert near is not None
+    np.testing.assert_allclose(np.sort(np.abs(near), axis=0), [[0, 0, 0], [1, 1, 0]], atol=1e-6)
+
+
+def test_at_the_edge_of_a_plate_both_directions_stay() -> None:
+    known = mesh().places_m
+    found = on_surface(known, np.array([A, B, 0.0]), "z", 0.1)
+    assert found is not None
+    np.testing.assert_allclose(found @ found.T, np.eye(2), atol=1e-9)
+    np.testing.assert_allclose(found[:, 2], 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("nodes", [LATTICE, LATTICE[:121:11]], ids=["body", "line"])
+def test_nodes_that_are_no_surface_say_no_tangents(nodes: np.ndarray) -> None:
+    assert on_surface(nodes, nodes[len(nodes) // 2], "z", 0.1) is None

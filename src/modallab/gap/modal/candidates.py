@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
+from modallab.gap.modal.mesh import apart
 from modallab.gap.modal.shapes import Freedom
 from modallab.gap.modal.state import Hung
 
@@ -60,10 +61,7 @@ def candidates(c: Compared) -> list[Candidate]:
 
 def spacing(c: Compared) -> float:
     """Median distance from a point to the nearest other, m."""
-    at = np.unique(c.shapes.at_m, axis=0)
-    away = np.linalg.norm(at[:, None] - at[None], axis=2)
-    np.fill_diagonal(away, np.inf)
-    return float(np.median(away.min(axis=1)))
+    return apart(c.shapes.at_m)
 
 
 def _hung(c: Compared, effect: str) -> Iterator[Candidate]:

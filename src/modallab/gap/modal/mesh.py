@@ -11,6 +11,17 @@ Real = NDArray[np.float64]
 MOST = 400
 """Nodes that shapes are taken along from: n of them cost n^3, and modes of a band are smooth."""
 
+NEXT = 8
+"""Nodes next to one that show the surface about it."""
+THIN = 0.4
+"""Spread of these across a surface over their lesser one along it, at most: more is a body, or a sharp bend."""
+OFF = 0.25
+"""Of the reach: the surface is off its tangent by more, so that a straight move would leave it."""
+LINE = 0.1
+"""Lesser spread along a surface over the larger one, at least: less is a line of nodes."""
+LEVEL = 0.5
+"""Share of a motion along the surface from which nothing is moved in that direction."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Mesh:
@@ -32,7 +43,7 @@ class Mesh:
         """
         near = _next_to(self.places_m, points_m)
         away = np.linalg.norm(self.places_m[:, None] - self.places_m[near][None], axis=2).min(axis=1)
-        reach = 2 * _apart(points_m)
+        reach = 2 * apart(points_m)
         within = np.linalg.norm(self.places_m[:, None] - points_m[None], axis=2).min(axis=1) <= reach
         away[~within] = 0.0
         taken = list(near)
@@ -43,12 +54,43 @@ class Mesh:
         return Mesh(self.places_m[taken], {axis: values[taken] for axis, values in self.motion.items()})
 
 
+def on_surface(places_m: Real, here_m: Real, axis: str, reach_m: float) -> Real | None:
+    """(2, 3) unit vectors along the surface on which the nodes next to a place lie, across a motion along an axis.
+
+    One is 0 where the motion itself is along the surface, or where the surface bends away within reach: off it nothing
+    is known. None where the nodes show no surface: they fill a body, or stand in a line.
+    """
+    away = np.linalg.norm(places_m - here_m, axis=1)
+    # All nodes of one distance, or none: else the plane leans towards those that were taken.
+    near = away <= np.sort(away)[min(NEXT, away.size - 1)] * (1 + 1e-6)
+    around = places_m[near] - here_m
+    _, spread, axes = np.linalg.svd(around, full_matrices=False)
+    if spread.size < 3 or spread[1] <= LINE * spread[0] or spread[2] > THIN * spread[1]:
+        return None
+    plane = axes[:2]
+    along = plane[:, "xyz".index(axis)]
+    size = float(np.linalg.norm(along))
+    flat = np.eye(2) if size < LEVEL else np.array([[-along[1], along[0]], [0.0, 0.0]]) / size
+    bends = _bends(around @ plane.T, around @ axes[2])
+    off = np.abs(np.einsum("ti,ij,tj->t", flat, bends, flat)) * reach_m**2
+    found = (flat * (off <= OFF * reach_m)[:, None]) @ plane
+    largest = found[np.arange(2), np.argmax(np.abs(found), axis=1)]
+    return found * np.where(largest < 0, -1.0, 1.0)[:, None]
+
+
+def _bends(flat_m: Real, off_m: Real) -> Real:
+    """(2, 2) form whose value at a place (2,) in the tangent plane is by how much the surface is off it, m."""
+    x, y = flat_m.T
+    a, b, c = np.linalg.lstsq(np.stack([x * x, y * y, 2 * x * y], axis=1), off_m, rcond=None)[0]
+    return np.array([[a, c], [c, b]])
+
+
 def _next_to(places_m: Real, points_m: Real) -> list[int]:
     away = np.linalg.norm(points_m[:, None] - places_m[None], axis=2)
     return list(dict.fromkeys(np.argmin(away, axis=1).tolist()))
 
 
-def _apart(points_m: Real) -> float:
+def apart(points_m: Real) -> float:
     """Median distance from a point to the nearest other, m."""
     places = np.unique(points_m, axis=0)
     away = np.linalg.norm(places[:, None] - places[None], axis=2)

@@ -7,7 +7,7 @@ Scattered Data Approximation, 2005, ch. 8).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.mesh import Mesh
+from modallab.gap.modal.mesh import Mesh, apart, on_surface
 
 Real = NDArray[np.float64]
 Freedom = tuple[int, str]
@@ -35,12 +35,14 @@ class Shapes:
         at_m: (freedoms, 3) where they are.
         psi: (modes, freedoms) at unit modal mass, kg^-1/2.
         between: axis -> its shapes between the points.
+        surface: (2, 3) tangents at the freedoms where a mesh shows its surface.
     """
 
     freedoms: tuple[Freedom, ...]
     at_m: Real
     psi: Real
     between: Mapping[str, "Between"]
+    surface: Mapping[Freedom, Real] = field(default_factory=dict[Freedom, Real])
 
     @classmethod
     def of(cls, freedoms: tuple[Freedom, ...], at_m: Real, psi: Real, mesh: Mesh | None = None) -> "Shapes":
@@ -54,7 +56,9 @@ class Shapes:
         together = sum(np.sum(between[a].at(at_m[s]) * psi[:, s].T, axis=0) for a, s in same.items())
         sign = np.where(np.asarray(together) < 0, -1.0, 1.0)
         turned = {a: replace(b, weights=b.weights * sign) for a, b in between.items()}
-        return cls(freedoms, at_m, psi, turned)
+        reach = apart(at_m)
+        shown = {f: on_surface(mesh.places_m, at, f[1], reach) for f, at in zip(freedoms, at_m, strict=True)}
+        return cls(freedoms, at_m, psi, turned, {f: t for f, t in shown.items() if t is not None})
 
     def index(self, freedom: Freedom) -> int:
         """Place of a freedom."""
@@ -62,6 +66,8 @@ class Shapes:
 
     def tangents(self, freedom: Freedom) -> Real:
         """(2, 3) two unit vectors along the surface at a freedom, across its motion; 0 where the points show none."""
+        if freedom in self.surface:
+            return self.surface[freedom]
         here = self.at_m[self.index(freedom)]
         same = np.array([f[1] == freedom[1] for f in self.freedoms])
         away = self.at_m[same] - here
