@@ -23,7 +23,8 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import PAPER_LINES, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
-from modallab.gap.design.experiments import APART, continued, next_experiments
+from modallab.gap.design.continued import continued
+from modallab.gap.design.experiments import DECIDES, next_experiments
 from modallab.gap.diagnosis import diagnose
 from modallab.service.campaigns.local_session import record_campaign
 
@@ -93,7 +94,7 @@ def trial(seed: int) -> dict[str, Any]:
         if first.verdict != "known" or len(entry["standing"]) < 2 or [effect.effect] not in entry["standing"]:
             return entry | {"kept": False}
         ranked = next_experiments(campaign, first)
-        if ranked[0].after < APART:
+        if ranked[0].expected < DECIDES:
             return entry | {"kept": False, "none": ranked[0].after}
         later = record_campaign(url, rig, ranked[0].plans, Path(folder), lambda _: None)
     second = diagnose(continued(campaign, later))

@@ -105,7 +105,7 @@ def diagnose(
         gap=_gap(campaign, prepared, choice, everything),
         where=where(verdict, found, withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
-        candidates=_candidates(ranked, seen, choice),
+        candidates=_candidates(ranked, seen, choice, everything),
         shrink=_shrink(choice, _as_found(prepared, seen, unseen, held or fitted), unseen, [b.name for b in held]),
         next_experiment=next_experiment(verdict, ranked, campaign, nonlinear),
         twin=calibrated(choice.believed, everything),
@@ -208,10 +208,18 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
     return found
 
 
-def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice) -> list[CandidateSet]:
+def _candidates(
+    ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
+) -> list[CandidateSet]:
     more = [f.effect for f in seen]
     listed = [
-        CandidateSet(effects=[*(c.effect for c in f.problem.candidates), *more], probability=float(p), gap=f.gap)
+        CandidateSet(
+            effects=[*(c.effect for c in f.problem.candidates), *more],
+            probability=float(p),
+            gap=f.gap,
+            fitted=f.effects,
+            twin=calibrated(f, data),
+        )
         for f, p in ranked[:8]
         # What leaves more than no effect does explains nothing.
         if (f.problem.candidates and f.gap < choice.base.gap) or (more and not f.problem.candidates)

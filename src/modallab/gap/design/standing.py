@@ -1,0 +1,195 @@
+"""The explanations that a diagnosis has left standing, each with its own numbers, on the records it was made from."""
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import CandidateSet, Diagnosis
+from modallab.core.effects import Effect, kind_of
+from modallab.core.errors import DataError, PlanError
+from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.split import split
+from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
+from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.minimise import minimise
+from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.coordinates import coordinates_of
+from modallab.gap.report.initial_gap import TOP_HZ, weights_of
+from modallab.gap.search.fitting import settled
+from modallab.twin.candidate import Candidate, Slot
+
+Array = NDArray[np.float64]
+
+POSSIBLE = 0.01
+"""Probability from which an explanation counts as left standing."""
+MOST = 4
+"""Explanations that are planned for at most."""
+FITTED = "spread"
+"""Which records a diagnosis of all records together holds out: none that is new is held out as a whole."""
+STEPS = 6
+"""Evaluations of the slopes, at most, until an explanation is at the end of its valley."""
+EDGE = 1e-6
+"""How near to its bounds a share may be."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Explanation:
+    """An explanation that is left standing.
+
+    Attributes:
+        effects: names of its effects.
+        probability: that the diagnosis gives it; those of all explanations add up to 1.
+        fit: it, on the records that are there.
+    """
+
+    effects: tuple[str, ...]
+    probability: float
+    fit: Fit
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Recorded:
+    """What is there to plan with.
+
+    Attributes:
+        data: the records that a fit would see.
+        weights: the noise of the rows.
+        prepared: the campaign.
+    """
+
+    data: Reduced
+    weights: Weights
+    prepared: Prepared
+
+
+def recorded(campaign: Campaign) -> Recorded:
+    """The records of a campaign as a diagnosis of them and of later ones would fit them.
+
+    Raises:
+        DataError: the campaign holds no record that says what drove it.
+    """
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    weights = weights_of(prepared)
+    fitted, _ = split(prepared.blocks, FITTED)
+    return Recorded(reduce(prepared.campaign, fitted, weights), weights, prepared)
+
+
+def left_standing(diagnosis: Diagnosis) -> list[CandidateSet]:
+    """Explanations between which an experiment could decide, the likeliest first; a single one if there is none.
+
+    One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
+    Where one stands alone, the one behind it counts too.
+    """
+    kept: list[CandidateSet] = []
+    for c in sorted(diagnosis.candidates, key=lambda c: -c.probability):
+        if not any(set(k.effects) < set(c.effects) for k in kept):
+            kept.append(c)
+    return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
+
+
+def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple[float, int]]) -> list[Explanation]:
+    """The explanations left standing, fitted to what is there.
+
+    Args:
+        diagnosis: of the records.
+        there: the records.
+        points: place in m and number of further hits that are planned: where each lands is free as well.
+
+    Raises:
+        PlanError: fewer than two are left standing, or one of them depends on the size of the motion.
+        DataError: the diagnosis does not hold their numbers.
+    """
+    sets = left_standing(diagnosis)
+    if len(sets) < 2:
+        raise PlanError(
+            "the diagnosis leaves no two explanations between which an experiment could decide",
+            where=diagnosis.rig,
+            remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
+        )
+    _require_planned(diagnosis, sets)
+    free = free_with(there, points)
+    total = sum(c.probability for c in sets) or 1.0
+    fits = [_fitted(c, there.data, free) for c in sets]
+    best = min(fits, key=lambda f: f.cost)
+    return [
+        Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, settled(beside(f, best)))
+        for c, f in zip(sets, fits, strict=True)
+    ]
+
+
+def beside(fit: Fit, other: Fit) -> Fit:
+    """A fit, or the one that begins where another's nuisances are, if that is the better one.
+
+    Many numbers that do nearly the same settle slowly: what two explanations differ by must not be where each fit has
+    come to.
+    """
+    size = fit.problem.free.size
+    moved = np.concatenate([other.u[:size], fit.u[size:]])
+    return min(fit, minimise(fit.problem, moved, STEPS, 1e-4, alike=True), key=lambda f: f.cost)
+
+
+def _require_planned(diagnosis: Diagnosis, sets: Sequence[CandidateSet]) -> None:
+    for c in sets:
+        if c.twin is None or not c.fitted:
+            raise DataError(
+                f"the diagnosis does not hold the numbers of {' and '.join(c.effects)}",
+                where=diagnosis.rig,
+                remedy="diagnose the campaign again with this version",
+            )
+        if not all(kind_of(e.effect).linear for e in c.fitted):
+            raise PlanError(
+                f"{' and '.join(c.effects)} depends on the size of the motion: no experiment is planned for that yet",
+                where=diagnosis.rig,
+                remedy=diagnosis.next_experiment or "repeat the sines at a third level",
+            )
+
+
+def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisances:
+    """What is free on the records that are there and on hits at further points."""
+    rig = there.prepared.campaign.rig
+    counts = Counter(b.drive_point for b in there.prepared.blocks if b.test == "impact" and b.drive_point is not None)
+    done = {rig.x_of(point): count for point, count in sorted(counts.items())}
+    more = [(x, count) for x, count in points if x not in done]
+    return nuisances(rig, TOP_HZ, [*done.items(), *more])
+
+
+def _fitted(c: CandidateSet, data: Reduced, free: Nuisances) -> Fit:
+    assert c.twin is not None
+    found = [_free_again(e, data) for e in c.fitted]
+    u = np.concatenate([coordinates_of(c.twin, free), *(own for _, own in found)])
+    problem = Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(c.twin.drift_curve))
+    return minimise(problem, u, STEPS, 1e-4, alike=True)
+
+
+def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
+    """An effect with its numbers free, and the coordinates at which it is this one."""
+    for c in _like(effect, data):
+        values = {**effect.parameters, **effect.place}
+        fixed = {**dict(c.place), **dict(c.fixed)}
+        if c.effect == effect.effect and all(values.get(k) == v for k, v in fixed.items()):
+            return c, np.array([_coordinate(s, values[s.name]) for s in c.slots])
+    raise DataError(
+        f"no fit looks for {effect.effect} at {effect.place}",
+        where=data.rig.name,
+        remedy="name the rig file that the campaign was diagnosed with",
+    )
+
+
+def _like(effect: Effect, data: Reduced) -> list[Candidate]:
+    at = effect.place.get("channel")
+    kind = kind_of(effect.effect).place
+    if kind == "pair" and isinstance(at, tuple):
+        return of_pairs(data.rig, at)
+    return of_channel(data.rig, at) if kind == "channel" and isinstance(at, int) else of_bench(data.rig)
+
+
+def _coordinate(slot: Slot, value: object) -> float:
+    assert isinstance(value, float | int)
+    near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
+    return slot.coordinate(max(near, np.finfo(float).tiny) if slot.transform == "log" else near)
