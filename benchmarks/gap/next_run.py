@@ -3,9 +3,12 @@
     python benchmarks/gap/next_run.py --sets 20 --seed 161616 --out F.jsonl
 
 Campaigns that show little: few accelerometers, and hits at one point or sines at one level, on a simulated bench with
-one effect. Those are kept whose diagnosis leaves two explanations or more (`STANDING`), the truth among them. The best
-experiment of `modallab gap next` is run on the same bench, and the diagnosis goes on with its records, as `--run` does.
-What F holds is not done again.
+one effect. What such a campaign cannot tell is computed beforehand (`of_data`): the effect is one of a pair whose
+signatures are alike there, large enough to be seen and small enough not to be told from the other. Of pairs that are
+the same to every test of the rig one in eight is kept. Those campaigns are kept whose diagnosis leaves two explanations
+or more (`STANDING`), the truth among them. The best experiment of `modallab gap next` is run on the same
+bench, and the diagnosis goes on with its records, as `--run` does. Where the plan says that no experiment decides, the
+best is run all the same: it must not decide then. What F holds is not done again.
 """
 
 import argparse
@@ -21,11 +24,16 @@ from modallab.blind.trial_bench import trial_bench
 from modallab.blind.trial_rigs import drawn_rig, mounted
 from modallab.core.diagnosis import Diagnosis
 from modallab.core.effects import Effect, kind_of
+from modallab.core.errors import ModallabError
 from modallab.core.plan import PAPER_LINES, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
-from modallab.gap.design.continued import continued
+from modallab.gap.design.continued import FITTED, continued
+from modallab.gap.design.distinguishability import Distinguishability, of_data
 from modallab.gap.design.experiments import DECIDES, next_experiments
+from modallab.gap.design.planned import planned
+from modallab.gap.design.standing import without_needless
 from modallab.gap.diagnosis import diagnose
+from modallab.gap.model.fit import all_rows
 from modallab.service.campaigns.local_session import record_campaign
 
 EFFECTS = (
@@ -35,16 +43,20 @@ EFFECTS = (
 )
 STANDING = 0.05
 """Probability from which an explanation is left standing."""
-GAPS = (2.0, 60.0)
-"""Gaps that are drawn, in noise units on an ideal bench; several times that on one as built."""
-SENSORS = {"tip": (10,), "close": (6, 7), "two": (5, 10), "three": (3, 7, 10)}
-LINES = tuple(round(line / 1.024, 3) for line in PAPER_LINES[::2])
+SAME = 1 - 1e-5
+"""Cosine from which two effects are the same."""
+SEEN, TOLD = 20.0, 4.0
+"""Noise units, over all records and beyond tolerances, that an effect leaves at least, and by which it is told from the
+other of its pair at most."""
+GAPS = (1.3, 300.0)
+"""Gaps in noise units on an ideal bench without tolerances that are drawn at all."""
+SENSORS = {"tip": (10,), "middle": (6,), "close": (6, 7), "two": (5, 10), "three": (3, 7, 10)}
+LINES = tuple(round(line / 1.024, 3) for line in PAPER_LINES)
 PLANS: dict[str, Plan] = {
     "hits at 6": ImpactPlan(points=(6,), hits=2),
     "hits at 10": ImpactPlan(points=(10,), hits=2),
-    "sines": SinePlan(frequencies_hz=LINES, levels_v={"low": 1.0}),
+    "sines": SinePlan(frequencies_hz=LINES, levels_v={"low": 0.2}),
 }
-OF_HITS, OF_SINES = {"hit_position"}, {"stinger_moment", "shaker_mass"}
 
 
 def with_sensors(rig: Rig, points: tuple[int, ...]) -> Rig:
@@ -53,21 +65,48 @@ def with_sensors(rig: Rig, points: tuple[int, ...]) -> Rig:
     return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
 
 
-def drawn(seed: int) -> dict[str, Any]:
-    """A trial: rig, plan, effect and the bench's address."""
+def seen(rig: Rig, plans: list[Plan]) -> tuple[Distinguishability, float]:
+    """What a campaign can tell, and the noise units over all records that a gap of one makes."""
+    points = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
+    data = planned(rig, plans)
+    return of_data(data, points, EFFECTS), float(np.sqrt(2 * sum(r.y.size for r in all_rows(data))))
+
+
+def alike(rig: Rig, plan: Plan, rng: np.random.Generator) -> list[tuple[str, str, float, float]]:
+    """Effects that a campaign may not tell from another, that other, and gaps at which it sees but does not tell."""
+    found, units = seen(rig, [plan])
+    whole, _ = seen(rig, [ImpactPlan(points=tuple(p.id for p in rig.points), hits=5), SinePlan()])
+    same = {frozenset((a, b)) for a, b, cosine in whole.alike() if cosine > SAME}
+    pairs: list[tuple[str, str, float, float]] = []
+    for a, b, cosine in found.alike():
+        if frozenset((a, b)) in same and rng.random() > 1 / 8:
+            continue
+        for one, other in ((a, b), (b, a)):
+            left = units * float(found.strength[found.effects.index(one)])
+            low, high = SEEN / left, TOLD / left / max(float(np.sqrt(1 - cosine**2)), 1e-3)
+            if max(low, GAPS[0]) < min(high, GAPS[1]):
+                pairs.append((one, other, max(low, GAPS[0]), min(high, GAPS[1])))
+    return pairs
+
+
+def drawn(seed: int) -> dict[str, Any] | None:
+    """A trial: rig, plan, effect and the bench's address; None where the campaign tells all effects apart."""
     rng = np.random.default_rng([seed, 16])
     rough = bool(rng.integers(2))
     sensors, plan = str(rng.choice(list(SENSORS))), str(rng.choice(list(PLANS)))
-    names = [e for e in EFFECTS if e not in (OF_HITS if plan == "sines" else OF_SINES)]
     rig = with_sensors(drawn_rig(seed), SENSORS[sensors])
     if rough:
         rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
-    gap = float(np.exp(rng.uniform(*np.log(GAPS)))) * (6 if rough else 1)
-    effect = trial_bench().draw_effect(rig, seed, str(rng.choice(names)), gap).effect
+    pairs = alike(rig, PLANS[plan], rng)
+    if not pairs:
+        return None
+    name, other, low, high = pairs[int(rng.integers(len(pairs)))]
+    gap = float(np.exp(rng.uniform(np.log(low), np.log(high))))
+    effect = trial_bench().draw_effect(rig, seed, name, gap).effect
     words = [f"{k}={v!r}" for k, v in effect.parameters.items()]
     words += [f"{k}={v}" for k, v in effect.place.items() if kind_of(effect.effect).place == k]
     url = f"sim://cantilever?seed={seed}&k_root=inf&bad_hits=0&n_per_v=2&effect={','.join([effect.effect, *words])}"
-    return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "rough": rough,
+    return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "other": other, "rough": rough, "gap": gap,
             "url": url + ("&tolerances=usual" if rough else "")}  # fmt: skip
 
 
@@ -75,54 +114,90 @@ def standing(found: Diagnosis) -> list[list[str]]:
     """The explanations that are left standing, the likeliest first."""
     if found.verdict == "no_gap":
         return []
-    listed = sorted(found.candidates, key=lambda c: -c.probability)
-    return [sorted(c.effects) for c in listed if c.probability >= STANDING]
+    return [sorted(c.effects) for c in without_needless(found.candidates) if c.probability >= STANDING]
 
 
 def trial(seed: int) -> dict[str, Any]:
     """One trial, as far as it goes."""
     made = drawn(seed)
-    rig, url, effect = made["rig"], made["url"], made["effect"]
+    if made is None:
+        return {"seed": seed, "kept": False, "why": "the campaign tells all effects apart"}
+    effect = made["effect"]
     assert isinstance(effect, Effect)
     entry: dict[str, Any] = {"seed": seed, "truth": effect.effect, "numbers": effect.parameters, "place": effect.place}
-    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "url")}
-    with TemporaryDirectory() as folder:
-        campaign = record_campaign(url, rig, [PLANS[made["plan"]]], Path(folder), lambda _: None)
-        begun = time.process_time()
-        first = diagnose(campaign)
-        entry |= {"verdict": first.verdict, "standing": standing(first), "seconds": time.process_time() - begun}
-        if first.verdict != "known" or len(entry["standing"]) < 2 or [effect.effect] not in entry["standing"]:
-            return entry | {"kept": False}
-        ranked = next_experiments(campaign, first)
-        if ranked[0].expected < DECIDES:
-            return entry | {"kept": False, "none": ranked[0].after}
-        later = record_campaign(url, rig, ranked[0].plans, Path(folder), lambda _: None)
-    second = diagnose(continued(campaign, later))
+    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "gap", "url")}
+    try:
+        with TemporaryDirectory() as folder:
+            return entry | tried(made, effect.effect, Path(folder))
+    except ModallabError as error:
+        return entry | {"kept": "standing" in entry, "right": False, "why": f"{type(error).__name__}: {error}"}
+
+
+def tried(made: dict[str, Any], truth: str, folder: Path) -> dict[str, Any]:
+    """What a trial's bench, diagnoses and plan say."""
+    rig, url = made["rig"], made["url"]
+    campaign = record_campaign(url, rig, [PLANS[made["plan"]]], folder, lambda _: None)
+    begun = time.process_time()
+    first = diagnose(campaign)
+    entry: dict[str, Any] = {"verdict": first.verdict, "standing": standing(first)}
+    entry |= {"seconds": time.process_time() - begun, "of": [c.probability for c in first.candidates[:4]]}
+    if first.verdict != "known" or len(entry["standing"]) < 2 or [truth] not in entry["standing"]:
+        return entry | {"kept": False}
+    begun = time.process_time()
+    ranked = next_experiments(campaign, first)
+    entry |= {"planned_in": time.process_time() - begun}
+    entry |= {"experiments": [e.model_dump(exclude={"plans", "says"}) for e in ranked[:6]]}
+    try:
+        later = record_campaign(url, rig, ranked[0].plans, folder, lambda _: None)
+        second = diagnose(continued(campaign, later), FITTED)
+    except ModallabError as error:
+        return entry | {"kept": True, "right": False, "why": f"{type(error).__name__}: {error}"}
     said = sorted(f.effect for f in second.effects)
+    then = {"verdict": second.verdict, "said": said, "standing": standing(second)}
+    then |= {"all": [("+".join(c.effects), c.probability) for c in second.candidates[:6]], "gap": second.gap.after}
     return entry | {
         "kept": True,
-        "experiments": [{"name": e.name, "before": e.before, "after": e.after} for e in ranked],
-        "then": {"verdict": second.verdict, "said": said, "standing": standing(second)},
-        "right": said == [effect.effect] and standing(second) == [[effect.effect]],
+        "decides": ranked[0].expected >= DECIDES,
+        "then": then,
+        "right": said == [truth] and standing(second) == [[truth]],
     }
 
 
 def row(e: dict[str, Any]) -> str:
     """One trial in words."""
+    if "truth" not in e:
+        return f"{e['seed']} not kept: {e['why']}"
     head = f"{e['seed']} {'built' if e['rough'] else 'ideal'} {e['sensors']:6s} {e['plan']:10s} {e['truth']:17s}"
+    if "standing" not in e:
+        return f"{head} not kept: {e['why']}"
     left = " | ".join("+".join(s) for s in e["standing"]) or e["verdict"]
     if not e["kept"]:
-        none = f" no experiment decides: {e['none']:.2g}" if "none" in e else ""
-        return f"{head} not kept: {e['verdict']} {left}{none}"
-    then, best = e["then"], e["experiments"][0]
-    left_then = " | ".join("+".join(s) for s in then["standing"]) or then["verdict"]
-    how = f"{best['name']} ({best['before']:.3g} to {best['after']:.3g})"
-    return f"{head} {'right' if e['right'] else 'WRONG'} {left} -> {how} -> {left_then} {e['numbers']}"
+        return f"{head} not kept: {e['verdict']} {left}"
+    best = e["experiments"][0]
+    how = f"{best['name']} (expected {best['expected']:.3f}, {best['nats']:.3g} nats, in {e['planned_in']:.0f} s)"
+    if "then" not in e:
+        return f"{head} WRONG {left} -> {how} -> {e['why']}"
+    then = e["then"]
+    left_then = " | ".join(f"{name} {p:.2f}" for name, p in then["all"] if p >= STANDING) or then["verdict"]
+    word = "right" if e["right"] else "WRONG"
+    return f"{head} {word if e['decides'] else f'nothing decides, {word}'} {left} -> {how} -> {left_then}"
+
+
+def summary(there: list[dict[str, Any]]) -> str:
+    """What counts."""
+    kept = [e for e in there if e["kept"]]
+    run = [e for e in kept if e.get("decides", True)]
+    none = [e for e in kept if not e.get("decides", True)]
+    return (
+        f"the truth alone is left: {sum(e['right'] for e in run)} of {len(run)} sets, of {len(there)} draws\n"
+        f"where it is said that no experiment on the rig decides, the best leaves the truth alone: "
+        f"{sum(e['right'] for e in none)} of {len(none)}"
+    )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sets", type=int, default=20, help="diagnoses that leave several explanations")
+    parser.add_argument("--sets", type=int, default=20, help="sets of which the plan says that an experiment decides")
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=60.0, help="no trial is begun after these")
@@ -130,14 +205,12 @@ def main() -> None:
     there = [json.loads(line) for line in a.out.read_text().splitlines()] if a.out.exists() else []
     print("\n".join(map(row, there)))
     end = time.monotonic() + 60 * a.minutes
-    while sum(e["kept"] for e in there) < a.sets and time.monotonic() < end:
+    while sum(e["kept"] and e.get("decides", True) for e in there) < a.sets and time.monotonic() < end:
         there.append(trial(a.seed * 1000 + len(there)))
         with a.out.open("a") as target:
             target.write(json.dumps(there[-1]) + "\n")
         print(row(there[-1]), flush=True)
-    kept = [e for e in there if e["kept"]]
-    print(f"the truth alone is left: {sum(e['right'] for e in kept)} of {len(kept)} sets, of {len(there)} diagnoses")
-    print(f"sets of which it is said that no experiment on the rig decides: {sum('none' in e for e in there)}")
+    print(summary(there))
 
 
 if __name__ == "__main__":

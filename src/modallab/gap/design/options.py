@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -16,8 +17,12 @@ from modallab.signals.signals import to_signals
 
 LOUDER = 2.5
 """A third level over the highest so far."""
-MOST_OF_LIMIT = 0.7
-"""Share of the force that the rig allows, up to which a level is planned."""
+FIRST_N = 1.0
+"""Force of a first sine test."""
+MOST_OF_LIMIT = 0.6
+"""Share of the force and of the acceleration that the rig allows, up to which a level is planned."""
+V_PER_N = 0.25
+"""Drive that a force is begun with."""
 ABOUT = (0.97, 0.985, 1.0, 1.015, 1.03)
 """Frequencies about a mode, as shares of its own."""
 BAND = 0.2
@@ -117,7 +122,8 @@ def struck_at(like: ImpactPlan, points: tuple[int, ...]) -> ImpactPlan:
 def _sines(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[Option]:
     before = next((plan for plan in done if isinstance(plan, SinePlan)), None)
     if before is None:
-        return [Option("sines", "Run a sine test.", (SinePlan(),))]
+        first = at_force(rig, SinePlan(), SinePlan().frequencies_hz, "low", FIRST_N)
+        return [Option("sines", "Run a sine test.", (first,))]
     top = max(before.levels_v.values()) * N_PER_V
     louder = at_force(rig, before, before.frequencies_hz, "louder", LOUDER * top)
     found = [Option("third level", "Repeat the sines at a level above.", (louder,))]
@@ -133,15 +139,25 @@ def at_force(rig: Rig, like: SinePlan, frequencies_hz: tuple[float, ...], level:
     """Sines of a force, recorded as those of a plan before: records do not say how many volts drove them."""
     if rig.limits is not None:
         newtons = min(newtons, MOST_OF_LIMIT * rig.limits.force_n)
-    # Never above the force itself in volts: most shakers give a newton per volt or more.
-    volts = min(newtons, rig.limits.drive_v) / 2 if rig.limits is not None else newtons / 2
+    most = inf if rig.limits is None else rig.limits.drive_v
     return SinePlan(
         frequencies_hz=frequencies_hz,
-        levels_v={level: volts},
+        # Each burst is corrected by what the one before gave: too little to begin with harms nothing.
+        levels_v={level: min(newtons * V_PER_N, most)},
         rate_hz=like.rate_hz,
         block_s=like.block_s,
         force=ForceControl(levels_n={level: newtons}),
     )
+
+
+def no_louder(plan: SinePlan, newtons: float) -> SinePlan:
+    """The same at this force at most, where it holds one."""
+    if plan.force is None or max(plan.force.levels_n.values()) <= newtons:
+        return plan
+    share = newtons / max(plan.force.levels_n.values())
+    levels = {name: n * share for name, n in plan.force.levels_n.items()}
+    volts = {name: v * share for name, v in plan.levels_v.items()}
+    return plan.model_copy(update={"levels_v": volts, "force": plan.force.model_copy(update={"levels_n": levels})})
 
 
 def every_line(rig: Rig, done: Sequence[Plan]) -> SinePlan:
@@ -151,9 +167,8 @@ def every_line(rig: Rig, done: Sequence[Plan]) -> SinePlan:
     driven = () if before is None else before.frequencies_hz
     lines = [k / like.block_s for k in range(min(PAPER_LINES), max(PAPER_LINES) + 1)]
     free = tuple(round(f, 3) for f in lines if all(abs(f - d) * like.block_s > 0.5 for d in driven))
-    if before is None:
-        return like.model_copy(update={"frequencies_hz": free})
-    return at_force(rig, before, free, "chosen", max(before.levels_v.values()) * N_PER_V)
+    newtons = FIRST_N if before is None else max(before.levels_v.values()) * N_PER_V
+    return at_force(rig, like, free, "chosen", newtons)
 
 
 def _seconds(plan: Plan) -> float:

@@ -20,7 +20,7 @@ from modallab.gap.design.information import (
     squares_without_noise,
     told,
 )
-from modallab.gap.design.options import HITS, Option, every_line, options, plans_of
+from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
 from modallab.gap.design.planned import Layout, laid_out, together, with_more_sines
 from modallab.gap.design.standing import Explanation, Recorded, beside, explanations, recorded
 from modallab.gap.model.minimise import minimise
@@ -108,6 +108,7 @@ class Planning:
         return replace(prospect, outlook=expected, looked=True)
 
     def _prospect(self, option: Option) -> Prospect:
+        option = replace(option, plans=tuple(self._within_limits(plan) for plan in option.plans))
         layout = together([self._laid_out(self._fitted(plan)) for plan in option.plans])
         columns = self._columns(layout)
         gram = columns.T @ columns
@@ -121,6 +122,19 @@ class Planning:
     def _columns(self, layout: Layout) -> Array:
         # The force's noise lies along the answer, which is nearly the same of all that are left standing.
         return columns_of(self.rivals, layout.answered(_twin(self.rivals.listed[0])))
+
+    def _within_limits(self, plan: Plan) -> Plan:
+        """The same no louder than the likeliest explanation lets the sensors move within the rig's limits."""
+        rig = self.there.data.rig
+        if (
+            not isinstance(plan, SinePlan)
+            or rig.limits is None
+            or any(c.quantity != "acceleration" for c in rig.responses)
+        ):
+            return plan
+        sines = self._laid_out(plan).answered(_twin(self.rivals.listed[0])).sines
+        assert sines is not None
+        return no_louder(plan, MOST_OF_LIMIT * rig.limits.acceleration_m_s2 / float(np.max(np.abs(sines.rows.y))))
 
     def _fitted(self, plan: Plan) -> Plan:
         """What of a plan a fit would see."""

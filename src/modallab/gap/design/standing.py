@@ -14,6 +14,7 @@ from modallab.core.errors import DataError, PlanError
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
+from modallab.gap.design.continued import FITTED
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.minimise import minimise
@@ -30,8 +31,6 @@ POSSIBLE = 0.01
 """Probability from which an explanation counts as left standing."""
 MOST = 4
 """Explanations that are planned for at most."""
-FITTED = "spread"
-"""Which records a diagnosis of all records together holds out: none that is new is held out as a whole."""
 STEPS = 6
 """Evaluations of the slopes, at most, until an explanation is at the end of its valley."""
 EDGE = 1e-6
@@ -86,11 +85,17 @@ def left_standing(diagnosis: Diagnosis) -> list[CandidateSet]:
     One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
     Where one stands alone, the one behind it counts too.
     """
+    kept = without_needless(diagnosis.candidates)
+    return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
+
+
+def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
+    """Explanations, the likeliest first, without those that contain a likelier one: what they add is not needed."""
     kept: list[CandidateSet] = []
-    for c in sorted(diagnosis.candidates, key=lambda c: -c.probability):
+    for c in sorted(candidates, key=lambda c: -c.probability):
         if not any(set(k.effects) < set(c.effects) for k in kept):
             kept.append(c)
-    return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
+    return kept
 
 
 def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple[float, int]]) -> list[Explanation]:
