@@ -5,6 +5,8 @@ explanations are fitted to both. What counts is the probability that the true on
 9 (1967), 57), and the time at the bench. The best are looked at again with full fits: slopes know no curvature.
 """
 
+import numpy as np
+
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
@@ -66,22 +68,21 @@ def next_experiments(campaign: Campaign, diagnosis: Diagnosis) -> list[Experimen
         report(0.5 + 0.5 * k / LOOKED, f"full fits of {found[0].option.name}")
         found[0] = planning.looked_at(found[0])
     found.sort(key=_worth, reverse=True)
-    now = max(r.probability for r in planning.rivals.listed)
-    return [_experiment(p, now) for p in found]
+    return [_experiment(p) for p in found]
 
 
 def _worth(prospect: Prospect) -> float:
     return prospect.outlook.right - HOUR * prospect.option.seconds / 3600
 
 
-def _experiment(prospect: Prospect, now: float) -> Experiment:
+def _experiment(prospect: Prospect) -> Experiment:
     option, outlook = prospect.option, prospect.outlook
     return Experiment(
         name=option.name,
         says=option.says,
         plans=option.plans,
         seconds=option.seconds,
-        now=now,
+        now=float(np.max(outlook.chances)),
         expected=outlook.right,
         alone=outlook.alone,
         nats=outlook.nats,

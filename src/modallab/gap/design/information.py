@@ -26,8 +26,10 @@ Array = NDArray[np.float64]
 
 DRAWS = 100
 """New records that are drawn for each explanation."""
-OPEN = 0.3
+OPEN, OPEN_PLACE = 0.3, 0.02
 """Coordinates of an effect that the records leave open are drawn this far from the fit: beyond, slopes say nothing."""
+FAR = 30.0
+"""Times as far as that a fit by slopes goes, about: at the end of its range a number has none."""
 ALONE = 0.95
 """Probability from which an explanation counts as the only one left."""
 SEED = 20261125
@@ -74,7 +76,7 @@ class Outlook:
         right: mean probability of the explanation that is true, once the experiment is made.
         alone: how often it is the only one left.
         ratio: (true, other) mean logarithm of the likelihoods' ratio on all records.
-        chances: (true,) probabilities so far.
+        chances: (true,) probabilities so far, by the fits to what is there.
     """
 
     right: float
@@ -93,7 +95,7 @@ def _start(fit: Fit) -> tuple[Array, Array]:
     J, n = jacobian(fit.problem, fit.u, fit.residual), fit.problem.free.size
     _, slope, curvature = fit.problem.priors(fit.u)
     normal, gradient = J.T @ J, J.T @ fit.residual
-    normal[np.arange(n), np.arange(n)] += curvature
+    normal[np.diag_indices(len(normal))] += np.concatenate([curvature, (FAR * _open(fit)) ** -2])
     gradient[:n] += slope
     return normal, gradient
 
@@ -135,7 +137,7 @@ def outlook(rivals: Rivals, gram: Array, count: int, bent: Array | None = None) 
         after = believed(rivals, costs, count)[:, true]
         right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
         ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2
-    chances = np.array([r.probability for r in rivals.listed])
+    chances = believed(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
     return Outlook(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
@@ -162,11 +164,16 @@ def believed(rivals: Rivals, costs: Array, count: int) -> Array:
     return shares_of(costs, effects, n, temperature_of(rivals.temperature / n))
 
 
+def _open(fit: Fit) -> Array:
+    """(numbers of its effects,) how far each is drawn from the fit at most, about."""
+    return np.array([OPEN_PLACE if s.name == "x" else OPEN for c in fit.problem.candidates for s in c.slots])
+
+
 def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Array:
     """(draws, numbers) what the records so far leave open of an explanation's numbers."""
-    normal, first = rivals.starts[true][0].copy(), rivals.listed[true].fit.problem.free.size
-    own = np.arange(first, len(normal))
-    normal[own, own] += OPEN**-2
+    fit, normal = rivals.listed[true].fit, rivals.starts[true][0].copy()
+    own = np.arange(fit.problem.free.size, len(normal))
+    normal[own, own] += _open(fit) ** -2
     z = rng.standard_normal((len(normal), DRAWS))
     return np.linalg.solve(np.linalg.cholesky(normal).T, z).T
 

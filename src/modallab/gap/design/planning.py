@@ -99,8 +99,7 @@ class Planning:
             joint = _joint(self.there.data, prospect.layout.answered(_twin(rival)))
             straight = squares_without_noise(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
-                # Of the same effects elsewhere a full fit would find its way to these.
-                if k != true and other.effects != rival.effects:
+                if k != true:
                     problem = replace(other.fit.problem, data=joint)
                     fit = minimise(problem, other.fit.u, STEPS, 1e-3, alike=True)
                     bent[true, k] = beside(fit, rival.fit).cost - straight[k]

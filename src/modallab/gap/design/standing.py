@@ -120,7 +120,8 @@ def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple
     _require_planned(diagnosis, sets)
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
-    fits = [_fitted(c, there.data, free) for c in sets]
+    names = Counter(frozenset(c.effects) for c in sets)
+    fits = [_fitted(c, there.data, free, names[frozenset(c.effects)] > 1) for c in sets]
     best = min(fits, key=lambda f: f.cost)
     return [
         Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, settled(beside(f, best)))
@@ -164,9 +165,11 @@ def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisanc
     return nuisances(rig, TOP_HZ, [*done.items(), *more])
 
 
-def _fitted(c: CandidateSet, data: Reduced, free: Nuisances) -> Fit:
+def _fitted(c: CandidateSet, data: Reduced, free: Nuisances, in_place: bool) -> Fit:
+    """The fit; `in_place` where explanations of the same effects differ by nothing but where they are."""
     assert c.twin is not None
     found = [_free_again(e, data) for e in c.fitted]
+    found = [_held_in_place(*f) for f in found] if in_place else found
     u = np.concatenate([coordinates_of(c.twin, free), *(own for _, own in found)])
     problem = Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(c.twin.drift_curve))
     return minimise(problem, u, STEPS, 1e-4, alike=True)
@@ -184,6 +187,13 @@ def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
         where=data.rig.name,
         remedy="name the rig file that the campaign was diagnosed with",
     )
+
+
+def _held_in_place(candidate: Candidate, own: Array) -> tuple[Candidate, Array]:
+    free = [s.name != "x" for s in candidate.slots]
+    at = [("x", s.value(float(u))) for s, u in zip(candidate.slots, own, strict=True) if s.name == "x"]
+    slots = tuple(s for s, kept in zip(candidate.slots, free, strict=True) if kept)
+    return replace(candidate, slots=slots, place=(*candidate.place, *at)), own[free]
 
 
 def _like(effect: Effect, data: Reduced) -> list[Candidate]:
