@@ -49,12 +49,12 @@ STANDING = 0.05
 """Probability from which an explanation is left standing."""
 SAME = 1 - 1e-5
 """Cosine from which two effects are the same."""
-SEEN, TOLD = 20.0, 2.5
+SEEN, TOLD = 20.0, 3.0
 """Noise units, over all records and beyond tolerances, that an effect leaves at least, and by which it is told from the
 other of its pair at most."""
 SHAKER = (1.6, 40.0)
 """Gaps of a mass on the shaker, in the same units as the next."""
-GAPS = (1.6, 300.0)
+GAPS = (1.6, 60.0)
 """Gaps in noise units on an ideal bench without tolerances that are drawn at all."""
 MOVES = 0.04
 """Share of the response that an effect on a bench as built moves at least: less is no gap there."""

@@ -141,10 +141,12 @@ def outlook(rivals: Rivals, gram: Array, count: int, bent: Array | None = None) 
     return Outlook(float(chances @ right), float(chances @ alone), ratio, chances)
 
 
-def squares_without_noise(rivals: Rivals, gram: Array, true: int) -> Array:
-    """(explanations,) squares that linear fits leave of the answers of one explanation, and of the records before."""
-    none = np.zeros((1, len(gram)))
-    return _costs(rivals, gram, true, np.zeros((1, rivals.listed[true].fit.u.size)), none)[0]
+def without_noise(rivals: Rivals, gram: Array, true: int) -> list[tuple[float, Array]]:
+    """What each explanation leaves by slopes of the answers of one and of the records before, and its numbers then."""
+    answers = np.zeros((1, len(gram)))
+    answers[0, len(gram) - len(rivals.listed) + true] = 1
+    found = [_again(rivals, gram, k, answers, np.zeros((1, len(gram)))) for k in range(len(rivals.listed))]
+    return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
 
 
 def told(rivals: Rivals, columns: Array) -> Array:
@@ -180,17 +182,26 @@ def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Array:
 
 def _costs(rivals: Rivals, gram: Array, true: int, drawn: Array, noise: Array) -> Array:
     """(draws, explanations) squares that each leaves of all records, less those of the new noise alone."""
-    first = len(gram) - len(rivals.listed)
     answers = np.zeros((len(drawn), len(gram)))
     answers[:, rivals.numbers[true]] = drawn
-    answers[:, first + true] += 1
-    costs = np.zeros((len(drawn), len(rivals.listed)))
-    for k, (rival, own) in enumerate(zip(rivals.listed, rivals.numbers, strict=True)):
-        less = answers.copy()
-        less[:, first + k] -= 1
-        along = less @ gram + noise
-        normal, gradient = rivals.starts[k]
-        slope = along[:, own] - gradient
-        step = np.linalg.solve(normal + gram[own, own], slope.T).T
-        costs[:, k] = rival.fit.cost + np.sum(less * (along + noise), axis=1) - np.sum(slope * step, axis=1)
-    return costs
+    answers[:, len(gram) - len(rivals.listed) + true] += 1
+    return np.array([_again(rivals, gram, k, answers, noise)[0] for k in range(len(rivals.listed))]).T
+
+
+def _again(rivals: Rivals, gram: Array, k: int, answers: Array, noise: Array) -> tuple[Array, Array]:
+    """(draws,) squares that an explanation leaves, fitted again, and (draws, numbers) how far its numbers go.
+
+    Args:
+        rivals: the explanations.
+        gram: products of the experiment's columns.
+        k: which explanation.
+        answers: (draws, columns) the new records, as sums of columns.
+        noise: (draws, columns) products of their noise with the columns.
+    """
+    own, (normal, gradient) = rivals.numbers[k], rivals.starts[k]
+    less = answers.copy()
+    less[:, len(gram) - len(rivals.listed) + k] -= 1
+    along = less @ gram + noise
+    slope = along[:, own] - gradient
+    step: Array = np.linalg.solve(normal + gram[own, own], slope.T).T.astype(np.float64)
+    return rivals.listed[k].fit.cost + np.sum(less * (along + noise), axis=1) - np.sum(slope * step, axis=1), step

@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 
 from modallab.core.block import Campaign
-from modallab.core.plan import PAPER_LINES, ForceControl, ImpactPlan, Plan, SinePlan
+from modallab.core.plan import PAPER_LINES, ForceControl, HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import as_volts, usable
 from modallab.gap.conditioning.reduce import force_amplitude
@@ -32,6 +32,8 @@ HIT_S, SINE_S = 20.0, 25.0
 BURSTS = 1.3
 """Bursts that a frequency takes where the force is held."""
 HITS = 5
+SHAPE = 3
+"""Accelerometers from which shapes are seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +105,13 @@ def _hits(rig: Rig, done: Sequence[Plan]) -> list[Option]:
     struck = sorted({p for plan in before for p in plan.points})
     # At one point all hits are one set of lines: they must be as long as those before.
     like = before[0] if before else ImpactPlan(points=(1,))
+    # Where a hit landed is read off shapes, which few sensors do not show: their weak answers would be taken for it.
+    acceptance = HitAcceptance(check_point=len(rig.responses) >= SHAPE)
+    like = like.model_copy(update={"acceptance": acceptance})
     found = [
         Option(f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (struck_at(like, (p.id,)),))
-        for p in sorted(rig.points, key=lambda p: p.x_m)
+        # Of points that tell alike, that is struck which moves most: near the root a hit is felt least.
+        for p in sorted(rig.points, key=lambda p: -p.x_m)
         if p.id not in struck and p.x_m > 0
     ]
     if struck:
@@ -116,7 +122,7 @@ def _hits(rig: Rig, done: Sequence[Plan]) -> list[Option]:
 
 def struck_at(like: ImpactPlan, points: tuple[int, ...]) -> ImpactPlan:
     """A plan of hits at other points, recorded as those of a plan before."""
-    return ImpactPlan(points=points, hits=HITS, rate_hz=like.rate_hz, block_s=like.block_s)
+    return like.model_copy(update={"points": points, "hits": HITS})
 
 
 def _sines(rig: Rig, done: Sequence[Plan], poles_hz: Sequence[float]) -> list[Option]:

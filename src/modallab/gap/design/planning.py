@@ -17,12 +17,13 @@ from modallab.gap.design.information import (
     Rivals,
     columns_of,
     outlook,
-    squares_without_noise,
     told,
+    without_noise,
 )
 from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
 from modallab.gap.design.planned import Layout, laid_out, together, with_more_sines
-from modallab.gap.design.standing import Explanation, Recorded, beside, explanations, recorded
+from modallab.gap.design.standing import Explanation, Recorded, explanations, recorded
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.twin.bench import Twin
 
@@ -32,8 +33,10 @@ CHOSEN = 9
 """Sines at frequencies where the explanations differ most."""
 BESIDE = 3
 """Of the best experiments, how many are planned together, two and two."""
-STEPS = 5
+STEPS = 6
 """Evaluations of the slopes of a full fit."""
+LONGEST = 4.0
+"""Coordinates that slopes may lead away from a fit."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -97,12 +100,10 @@ class Planning:
         bent = np.zeros((len(listed), len(listed)))
         for true, rival in enumerate(listed):
             joint = _joint(self.there.data, prospect.layout.answered(_twin(rival)))
-            straight = squares_without_noise(self.rivals, prospect.gram, true)
+            straight = without_noise(self.rivals, prospect.gram, true)
             for k, other in enumerate(listed):
-                if k != true:
-                    problem = replace(other.fit.problem, data=joint)
-                    fit = minimise(problem, other.fit.u, STEPS, 1e-3, alike=True)
-                    bent[true, k] = beside(fit, rival.fit).cost - straight[k]
+                problem, (squares, end) = replace(other.fit.problem, data=joint), straight[k]
+                bent[true, k] = _least(problem, other.fit, end, rival.fit) - squares
         expected = outlook(self.rivals, prospect.gram, prospect.count, bent)
         return replace(prospect, outlook=expected, looked=True)
 
@@ -171,6 +172,15 @@ class Planning:
 
 def _twin(rival: Explanation) -> Twin:
     return rival.fit.problem.twin(rival.fit.u)
+
+
+def _least(problem: Problem, fit: Fit, end: Array, other: Fit) -> float:
+    """Least squares that an explanation leaves, from its own numbers, where slopes lead, and beside another's twin."""
+    own = problem.free.size
+    begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))
+    first = min((seen(problem, u) for u in begins), key=lambda f: f.cost)
+    tried = [minimise(problem, u, STEPS, 1e-4, alike=True).cost for u in (first.u, fit.u)]
+    return min(first.cost, *tried)
 
 
 def _joint(data: Reduced, more: Reduced) -> Reduced:
