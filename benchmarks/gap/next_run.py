@@ -3,10 +3,10 @@
     python benchmarks/gap/next_run.py --sets 20 --seed 161616 --out F.jsonl
 
 Campaigns that show little: few accelerometers, and hits at one point or sines at one level, on a simulated bench with
-one effect. What such a campaign cannot tell is computed beforehand (`of_data`): the effect is one of a pair whose
-signatures are alike there, large enough to be seen and small enough not to be told from the other. Of pairs that are
-the same to every test of the rig one in eight is kept. Those campaigns are kept whose diagnosis leaves two explanations
-or more (`STANDING`), the truth among them. The best experiment of `modallab gap next` is run on the same
+one effect, drawn without regard to the others and made smaller, where need be, until such a campaign still sees it but
+does not tell it from the one most like it, by signatures as `gap distinguishability` has them. Of those that are the
+same as another to every test of the rig one in four is kept. Those campaigns are kept whose diagnosis leaves two
+explanations or more (`STANDING`), the truth among them. The best experiment of `modallab gap next` is run on the same
 bench, and the diagnosis goes on with its records, as `--run` does. Where the plan says that no experiment decides, the
 best is run all the same: it must not decide then. What F holds is not done again.
 """
@@ -15,6 +15,7 @@ import argparse
 import json
 import time
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -23,7 +24,6 @@ import numpy as np
 
 from modallab.acquisition.process.run import record
 from modallab.bench.loader import open_bench
-from modallab.blind.trial_bench import trial_bench
 from modallab.blind.trial_rigs import drawn_rig, mounted
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import Diagnosis
@@ -32,13 +32,19 @@ from modallab.core.errors import ModallabError
 from modallab.core.plan import PAPER_LINES, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.design.continued import FITTED, continued
-from modallab.gap.design.distinguishability import Distinguishability, of_data
+from modallab.gap.design.distinguishability import of_data
 from modallab.gap.design.experiments import DECIDES, next_experiments
 from modallab.gap.design.planned import planned
-from modallab.gap.design.standing import without_needless
+from modallab.gap.design.standing import left_standing, without_needless
 from modallab.gap.diagnosis import diagnose
-from modallab.gap.model.fit import all_rows
+from modallab.gap.model.candidates import of_bench, of_channel, testable
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.forward import forward
+from modallab.gap.model.minimise import jacobian
+from modallab.gap.model.nuisances import nuisances
 from modallab.storage import Store, campaign_of
+from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.effects import apply
 
 EFFECTS = (
     *("clamp_rotation", "clamp_translation", "added_mass", "sensor_mass", "stiffness_loss", "ground_spring"),
@@ -47,19 +53,19 @@ EFFECTS = (
 )
 STANDING = 0.05
 """Probability from which an explanation is left standing."""
-SAME = 1 - 1e-5
-"""Cosine from which two effects are the same."""
-SEEN, TOLD = 20.0, 3.0
-"""Noise units, over all records and beyond tolerances, that an effect leaves at least, and by which it is told from the
-other of its pair at most."""
-SHAKER = (1.6, 40.0)
-"""Gaps of a mass on the shaker, in the same units as the next."""
-GAPS = (1.6, 60.0)
-"""Gaps in noise units on an ideal bench without tolerances that are drawn at all."""
+SEEN, TOLD, SAME = 20.0, 3.0, 0.01
+"""Noise units over all records, beyond tolerances: what an effect leaves at least, by how much it differs at most from
+the one that is most like it, and by which share of itself if it is the same."""
+MOST = 1000.0
+"""What it leaves at most."""
+HALVED = 12
+"""Halvings of the range in which its size is looked for."""
 MOVES = 0.04
 """Share of the response that an effect on a bench as built moves at least: less is no gap there."""
 BUILT = 1 / 3
 """Share of benches as built: their diagnoses take longer."""
+PLACES = tuple(np.linspace(0.1, 0.98, 12).tolist())
+"""Places over L at which others are tried."""
 SENSORS = {"tip": (10,), "middle": (6,), "low": (3,), "close": (6, 7), "two": (5, 10), "three": (3, 7, 10)}
 LINES = tuple(round(line / 1.024, 3) for line in PAPER_LINES)
 PLANS: dict[str, Plan] = {
@@ -76,33 +82,89 @@ def with_sensors(rig: Rig, points: tuple[int, ...]) -> Rig:
     return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
 
 
-def seen(rig: Rig, plans: list[Plan]) -> tuple[Distinguishability, float]:
-    """What a campaign can tell, and the noise units over all records that a gap of one makes."""
-    points = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
-    data = planned(rig, plans)
-    return of_data(data, points, EFFECTS), float(np.sqrt(2 * sum(r.y.size for r in all_rows(data))))
+def _small(slot: Slot) -> float:
+    if slot.power < 0:
+        return 10 * max(slot.starts)
+    return slot.none * 1.003 if slot.none else min(v for v in slot.starts if v > 0) / 30
 
 
-def alike(rig: Rig, plan: Plan, rng: np.random.Generator) -> list[tuple[str, str, float, float]]:
-    """Effects that a campaign may not tell from another, that other, and gaps at which it sees but does not tell."""
-    found, units = seen(rig, [plan])
-    whole, _ = seen(rig, [ImpactPlan(points=tuple(p.id for p in rig.points), hits=5), SinePlan()])
-    same = {frozenset((a, b)) for a, b, cosine in whole.alike() if cosine > SAME}
-    # A mass on the shaker is one on the beam where it stands, to sines.
-    pairs = [("shaker_mass", "added_mass", *SHAKER)] * 2 if isinstance(plan, SinePlan) else []
-    for a, b, cosine in found.alike():
-        if frozenset((a, b)) in same and rng.random() > 1 / 8:
-            continue
-        for one, other in ((a, b), (b, a)):
-            left = units * float(found.strength[found.effects.index(one)])
-            low, high = SEEN / left, TOLD / left / max(float(np.sqrt(1 - cosine**2)), 1e-3)
-            if max(low, GAPS[0]) < min(high, GAPS[1]):
-                pairs.append((one, other, max(low, GAPS[0]), min(high, GAPS[1])))
-    return pairs
+def _large(slot: Slot) -> float:
+    return min(slot.starts) / 30 if slot.power < 0 else max(slot.starts)
+
+
+class Sight:
+    """What a campaign of a plan sees: signatures in noise units, beyond what tolerances may do (as `of_data`)."""
+
+    def __init__(self, rig: Rig, plans: Sequence[Plan]) -> None:
+        points = [(rig.x_of(p), plan.hits) for plan in plans if isinstance(plan, ImpactPlan) for p in plan.points]
+        self.rig, self.data = rig, planned(rig, plans)
+        self.base = Problem(self.data, nuisances(rig, 450.0, points))
+        zero = np.zeros(self.base.size)
+        self.nothing = self.base.residual(zero)
+        slopes = jacobian(self.base, zero, self.nothing)
+        self.free, _ = np.linalg.qr(np.vstack([slopes, np.eye(self.base.size)]))
+        self.alike = {name for pair in of_data(self.data, points, EFFECTS).alike() for name in pair[:2]}
+
+    def of(self, effect: Effect) -> np.ndarray:
+        """What an effect leaves."""
+        twin = apply(self.base.twin(np.zeros(self.base.size)), effect, self.rig)
+        moved = self.base.left(twin, forward(twin, self.data)) - self.nothing
+        padded = np.concatenate([moved, np.zeros(self.base.size)])
+        return padded - self.free @ (self.free.T @ padded)
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """Effects of every kind, at every sensor."""
+        channels = [of_channel(self.rig, c) for c in self.data.channels]
+        found = [c for listed in (of_bench(self.rig), *channels) for c in listed]
+        return [c for c in found if c.effect in EFFECTS and testable(c, self.data)]
+
+    @cached_property
+    def others(self) -> list[tuple[str, np.ndarray]]:
+        """The same in a small size, at many places, as unit vectors."""
+        found: list[tuple[str, np.ndarray]] = []
+        for c in self.candidates:
+            for x in PLACES if any(s.name == "x" for s in c.slots) else (1.0,):
+                left = self.of(c.at(np.array([s.coordinate(x if s.name == "x" else _small(s)) for s in c.slots])))
+                found.append((c.effect, left / max(float(np.linalg.norm(left)), 1e-12)))
+        return found
+
+    def told(self, effect: Effect) -> tuple[float, float, str]:
+        """Noise units that an effect leaves, those by which it is told from the one most like it, and that one."""
+        left = self.of(effect)
+        size = float(np.linalg.norm(left))
+        like, other = max((abs(float(left @ v)) / max(size, 1e-12), n) for n, v in self.others if n != effect.effect)
+        return size, size * float(np.sqrt(max(1 - like**2, 0.0))), other
+
+    def sized(self, c: Candidate, x: float, size: float) -> Effect:
+        """An effect at a place that leaves so much, or as much as it can."""
+        (slot,) = (s for s in c.slots if s.name != "x")
+        small, large = _small(slot), _large(slot)
+
+        def at(share: float) -> Effect:
+            value = float(np.sign(large) * np.exp((1 - share) * np.log(abs(small)) + share * np.log(abs(large))))
+            return c.at(np.array([s.coordinate(x if s.name == "x" else value) for s in c.slots]))
+
+        low, high = 0.0, 1.0
+        for _ in range(HALVED):
+            middle = (low + high) / 2
+            low, high = (middle, high) if np.linalg.norm(self.of(at(middle))) < size else (low, middle)
+        return at(low)
+
+    def moves(self, effect: Effect) -> float:
+        """Share of the response that an effect moves, on the channel where it is most."""
+        zero = np.zeros(self.base.size)
+        there, here = (
+            forward(t, self.data) for t in (apply(self.base.twin(zero), effect, self.rig), self.base.twin(zero))
+        )
+        return max(
+            float(np.max(np.linalg.norm(a - b, axis=1) / np.linalg.norm(b, axis=1)))
+            for a, b in zip(there, here, strict=True)
+        )
 
 
 def drawn(seed: int) -> dict[str, Any] | None:
-    """A trial: rig, plan, effect and the bench's address; None where no pair that is seen and not told apart."""
+    """A trial: rig, plan, effect and the bench's address; None where the campaign tells what was drawn."""
     rng = np.random.default_rng([seed, 16])
     rough = bool(rng.random() < BUILT)
     # Sines alone give an ideal bench's diagnosis too little to begin from: it says "unknown".
@@ -111,20 +173,35 @@ def drawn(seed: int) -> dict[str, Any] | None:
     rig = with_sensors(drawn_rig(seed), SENSORS[sensors])
     if rough:
         rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
-    pairs = alike(rig, PLANS[plan], rng)
-    if not pairs:
+    sight = Sight(rig, [PLANS[plan]])
+    listed = [c for c in sight.candidates if c.effect in sight.alike and sum(s.name != "x" for s in c.slots) == 1]
+    if not listed:
         return None
-    name, other, low, high = pairs[int(rng.integers(len(pairs)))]
-    gap = float(np.exp(rng.uniform(np.log(low), np.log(high))))
-    one = trial_bench().draw_effect(rig, seed, name, gap)
-    if rough and one.moves < MOVES:
+    candidate, x = listed[int(rng.integers(len(listed)))], round(float(rng.uniform(0.15, 0.98)), 3)
+    size = float(np.exp(rng.uniform(*np.log((SEEN, MOST)))))
+    seen, told, other = sight.told(sight.sized(candidate, x, size))
+    # Smaller, until it is not told from the other any more.
+    size *= min(1.0, TOLD * float(rng.uniform(0.3, 1.0)) / max(told, 1e-9))
+    if size < SEEN or seen < SEEN:
         return None
-    effect = one.effect
+    effect = sight.sized(candidate, x, size)
+    seen, told, other = sight.told(effect)
+    if told > TOLD or (rough and sight.moves(effect) < MOVES):
+        return None
+    if told < SAME * seen and rng.random() > 1 / 4 and same_everywhere(rig, effect):
+        return None
     words = [f"{k}={v!r}" for k, v in effect.parameters.items()]
     words += [f"{k}={v}" for k, v in effect.place.items() if kind_of(effect.effect).place == k]
     url = f"sim://cantilever?seed={seed}&k_root=inf&bad_hits=0&n_per_v=2&effect={','.join([effect.effect, *words])}"
-    return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "other": other, "rough": rough, "gap": gap,
-            "url": url + ("&tolerances=usual" if rough else "")}  # fmt: skip
+    return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "other": other, "rough": rough,
+            "seen": seen, "told": told, "url": url + ("&tolerances=usual" if rough else "")}  # fmt: skip
+
+
+def same_everywhere(rig: Rig, effect: Effect) -> bool:
+    """Whether another effect is the same on all that the rig can do."""
+    whole = Sight(rig, [ImpactPlan(points=tuple(p.id for p in rig.points), hits=5), SinePlan()])
+    seen, told, _ = whole.told(effect)
+    return told < SAME * seen
 
 
 def standing(found: Diagnosis) -> list[list[str]]:
@@ -138,11 +215,11 @@ def trial(seed: int) -> dict[str, Any]:
     """One trial, as far as it goes."""
     made = drawn(seed)
     if made is None:
-        return {"seed": seed, "kept": False, "why": "no pair that is seen and not told apart"}
+        return {"seed": seed, "kept": False, "why": "it is not seen, or told apart"}
     effect = made["effect"]
     assert isinstance(effect, Effect)
     entry: dict[str, Any] = {"seed": seed, "truth": effect.effect, "numbers": effect.parameters, "place": effect.place}
-    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "gap", "url")}
+    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "seen", "told", "url")}
     try:
         with TemporaryDirectory() as folder:
             return entry | tried(made, effect.effect, Path(folder))
@@ -172,7 +249,7 @@ def tried(made: dict[str, Any], truth: str, folder: Path) -> dict[str, Any]:
     entry |= {"experiments": [e.model_dump(exclude={"plans", "says"}) for e in ranked[:6]]}
     try:
         later = recorded(url, rig, ranked[0].plans, folder / "later")
-        second = diagnose(continued(campaign, later), FITTED)
+        second = diagnose(continued(campaign, later), FITTED, known=left_standing(first))
     except ModallabError as error:
         return entry | {"kept": True, "right": False, "why": f"{type(error).__name__}: {error}"}
     said = sorted(f.effect for f in second.effects)

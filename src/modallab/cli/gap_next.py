@@ -9,6 +9,7 @@ from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import PlanError, RigError
 from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
@@ -16,6 +17,7 @@ from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaig
 from modallab.formats.rig.rig_file import read_rig
 from modallab.gap.design.continued import FITTED, continued
 from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
+from modallab.gap.design.standing import left_standing
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.service.campaigns.local_session import record_campaign
@@ -43,10 +45,12 @@ def run(arguments: argparse.Namespace) -> int:
             remedy=diagnosis.next_experiment or "add a sensor where the explanations differ",
         )
     console.print(_said(found[0]), markup=False)
-    return _go_on(console, campaign, found[0], arguments) if arguments.run_it else 0
+    return _go_on(console, campaign, diagnosis, found[0], arguments) if arguments.run_it else 0
 
 
-def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: argparse.Namespace) -> int:
+def _go_on(
+    console: Console, campaign: Campaign, before: Diagnosis, best: Experiment, arguments: argparse.Namespace
+) -> int:
     url = arguments.bench or campaign.rig.bench
     if not url:
         raise RigError("names no bench", where=campaign.rig.name, remedy="give --bench ADDRESS, or a field bench")
@@ -56,7 +60,7 @@ def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: ar
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
-        diagnosis = diagnose(whole, FITTED)
+        diagnosis = diagnose(whole, FITTED, known=left_standing(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:

@@ -20,6 +20,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.restored import begin_of
 from modallab.gap.model.share import discrepancies, left
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
@@ -56,6 +57,7 @@ def diagnose(
     campaign: Campaign,
     hold_out: str = "mixed",
     allowed: Callable[[str], bool] = lambda _: True,
+    known: Sequence[CandidateSet] = (),
 ) -> Diagnosis:
     """Diagnose a campaign.
 
@@ -63,9 +65,10 @@ def diagnose(
         campaign: the records, with the rig as believed.
         hold_out: which records no fit may see, see `split`.
         allowed: whether an effect of this name may be used; for trials in which one is withheld.
+        known: explanations that a diagnosis of some of these records has left: their numbers are places to begin from.
 
     Raises:
-        DataError: there is nothing to diagnose.
+        DataError: there is nothing to diagnose, or a known explanation has an effect that no fit looks for.
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
@@ -80,6 +83,7 @@ def diagnose(
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
+    bench = replace(bench, known=tuple(begin_of(c, bench.data, free) for c in known if c.twin is not None))
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None

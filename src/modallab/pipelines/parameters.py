@@ -109,7 +109,9 @@ class ReportParameters(IdentifyParameters):
 class DiagnoseParameters(Frozen):
     """Which records no fit may see, as `modallab gap diagnose --hold-out` has it."""
 
-    hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
+    hold_out: Annotated[
+        str, Field(pattern=r"^(mixed|spread|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")
+    ] = "mixed"
 
 
 class EstimateParameters(Frozen):

@@ -177,7 +177,8 @@ def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Array:
     own = np.arange(fit.problem.free.size, len(normal))
     normal[own, own] += _open(fit) ** -2
     z = rng.standard_normal((len(normal), DRAWS))
-    return np.linalg.solve(np.linalg.cholesky(normal).T, z).T
+    drawn: Array = np.linalg.solve(np.linalg.cholesky(normal).T, z).T.astype(np.float64)
+    return drawn
 
 
 def _costs(rivals: Rivals, gram: Array, true: int, drawn: Array, noise: Array) -> Array:

@@ -9,21 +9,20 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Campaign
 from modallab.core.diagnosis import CandidateSet, Diagnosis
-from modallab.core.effects import Effect, kind_of
+from modallab.core.effects import kind_of
 from modallab.core.errors import DataError, PlanError
 from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.design.continued import FITTED
-from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
 from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.model.restored import begin_of
 from modallab.gap.model.tolerances import with_tolerances
-from modallab.gap.report.coordinates import coordinates_of
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
+from modallab.gap.search.elsewhere import elsewhere
 from modallab.gap.search.fitting import settled
-from modallab.twin.candidate import Candidate, Slot
 
 Array = NDArray[np.float64]
 
@@ -33,8 +32,6 @@ MOST = 4
 """Explanations that are planned for at most."""
 STEPS = 6
 """Evaluations of the slopes, at most, until an explanation is at the end of its valley."""
-EDGE = 1e-6
-"""How near to its bounds a share may be."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -121,11 +118,14 @@ def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
-    fits = [_fitted(c, there.data, free, names[frozenset(c.effects)] > 1) for c in sets]
+    fits = [
+        minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4, alike=True) for c in sets
+    ]
     best = min(fits, key=lambda f: f.cost)
+    fits = [settled(elsewhere(beside(f, best))) for f in fits]
     return [
-        Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, settled(beside(f, best)))
-        for c, f in zip(sets, fits, strict=True)
+        Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, fit)
+        for c, fit in zip(sets, fits, strict=True)
     ]
 
 
@@ -163,48 +163,3 @@ def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisanc
     done = {rig.x_of(point): count for point, count in sorted(counts.items())}
     more = [(x, count) for x, count in points if x not in done]
     return nuisances(rig, TOP_HZ, [*done.items(), *more])
-
-
-def _fitted(c: CandidateSet, data: Reduced, free: Nuisances, in_place: bool) -> Fit:
-    """The fit; `in_place` where explanations of the same effects differ by nothing but where they are."""
-    assert c.twin is not None
-    found = [_free_again(e, data) for e in c.fitted]
-    found = [_held_in_place(*f) for f in found] if in_place else found
-    u = np.concatenate([coordinates_of(c.twin, free), *(own for _, own in found)])
-    problem = Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(c.twin.drift_curve))
-    return minimise(problem, u, STEPS, 1e-4, alike=True)
-
-
-def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
-    """An effect with its numbers free, and the coordinates at which it is this one."""
-    for c in _like(effect, data):
-        values = {**effect.parameters, **effect.place}
-        fixed = {**dict(c.place), **dict(c.fixed)}
-        if c.effect == effect.effect and all(values.get(k) == v for k, v in fixed.items()):
-            return c, np.array([_coordinate(s, values[s.name]) for s in c.slots])
-    raise DataError(
-        f"no fit looks for {effect.effect} at {effect.place}",
-        where=data.rig.name,
-        remedy="name the rig file that the campaign was diagnosed with",
-    )
-
-
-def _held_in_place(candidate: Candidate, own: Array) -> tuple[Candidate, Array]:
-    free = [s.name != "x" for s in candidate.slots]
-    at = [("x", s.value(float(u))) for s, u in zip(candidate.slots, own, strict=True) if s.name == "x"]
-    slots = tuple(s for s, kept in zip(candidate.slots, free, strict=True) if kept)
-    return replace(candidate, slots=slots, place=(*candidate.place, *at)), own[free]
-
-
-def _like(effect: Effect, data: Reduced) -> list[Candidate]:
-    at = effect.place.get("channel")
-    kind = kind_of(effect.effect).place
-    if kind == "pair" and isinstance(at, tuple):
-        return of_pairs(data.rig, at)
-    return of_channel(data.rig, at) if kind == "channel" and isinstance(at, int) else of_bench(data.rig)
-
-
-def _coordinate(slot: Slot, value: object) -> float:
-    assert isinstance(value, float | int)
-    near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
-    return slot.coordinate(max(near, np.finfo(float).tiny) if slot.transform == "log" else near)
