@@ -32,6 +32,8 @@ HIT_S, SINE_S = 20.0, 25.0
 BURSTS = 1.3
 """Bursts that a frequency takes where the force is held."""
 HITS = 5
+STILL = 3e-4
+"""What may still move before a hit, as part of what it makes: more would be taken for what is to be told apart."""
 SHAPE = 3
 """Accelerometers from which shapes are seen."""
 
@@ -106,7 +108,7 @@ def _hits(rig: Rig, done: Sequence[Plan]) -> list[Option]:
     # At one point all hits are one set of lines: they must be as long as those before.
     like = before[0] if before else ImpactPlan(points=(1,))
     # Where a hit landed is read off shapes, which few sensors do not show: their weak answers would be taken for it.
-    acceptance = HitAcceptance(check_point=len(rig.responses) >= SHAPE)
+    acceptance = HitAcceptance(check_point=len(rig.responses) >= SHAPE, max_residual_ratio=STILL)
     like = like.model_copy(update={"acceptance": acceptance})
     found = [
         Option(f"hits at {p.id}", f"Strike {HITS} times at point {p.id}.", (struck_at(like, (p.id,)),))
