@@ -57,8 +57,8 @@ class Rivals:
         return cls(tuple(listed), numbers, tuple(_start(r.fit) for r in listed))
 
     @property
-    def temperature(self) -> float:
-        """Excess of the best explanation, in squares above the floor over all residuals."""
+    def excess(self) -> float:
+        """What the best explanation leaves above the floor, in squares of noise units over all residuals."""
         best = min(self.listed, key=lambda r: r.fit.cost)
         return excess(best.fit) * self.count
 
@@ -163,7 +163,7 @@ def believed(rivals: Rivals, costs: Array, count: int) -> Array:
     n = rivals.count + count
     effects = np.array([len(r.effects) for r in rivals.listed])
     # What is above the floor counts for less among more records.
-    return shares_of(costs, effects, n, temperature_of(rivals.temperature / n))
+    return shares_of(costs, effects, n, temperature_of(rivals.excess / n))
 
 
 def _open(fit: Fit) -> Array:
