@@ -2,12 +2,13 @@
 
     python benchmarks/gap/next_run.py --sets 20 --seed 161616 --out F.jsonl
 
-Campaigns that show little: few accelerometers and two hits at one point, on a simulated bench with one effect, drawn without regard to the others and made smaller, where need be, until such a campaign still sees it but
-does not tell it from the one most like it, by signatures as `gap distinguishability` has them. Of those that are the
-same as another to every test of the rig few are kept. Those campaigns are kept whose diagnosis leaves two
-explanations or more (`STANDING`), the truth among them. The best experiment of `modallab gap next` is run on the same
-bench, and the diagnosis goes on with its records, as `--run` does. Where the plan says that no experiment decides, the
-best is run all the same: it must not decide then. What F holds is not done again.
+Campaigns that show little: few accelerometers and two hits at one point, on a simulated bench with one effect. It is
+drawn without regard to others and made smaller, where need be, until such a campaign still sees it but does not tell it
+from the one most like it, by signatures as `gap distinguishability` has them. Of those that are the same as another to
+every test of the rig few are kept. Campaigns count whose diagnosis leaves two explanations or more (`STANDING`), the
+truth among them. The best experiment of `modallab gap next` is run on the same bench, and the diagnosis goes on with
+its records, as `--run` does. Where the plan says that no experiment decides, the best is run all the same: it must not
+decide then. What F holds is not done again.
 """
 
 import argparse

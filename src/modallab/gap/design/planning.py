@@ -22,7 +22,7 @@ from modallab.gap.design.information import (
 )
 from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
 from modallab.gap.design.planned import Layout, laid_out, together, with_more_sines
-from modallab.gap.design.standing import Explanation, Recorded, explanations, recorded
+from modallab.gap.design.standing import Explanation, Recorded, explanations, recorded, to_decide
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.twin.bench import Twin
@@ -79,11 +79,11 @@ class Planning:
     @classmethod
     def of(cls, campaign: Campaign, diagnosis: Diagnosis) -> Self:
         """What is planned with beside a campaign; errors as of `next_experiments`."""
-        there, done = recorded(campaign), plans_of(campaign)
+        sets, there, done = to_decide(diagnosis), recorded(campaign), plans_of(campaign)
         rig = there.prepared.campaign.rig
         listed = options(rig, done, diagnosis.gap.poles_hz)
         struck = [p for o in listed for plan in o.plans if isinstance(plan, ImpactPlan) for p in plan.points]
-        rivals = explanations(diagnosis, there, [(rig.x_of(p), HITS) for p in struck])
+        rivals = explanations(sets, there, [(rig.x_of(p), HITS) for p in struck])
         return cls(there, tuple(done), Rivals.of(rivals), tuple(listed))
 
     def prospects(self) -> list[Prospect]:

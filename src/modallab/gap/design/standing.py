@@ -95,13 +95,8 @@ def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
     return kept
 
 
-def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple[float, int]]) -> list[Explanation]:
-    """The explanations left standing, fitted to what is there.
-
-    Args:
-        diagnosis: of the records.
-        there: the records.
-        points: place in m and number of further hits that are planned: where each lands is free as well.
+def to_decide(diagnosis: Diagnosis) -> list[CandidateSet]:
+    """The explanations left standing, where an experiment can be planned for them.
 
     Raises:
         PlanError: fewer than two are left standing, or one of them depends on the size of the motion.
@@ -114,7 +109,24 @@ def explanations(diagnosis: Diagnosis, there: Recorded, points: Collection[tuple
             where=diagnosis.rig,
             remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
         )
-    _require_planned(diagnosis, sets)
+    for c in sets:
+        _require_planned(diagnosis, c)
+    return sets
+
+
+def explanations(
+    sets: Sequence[CandidateSet], there: Recorded, points: Collection[tuple[float, int]]
+) -> list[Explanation]:
+    """Explanations, fitted to what is there.
+
+    Args:
+        sets: the explanations, as `to_decide`.
+        there: the records.
+        points: place in m and number of further hits that are planned: where each lands is free as well.
+
+    Raises:
+        DataError: one has an effect that no fit looks for on this rig.
+    """
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
@@ -140,20 +152,19 @@ def beside(fit: Fit, other: Fit) -> Fit:
     return min(fit, minimise(fit.problem, moved, STEPS, 1e-4, alike=True), key=lambda f: f.cost)
 
 
-def _require_planned(diagnosis: Diagnosis, sets: Sequence[CandidateSet]) -> None:
-    for c in sets:
-        if c.twin is None or not c.fitted:
-            raise DataError(
-                f"the diagnosis does not hold the numbers of {' and '.join(c.effects)}",
-                where=diagnosis.rig,
-                remedy="diagnose the campaign again with this version",
-            )
-        if not all(kind_of(e.effect).linear for e in c.fitted):
-            raise PlanError(
-                f"{' and '.join(c.effects)} depends on the size of the motion: no experiment is planned for that yet",
-                where=diagnosis.rig,
-                remedy=diagnosis.next_experiment or "repeat the sines at a third level",
-            )
+def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
+    if c.twin is None or not c.fitted:
+        raise DataError(
+            f"the diagnosis does not hold the numbers of {' and '.join(c.effects)}",
+            where=diagnosis.rig,
+            remedy="diagnose the campaign again with this version",
+        )
+    if not all(kind_of(e.effect).linear for e in c.fitted):
+        raise PlanError(
+            f"{' and '.join(c.effects)} depends on the size of the motion: no experiment is planned for that yet",
+            where=diagnosis.rig,
+            remedy=diagnosis.next_experiment or "repeat the sines at a third level",
+        )
 
 
 def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisances:
