@@ -11,7 +11,7 @@ from modallab.core.effects import Effect, kind_of
 from modallab.core.plan import HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig, Tolerance
 from modallab.gap.design.distinguishability import of_data
-from modallab.gap.design.planned import planned
+from modallab.gap.design.planned import HIT_N, planned
 from modallab.gap.model.candidates import of_bench, of_channel, testable
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.forward import forward
@@ -25,7 +25,7 @@ EFFECTS = (
     *("gain_error", "position_error", "hit_position", "force_gain", "channel_skew", "trigger_delay"),
     *("stinger_moment", "shaker_mass", "local_damper", "ac_coupling", "loose_mount"),
 )
-SEEN, TOLD, SAME = 15.0, 3.0, 0.02
+SEEN, TOLD, SAME = 20.0, 3.0, 0.02
 """Noise units over all records, beyond tolerances: what an effect leaves at least, by how much it differs at most from
 the one that is most like it, and by which share of itself if it is the same."""
 KEPT = 1 / 12
@@ -45,6 +45,8 @@ PLACES = tuple(np.linspace(0.1, 0.98, 12).tolist())
 SENSORS = {"tip": (10,), "middle": (6,), "low": (3,), "close": (6, 7), "two": (5, 10), "three": (3, 7, 10)}
 BENCH = "sim://cantilever?k_root=inf&bad_hits=0&n_per_v=2&peak_n=10,35"
 """Struck as softly as the tip in blind trials."""
+SOFTER = 22.0 / HIT_N
+"""Their force over that of the hits that are planned with."""
 STILL = HitAcceptance(max_residual_ratio=3e-4, check_point=False)
 """As for the experiments that follow: with few sensors nobody sees where a hit landed."""
 PLANS: dict[str, ImpactPlan] = {
@@ -88,7 +90,7 @@ class Sight:
         twin = apply(self.base.twin(np.zeros(self.base.size)), effect, self.rig)
         moved = self.base.left(twin, forward(twin, self.data)) - self.nothing
         padded = np.concatenate([moved, np.zeros(self.base.size)])
-        return padded - self.free @ (self.free.T @ padded)
+        return SOFTER * (padded - self.free @ (self.free.T @ padded))
 
     @property
     def candidates(self) -> list[Candidate]:
