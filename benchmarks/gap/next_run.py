@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from untold import PLANS, drawn
+from undecided import PLANS, drawn
 
 from modallab.acquisition.process.run import record
 from modallab.core.block import Campaign
@@ -52,11 +52,11 @@ def trial(seed: int) -> dict[str, Any]:
     """One trial, as far as it goes."""
     made = drawn(seed)
     if made is None:
-        return {"seed": seed, "kept": False, "why": "it is not seen, or told apart"}
+        return {"seed": seed, "kept": False, "why": "it is not seen, or distinguished"}
     effect = made["effect"]
     assert isinstance(effect, Effect)
     entry: dict[str, Any] = {"seed": seed, "truth": effect.effect, "numbers": effect.parameters, "place": effect.place}
-    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "seen", "told", "url")}
+    entry |= {k: made[k] for k in ("plan", "sensors", "rough", "other", "seen", "apart", "url")}
     try:
         with TemporaryDirectory() as folder:
             return entry | tried(made, effect.effect, Path(folder))

@@ -80,7 +80,7 @@ def test_what_is_the_same_on_every_record_is_said_to_be(make: Callable[..., Camp
     assert found[0].expected < DECIDES
 
 
-def test_two_places_of_a_mass_are_told_apart_by_hits_where_one_of_them_moves(make: Callable[..., Campaign]) -> None:
+def test_two_places_of_a_mass_are_distinguished_by_hits_where_one_of_them_moves(make: Callable[..., Campaign]) -> None:
     # In much noise a sensor near the root feels neither mass well; the tip does.
     noise, rng = 0.09, np.random.default_rng(3)
     near, far = (MASS.model_copy(update={"parameters": {"mass": 2e-3}, "place": {"x": x}}) for x in (0.8, 0.5))

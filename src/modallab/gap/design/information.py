@@ -149,7 +149,7 @@ def without_noise(rivals: Rivals, gram: Array, true: int) -> list[tuple[float, A
     return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
 
 
-def told(rivals: Rivals, columns: Array) -> Array:
+def apart_by_row(rivals: Rivals, columns: Array) -> Array:
     """(residuals,) what the second explanation, fitted again, leaves of the answers of the first, in noise units."""
     own, first = rivals.numbers[1], columns.shape[1] - len(rivals.listed)
     slopes, off = columns[:, own], -columns[:, first + 1]

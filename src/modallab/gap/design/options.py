@@ -33,7 +33,7 @@ BURSTS = 1.3
 """Bursts that a frequency takes where the force is held."""
 HITS = 5
 STILL = 3e-4
-"""What may still move before a hit, as part of what it makes: more would be taken for what is to be told apart."""
+"""What may still move before a hit, as part of what it makes: more would be taken for what is to be distinguished."""
 SHAPE = 3
 """Accelerometers from which shapes are seen."""
 

@@ -15,9 +15,9 @@ from modallab.gap.conditioning.split import third
 from modallab.gap.design.information import (
     Outlook,
     Rivals,
+    apart_by_row,
     columns_of,
     outlook,
-    told,
     without_noise,
 )
 from modallab.gap.design.options import HITS, MOST_OF_LIMIT, Option, every_line, no_louder, options, plans_of
@@ -158,15 +158,15 @@ class Planning:
             return None
         plan = every_line(rig, self.done)
         layout = self._laid_out(plan)
-        best = np.sort(np.argsort(-self._told(layout))[:CHOSEN])
+        best = np.sort(np.argsort(-self._apart_by_sine(layout))[:CHOSEN])
         kept = plan.model_copy(update={"frequencies_hz": tuple(plan.frequencies_hz[k] for k in best)})
         return Option("sines where they differ", f"Drive {CHOSEN} frequencies where the explanations differ.", (kept,))
 
-    def _told(self, layout: Layout) -> Array:
+    def _apart_by_sine(self, layout: Layout) -> Array:
         """(sines,) squares that the likeliest explanation's answers leave of the next."""
         assert layout.data.sines is not None
         sines, channels = layout.data.sines.source.lines, len(layout.data.channels)
-        left = told(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
+        left = apart_by_row(self.rivals, self._columns(layout))[: 2 * channels * sines.size]
         return np.sum(left.reshape(2 * channels, *sines.shape) ** 2, axis=(0, 2))
 
 

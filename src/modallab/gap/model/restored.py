@@ -42,9 +42,9 @@ def coordinates_of(twin: Calibrated, free: Nuisances) -> Array:
     u[3 : 3 + free.modes] = np.log(zeta) / log(rig.damping_ratio.factor)
     for k, channel in enumerate(free.gains):
         u[3 + free.modes + k] = _free(log(twin.gains.get(channel, 1.0)) / free.tolerance)
-    told = {(d.tolerance, d.at): d.u for d in twin.departures}
+    stated = {(d.tolerance, d.at): d.u for d in twin.departures}
     u[free.first_deviation : free.first_deviation + len(free.deviations)] = [
-        told.get((d.tolerance, d.at), 0.0) for d in free.deviations
+        stated.get((d.tolerance, d.at), 0.0) for d in free.deviations
     ]
     if free.root:
         u[-2] = _free(log(twin.root_rotation / believed_root(beam)) / ROOT)

@@ -1,4 +1,4 @@
-"""Trials whose campaign shows an effect and does not tell it from another: what `next_run.py` begins with."""
+"""Trials whose campaign shows an effect and does not distinguish it from another: what `next_run.py` begins with."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -25,12 +25,12 @@ EFFECTS = (
     *("gain_error", "position_error", "hit_position", "force_gain", "channel_skew", "trigger_delay"),
     *("stinger_moment", "shaker_mass", "local_damper", "ac_coupling", "loose_mount"),
 )
-SEEN, TOLD, SAME = 20.0, 3.0, 0.02
+SEEN, APART, SAME = 20.0, 3.0, 0.1
 """Noise units over all records, beyond tolerances: what an effect leaves at least, by how much it differs at most from
 the one that is most like it, and by which share of itself if it is the same."""
-KEPT = 1 / 12
-"""Share kept of those that are the same as another to every test of the rig."""
-TRIES = 10
+KEPT = 1 / 10
+"""Share of benches on which an effect may be the same as another to every test of the rig."""
+TRIES = 15
 """Effects that are drawn for a bench at most."""
 MOST = 1000.0
 """What it leaves at most."""
@@ -109,8 +109,8 @@ class Sight:
                 found.append((c.effect, left / max(float(np.linalg.norm(left)), 1e-12)))
         return found
 
-    def told(self, effect: Effect) -> tuple[float, float, str]:
-        """Noise units that an effect leaves, those by which it is told from the one most like it, and that one."""
+    def apart(self, effect: Effect) -> tuple[float, float, str]:
+        """Noise units that an effect leaves, those by which it differs from the one most like it, and that one."""
         left = self.of(effect)
         size = float(np.linalg.norm(left))
         like, other = max((abs(float(left @ v)) / max(size, 1e-12), n) for n, v in self.others if n != effect.effect)
@@ -133,8 +133,8 @@ class Sight:
 
     def same(self, effect: Effect) -> bool:
         """Whether another effect is the same on all that the rig can do."""
-        seen, told, _ = self.whole.told(effect)
-        return told < SAME * seen
+        seen, apart, _ = self.whole.apart(effect)
+        return apart < SAME * seen
 
     @cached_property
     def whole(self) -> "Sight":
@@ -165,25 +165,26 @@ def drawn(seed: int) -> dict[str, Any] | None:
     listed = [c for c in sight.candidates if c.effect in sight.alike and sum(s.name != "x" for s in c.slots) == 1]
     if not listed:
         return None
+    keeps = rng.random() < KEPT
     for _ in range(TRIES):
-        effect, seen, told, other = attempt(sight, listed[int(rng.integers(len(listed)))], rng)
-        if not (seen >= SEEN and told <= TOLD and (not rough or sight.moves(effect) >= MOVES)):
+        effect, seen, apart, other = attempt(sight, listed[int(rng.integers(len(listed)))], rng)
+        if not (seen >= SEEN and apart <= APART and (not rough or sight.moves(effect) >= MOVES)):
             continue
-        if told < SAME * seen and rng.random() > KEPT and sight.same(effect):
+        if apart < SAME * seen and not keeps and sight.same(effect):
             continue
         words = [f"{k}={v!r}" for k, v in effect.parameters.items()]
         words += [f"{k}={v}" for k, v in effect.place.items() if kind_of(effect.effect).place == k]
         own = f"effect={','.join([effect.effect, *words])}" + ("&tolerances=usual" if rough else "")
         return {"rig": rig, "plan": plan, "sensors": sensors, "effect": effect, "other": other, "rough": rough,
-                "seen": seen, "told": told, "url": f"{BENCH}&seed={seed}&{own}"}  # fmt: skip
+                "seen": seen, "apart": apart, "url": f"{BENCH}&seed={seed}&{own}"}  # fmt: skip
     return None
 
 
 def attempt(sight: Sight, candidate: Candidate, rng: np.random.Generator) -> tuple[Effect, float, float, str]:
-    """An effect somewhere, made smaller, if need be, until it is not told from another; what it leaves, see `told`."""
+    """An effect somewhere, made smaller, if need be, until it is like another, and what `apart` says of it."""
     x = round(float(rng.uniform(0.15, 0.98)), 3)
     size = float(np.exp(rng.uniform(*np.log((SEEN, MOST)))))
     effect = sight.sized(candidate, x, size)
-    told = sight.told(effect)[1]
-    effect = sight.sized(candidate, x, size * min(1.0, TOLD * float(rng.uniform(0.3, 1.0)) / max(told, 1e-9)))
-    return effect, *sight.told(effect)
+    apart = sight.apart(effect)[1]
+    effect = sight.sized(candidate, x, size * min(1.0, APART * float(rng.uniform(0.3, 1.0)) / max(apart, 1e-9)))
+    return effect, *sight.apart(effect)
