@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from undecided import PLANS, drawn
+from undecided import EFFECTS, PLANS, drawn
 
 from modallab.acquisition.process.run import record
 from modallab.core.block import Campaign
@@ -48,9 +48,9 @@ def standing(found: Diagnosis) -> list[list[str]]:
     return [sorted(c.effects) for c in without_needless(found.candidates) if c.probability >= STANDING]
 
 
-def trial(seed: int) -> dict[str, Any]:
+def trial(seed: int, names: Sequence[str]) -> dict[str, Any]:
     """One trial, as far as it goes."""
-    made = drawn(seed)
+    made = drawn(seed, names)
     if made is None:
         return {"seed": seed, "kept": False, "why": "it is not seen, or distinguished"}
     effect = made["effect"]
@@ -142,13 +142,14 @@ def main() -> None:
     parser.add_argument("--sets", type=int, default=20, help="sets of which the plan says that an experiment decides")
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--effects", default=",".join(EFFECTS), help="those that are drawn")
     parser.add_argument("--minutes", type=float, default=60.0, help="no trial is begun after these")
     a = parser.parse_args()
     there = [json.loads(line) for line in a.out.read_text().splitlines()] if a.out.exists() else []
     print("\n".join(map(row, there)))
     end = time.monotonic() + 60 * a.minutes
     while sum(e["kept"] and e.get("decides", True) for e in there) < a.sets and time.monotonic() < end:
-        there.append(trial(a.seed * 1000 + len(there)))
+        there.append(trial(a.seed * 1000 + len(there), a.effects.split(",")))
         with a.out.open("a") as target:
             target.write(json.dumps(there[-1]) + "\n")
         print(row(there[-1]), flush=True)

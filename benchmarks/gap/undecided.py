@@ -153,8 +153,8 @@ class Sight:
         )
 
 
-def drawn(seed: int) -> dict[str, Any] | None:
-    """A trial: rig, plan, effect and the bench's address; None where the campaign tells what was drawn."""
+def drawn(seed: int, names: Sequence[str] = EFFECTS) -> dict[str, Any] | None:
+    """A trial of one of these effects: rig, plan, effect and the bench's address; None where all are distinguished."""
     rng = np.random.default_rng([seed, 16])
     rough = bool(rng.random() < BUILT)
     sensors, plan = str(rng.choice(list(SENSORS))), str(rng.choice(list(PLANS)))
@@ -162,7 +162,11 @@ def drawn(seed: int) -> dict[str, Any] | None:
     if rough:
         rig = mounted(rig.model_copy(update={"tolerance": Tolerance.usual()}), seed)
     sight = Sight(rig, [PLANS[plan]])
-    listed = [c for c in sight.candidates if c.effect in sight.alike and sum(s.name != "x" for s in c.slots) == 1]
+    listed = [
+        c
+        for c in sight.candidates
+        if c.effect in sight.alike and c.effect in names and sum(s.name != "x" for s in c.slots) == 1
+    ]
     if not listed:
         return None
     keeps = rng.random() < KEPT
