@@ -15,7 +15,7 @@ from modallab.core.plan import Plan
 from modallab.core.progress import report
 from modallab.gap.design.planning import Planning, Prospect
 
-DECIDES = 0.8
+DECIDES = 0.65
 """Expected probability of the true explanation below which no experiment is said to decide."""
 HOUR = 0.05
 """Probability that an hour at the bench must bring."""
