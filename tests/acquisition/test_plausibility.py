@@ -228,6 +228,12 @@ def test_a_response_in_a_node_is_not_missed_and_one_that_the_others_ask_for_is()
     assert known.must_read(4, in_a_node) == 0.0
 
 
+def test_a_single_response_has_no_others_that_say_what_it_must_read() -> None:
+    known = KnownShapes()
+    known.keep(np.array([1000.0 + 0j]))
+    assert known.must_read(0, np.array([3.0 + 0j])) == 0.0
+
+
 def weak_tone_lost(at_s: float, largest: float) -> None:
     """Plays a burst in which one response is weak, and vanishes after `at_s`; others reach `largest`."""
     rng = np.random.default_rng(8)

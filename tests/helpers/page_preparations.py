@@ -26,6 +26,7 @@ from made_diagnosis import made_diagnosis
 from pages import HOW_TO, ROOT, fenced
 from scipy.signal import lfilter
 from twin_campaign import built, link
+from unsure import left_standing, rig_of_sensors
 
 import modallab as ml
 from modallab.acquisition.process.run import record
@@ -33,7 +34,6 @@ from modallab.bench.loader import open_bench
 from modallab.cli import main
 from modallab.cli.demo_rig import demo_rig
 from modallab.core.block import Campaign
-from modallab.core.diagnosis import CandidateSet
 from modallab.core.effects import Effect
 from modallab.core.plan import ImpactPlan
 from modallab.core.rig import Rig
@@ -75,10 +75,14 @@ def _close_the_gap(folder: Path) -> Iterator[dict[str, Any]]:
     _write(folder / "heavy", built(rig, MASS, tests=("impact",)))
     found = made_diagnosis(rig, MASS)
     (folder / "heavy/gap.json").write_text(found.model_dump_json(), encoding="utf-8")
-    sets = [CandidateSet(effects=[e], probability=0.5, gap=1.0) for e in ("hit_position", "position_error")]
-    unsure = found.model_copy(update={"candidates": sets})
+    # Where it is struck at its only sensor, nobody sees which of the two is off.
+    beside = Effect(effect="hit_position", parameters={"dx": 0.01}, place={"where": "hit"})
+    elsewhere = Effect(effect="position_error", parameters={"dx": 0.01}, place={"channel": 1})
+    url = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0&k_root=inf&effect=hit_position,dx=0.01"
+    rig = rig_of_sensors(rig, (6,)).model_copy(update={"bench": url})
+    unsure = left_standing(rig, beside, elsewhere)
     (folder / "unsure.json").write_text(unsure.model_dump_json(), encoding="utf-8")
-    write_campaign(_recorded(rig, ImpactPlan(points=(10,), hits=2), folder / "unsure"), folder / "unsure.h5")
+    write_campaign(_recorded(rig, ImpactPlan(points=(6,), hits=2), folder / "unsure"), folder / "unsure.h5")
     (folder / "plan.yaml").write_text("{kind: impact, points: [10, 6], hits: 1}\n", encoding="utf-8")
     yield {"ran": _lines("README.md")}
 

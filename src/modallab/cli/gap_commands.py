@@ -43,7 +43,7 @@ def _add_diagnose(actions: _Commands) -> None:
         "--hold-out",
         default="mixed",
         metavar="RULE",
-        help="records kept out of the fit: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE",
+        help="records kept out of the fit: mixed, spread, point:N, level:NAME, test:impact, test:sine or last:SHARE",
     )
     command.add_argument(
         "--simulation", type=Path, metavar="PRED.h5", help="diagnose the simulation that predicted these records"

@@ -9,12 +9,15 @@ from modallab.cli.gap import read_diagnosis
 from modallab.cli.options import only_with
 from modallab.cli.progress import Display
 from modallab.core.block import Campaign
+from modallab.core.diagnosis import Diagnosis
 from modallab.core.errors import PlanError, RigError
 from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
 from modallab.formats.campaign.campaign_hdf5 import read_campaign, write_campaign
 from modallab.formats.rig.rig_file import read_rig
-from modallab.gap.design.experiments import APART, Experiment, continued, next_experiments
+from modallab.gap.design.continued import FITTED, continued
+from modallab.gap.design.experiments import DECIDES, Experiment, next_experiments
+from modallab.gap.design.standing import left_standing
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.summary import sentence
 from modallab.service.campaigns.local_session import record_campaign
@@ -34,17 +37,20 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(_table(found))
     if not found:
         raise PlanError("no experiment is possible on this rig", remedy="give the rig more points, or a shaker point")
-    if found[0].after < APART:
+    if found[0].expected < DECIDES:
         raise PlanError(
-            f"no experiment on this rig decides: the best leaves {found[0].after:.2g} noise units between them",
+            f"no experiment on this rig decides: after the best the right explanation is expected to have a probability"
+            f" of {found[0].expected:.2f} only",
             where=campaign.rig.name,
             remedy=diagnosis.next_experiment or "add a sensor where the explanations differ",
         )
-    console.print(found[0].says, markup=False)
-    return _go_on(console, campaign, found[0], arguments) if arguments.run_it else 0
+    console.print(_said(found[0]), markup=False)
+    return _go_on(console, campaign, diagnosis, found[0], arguments) if arguments.run_it else 0
 
 
-def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: argparse.Namespace) -> int:
+def _go_on(
+    console: Console, campaign: Campaign, before: Diagnosis, best: Experiment, arguments: argparse.Namespace
+) -> int:
     url = arguments.bench or campaign.rig.bench
     if not url:
         raise RigError("names no bench", where=campaign.rig.name, remedy="give --bench ADDRESS, or a field bench")
@@ -54,7 +60,7 @@ def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: ar
     if arguments.out is not None:
         write_campaign(whole, arguments.out)
     with console.status("reading the records") as status, heard_by(lambda _, words: status.update(words)):
-        diagnosis = diagnose(whole)
+        diagnosis = diagnose(whole, FITTED, known=left_standing(before))
     console.print(sentence(diagnosis, [c.name for c in whole.rig.channels]), markup=False)
     if arguments.json is not None:
         with replacing(arguments.json) as draft:
@@ -62,9 +68,31 @@ def _go_on(console: Console, campaign: Campaign, best: Experiment, arguments: ar
     return 0
 
 
+def _said(best: Experiment) -> str:
+    return (
+        f"{best.says} Expected: the right explanation gets a probability of {_probability(best.expected)};"
+        f" {_long(best.seconds)} at the bench."
+    )
+
+
+def _probability(value: float) -> str:
+    # Of certainty there is none.
+    return f"{value:.2f}" if value < 0.995 else "over 0.99"
+
+
+def _long(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min"
+
+
 def _table(found: list[Experiment]) -> Table:
-    table = Table("experiment", "minutes", "apart before", "apart after", title="noise units between the explanations")
-    for experiment in found[:SHOWN]:
-        minutes = f"{experiment.seconds / 60:.0f}"
-        table.add_row(experiment.name, minutes, f"{experiment.before:.3g}", f"{experiment.after:.3g}")
+    now = f"{found[0].now:.2f}" if found else "-"
+    table = Table(
+        "experiment",
+        "at the bench",
+        "the right one gets",
+        "it alone is left",
+        title=f"likeliest explanation so far: {now}",
+    )
+    for e in found[:SHOWN]:
+        table.add_row(e.name, _long(e.seconds), _probability(e.expected), f"{e.alone:.0%}")
     return table

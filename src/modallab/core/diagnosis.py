@@ -172,20 +172,6 @@ class Found(Frozen):
         return Effect(effect=self.effect, parameters=self.parameters, place=place)
 
 
-class CandidateSet(Frozen):
-    """An explanation and its probability; `gap` is what it leaves.
-
-    Attributes:
-        effects: names of its effects.
-        probability: 0 to 1.
-        gap: that it leaves, in noise units.
-    """
-
-    effects: list[str]
-    probability: float
-    gap: float
-
-
 class Shrink(Frozen):
     """How far the gap shrank on records that were not fitted.
 
@@ -250,6 +236,24 @@ class Calibrated(Frozen):
     root_rotation: float = 0.0
     departures: list[Departure] = Field(default_factory=list[Departure])
     drift_curve: list[tuple[float, float]] = Field(default_factory=list[tuple[float, float]])
+
+
+class CandidateSet(Frozen):
+    """An explanation and its probability; `gap` is what it leaves.
+
+    Attributes:
+        effects: names of its effects.
+        probability: 0 to 1.
+        gap: that it leaves, in noise units.
+        fitted: those of its effects that were fitted, with their numbers; empty in older documents.
+        twin: the simulation's own numbers beside them; None in older documents.
+    """
+
+    effects: list[str]
+    probability: float
+    gap: float
+    fitted: list[Effect] = Field(default_factory=list[Effect])
+    twin: Calibrated | None = None
 
 
 class Described(Frozen):

@@ -20,6 +20,7 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.nuisances import beam_of
 from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.model.restored import begin_of
 from modallab.gap.model.share import discrepancies, left
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
@@ -56,6 +57,7 @@ def diagnose(
     campaign: Campaign,
     hold_out: str = "mixed",
     allowed: Callable[[str], bool] = lambda _: True,
+    known: Sequence[CandidateSet] = (),
 ) -> Diagnosis:
     """Diagnose a campaign.
 
@@ -63,9 +65,10 @@ def diagnose(
         campaign: the records, with the rig as believed.
         hold_out: which records no fit may see, see `split`.
         allowed: whether an effect of this name may be used; for trials in which one is withheld.
+        known: explanations that a diagnosis of some of these records has left: their numbers are places to begin from.
 
     Raises:
-        DataError: there is nothing to diagnose.
+        DataError: there is nothing to diagnose, or a known explanation has an effect that no fit looks for.
         RigError: the rig has no beam.
         PlanError: the rule leaves nothing to fit.
     """
@@ -80,6 +83,7 @@ def diagnose(
     fitted, held = split(prepared.blocks, hold_out)
     weights = weights_of(prepared)
     bench = bench_of(prepared, fitted, free, allowed)
+    bench = replace(bench, known=tuple(begin_of(c, bench.data, free) for c in known if c.twin is not None))
     everything = reduce(campaign, prepared.blocks, weights)
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None
@@ -105,7 +109,7 @@ def diagnose(
         gap=_gap(campaign, prepared, choice, everything),
         where=where(verdict, found, withheld, location, choice, everything, prepared),
         effects=sorted(found, key=lambda f: -f.probability) if verdict != "no_gap" else [],
-        candidates=_candidates(ranked, seen, choice),
+        candidates=_candidates(ranked, seen, choice, everything),
         shrink=_shrink(choice, _as_found(prepared, seen, unseen, held or fitted), unseen, [b.name for b in held]),
         next_experiment=next_experiment(verdict, ranked, campaign, nonlinear),
         twin=calibrated(choice.believed, everything),
@@ -208,10 +212,18 @@ def _found(choice: Choice, ranked: list[tuple[Fit, float]]) -> list[Found]:
     return found
 
 
-def _candidates(ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice) -> list[CandidateSet]:
+def _candidates(
+    ranked: list[tuple[Fit, float]], seen: list[Found], choice: Choice, data: Reduced
+) -> list[CandidateSet]:
     more = [f.effect for f in seen]
     listed = [
-        CandidateSet(effects=[*(c.effect for c in f.problem.candidates), *more], probability=float(p), gap=f.gap)
+        CandidateSet(
+            effects=[*(c.effect for c in f.problem.candidates), *more],
+            probability=float(p),
+            gap=f.gap,
+            fitted=f.effects,
+            twin=calibrated(f, data),
+        )
         for f, p in ranked[:8]
         # What leaves more than no effect does explains nothing.
         if (f.problem.candidates and f.gap < choice.base.gap) or (more and not f.problem.candidates)

@@ -93,7 +93,7 @@ def diagnose(
 
     Args:
         measured: what `simulate` or `load` gave.
-        hold_out: records no fit may see: mixed, point:N, level:NAME, test:impact, test:sine or last:SHARE.
+        hold_out: records no fit may see: mixed, spread, point:N, level:NAME, test:impact, test:sine or last:SHARE.
         keep: where to keep the diagnosis as JSON; if the file is there, it is read, which takes no time.
         progress: show how far it is, where somebody looks.
 

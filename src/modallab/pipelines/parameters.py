@@ -118,7 +118,9 @@ class DiagnoseParameters(Frozen):
             any structure.
     """
 
-    hold_out: Annotated[str, Field(pattern=r"^(mixed|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")] = "mixed"
+    hold_out: Annotated[
+        str, Field(pattern=r"^(mixed|spread|point:\d+|level:.+|test:impact|test:sine|last:[\d.]+)$")
+    ] = "mixed"
     reference: tuple[str, ...] = Field(default=(), exclude_if=unstated)
 
     def parted(self, inputs: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -1,6 +1,6 @@
 """An effect with its numbers free, as coordinates for a fit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -80,6 +80,11 @@ class Candidate:
         if "x" in values:
             place["x"] = min(max(values.pop("x"), 0.5 / ELEMENTS), 1.0)
         return Effect(effect=self.effect, parameters={**dict(self.fixed), **values}, place=place)
+
+    def held_at(self, x: float) -> "Candidate":
+        """The same, but that its place along the beam, as a share of the length, is not free."""
+        slots = tuple(s for s in self.slots if s.name != "x")
+        return replace(self, slots=slots, place=(*self.place, ("x", x)))
 
 
 def spread(low: float, high: float, count: int) -> tuple[float, ...]:

@@ -36,7 +36,7 @@ class KnownShapes:
 
     def must_read(self, channel: int, tone: Complex) -> float:
         """The least that one of (responses,) must read, over its noise, by the others; 0 where nothing is known."""
-        if not self._shapes:
+        if not self._shapes or tone.size < 2:
             return 0.0
         shapes = np.array(self._shapes).T
         others = np.delete(np.arange(tone.size), channel)

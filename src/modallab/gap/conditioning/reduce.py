@@ -223,7 +223,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         tuple(float(b.order) for b in blocks),
     )
     source = Hits(lines, n, dt, pulses, starts, conj)
-    return ImpactData(piece, source, _rows(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))
+    return ImpactData(piece, source, rows_of(np.einsum("hk,hck->ck", conj, Y), sigma, force_noise))
 
 
 def _apart(rig: Rig) -> bool:
@@ -278,7 +278,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         pieces.append(
             Piece(block.name, float(block.order), rig.x_of(block.drive_point or 0), block.level, (block.name,))
         )
-    rows = _rows(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
+    rows = rows_of(np.concatenate(y, axis=1), np.concatenate(sigma, axis=1), np.concatenate(noise))
     source = Sines(np.array(lines), np.array(drive), n, dt, np.array(forces), rise_of(blocks))
     return SineData(tuple(pieces), source, rows, ratio, ratio_sigma)
 
@@ -327,7 +327,8 @@ def on_line(hz: float, n: int, dt: float) -> float:
     return round(line) / (n * dt) if abs(line - round(line)) < 2e-3 else hz
 
 
-def _rows(y: Complex, sigma: Array, force_noise: Array) -> Rows:
+def rows_of(y: Complex, sigma: Array, force_noise: Array) -> Rows:
+    """Rows of (channels, rows) responses with their noise, and (rows,) noise of the force over the force."""
     whitened = y / sigma
     length = np.maximum(np.linalg.norm(whitened, axis=0), 1e-300)
     return Rows(y, sigma, (force_noise * length) ** 2, whitened / length)

@@ -4,11 +4,18 @@ Source: Stone, J. R. Stat. Soc. B 36 (1974), 111, on judging a model by data tha
 """
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 from modallab.core.block import Block
 from modallab.core.errors import PlanError
 
-RULES = "mixed, point:N, level:NAME, test:impact, test:sine, last:SHARE"
+RULES = "mixed, spread, point:N, level:NAME, test:impact, test:sine, last:SHARE"
+
+
+T = TypeVar("T")
+
+WHERE_POSSIBLE = ("mixed", "spread")
+"""Rules that hold nothing out where there are too few records."""
 
 
 def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]:
@@ -16,15 +23,15 @@ def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]
 
     Args:
         blocks: all records, in the order of time.
-        rule: `mixed` (one drive point of several, every third sine frequency), `point:N`, `level:NAME`, `test:sine`,
-            `test:impact`, or `last:SHARE` of the records in time.
+        rule: `mixed` (one drive point of several, every third sine frequency), `spread` (every third hit at each point
+            instead), `point:N`, `level:NAME`, `test:sine`, `test:impact`, or `last:SHARE` of the records in time.
 
     Raises:
         PlanError: the rule is not one of these, or leaves nothing to fit or nothing held out.
     """
     kind, _, value = rule.partition(":")
-    if kind == "mixed":
-        held = _mixed(blocks)
+    if kind in WHERE_POSSIBLE:
+        held = _third_of_hits(blocks, each_point=kind == "spread") | _third_of_sines(blocks)
     elif kind == "point" and value.isdigit():
         held = {b.name for b in blocks if b.drive_point == int(value)}
     elif kind == "level" and value:
@@ -36,7 +43,7 @@ def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]
     else:
         raise PlanError(f"no rule {rule!r} to hold records out", remedy=f"use one of {RULES}")
     fitted = [b for b in blocks if b.name not in held]
-    if not fitted or (not held and kind != "mixed"):
+    if not fitted or (not held and kind not in WHERE_POSSIBLE):
         raise PlanError(
             f"the rule {rule!r} holds out {len(held)} of {len(blocks)} records",
             remedy=f"choose another: {RULES}",
@@ -44,14 +51,23 @@ def split(blocks: Sequence[Block], rule: str) -> tuple[list[Block], list[Block]]
     return fitted, [b for b in blocks if b.name in held]
 
 
-def _mixed(blocks: Sequence[Block]) -> set[str]:
+def third(listed: Sequence[T], first: int) -> Sequence[T]:
+    """Every third of a list, from this place on: what is held out of it."""
+    return listed[first::3]
+
+
+def _third_of_hits(blocks: Sequence[Block], each_point: bool) -> set[str]:
     hits = [b for b in blocks if b.test == "impact"]
     points = list(dict.fromkeys(b.drive_point for b in hits))
-    several = len(points) > 1
-    held = {b.name for b in hits if b.drive_point == points[-1]} if several else {b.name for b in hits[2::3]}
+    if len(points) > 1 and not each_point:
+        return {b.name for b in hits if b.drive_point == points[-1]}
+    return {b.name for p in points for b in third([h for h in hits if h.drive_point == p], 2)}
+
+
+def _third_of_sines(blocks: Sequence[Block]) -> set[str]:
     frequencies = sorted({b.frequency_hz for b in blocks if b.test == "sine" and b.frequency_hz})
-    chosen = set(frequencies[1::3])
-    return held | {b.name for b in blocks if b.test == "sine" and b.frequency_hz in chosen}
+    chosen = set(third(frequencies, 1))
+    return {b.name for b in blocks if b.test == "sine" and b.frequency_hz in chosen}
 
 
 def _is_share(value: str) -> bool:

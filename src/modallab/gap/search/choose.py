@@ -227,12 +227,29 @@ def probabilities(choice: Choice) -> list[tuple[Fit, float]]:
         fits.setdefault(names(fit), fit)
     ordered = list(fits.values())
     n = float(np.count_nonzero(choice.fit.residual))
-    temperature = 2.0 + 100.0 * excess(choice.fit)
+    temperature = temperature_of(excess(choice.fit))
     if stepped(choice.fit):
         temperature = min(temperature, n / COUNTS)
-    scores = np.array(
-        [-0.5 * n * np.log(max(f.cost, 1.0)) / temperature - 3.0 * len(f.problem.candidates) for f in ordered]
+    shares = shares_of(
+        np.array([f.cost for f in ordered]), np.array([len(f.problem.candidates) for f in ordered]), n, temperature
     )
-    weights = np.exp(scores - np.max(scores))
-    shares = weights / np.sum(weights)
     return sorted(zip(ordered, shares.tolist(), strict=True), key=lambda pair: -pair[1])
+
+
+def temperature_of(left: float) -> float:
+    """T of `probabilities` where the best explanation leaves so much, in squares above the floor."""
+    return 2.0 + 100.0 * left
+
+
+def shares_of(costs: Array, effects: Array, n: float, temperature: float | Array) -> Array:
+    """(..., explanations) probabilities of explanations, see `probabilities`.
+
+    Args:
+        costs: (..., explanations) squares that each leaves.
+        effects: (explanations,) how many each has.
+        n: residuals.
+        temperature: T.
+    """
+    scores = -0.5 * n * np.log(np.maximum(costs, 1.0)) / temperature - 3.0 * effects
+    weights = np.exp(scores - np.max(scores, axis=-1, keepdims=True))
+    return weights / np.sum(weights, axis=-1, keepdims=True)

@@ -8,14 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.progress import part, report
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.beside_hits import beside_the_hits, only_hits
 from modallab.gap.search.by_frequencies import round_by_frequencies
 from modallab.gap.search.by_relief import round_by_relief
 from modallab.gap.search.clock import with_clock
+from modallab.gap.search.elsewhere import elsewhere
 from modallab.gap.search.fitting import (
     Bench,
     baseline,
+    completed,
     excess,
     on_all,
     ordinary,
@@ -90,6 +92,7 @@ def rounds(bench: Bench, base: Fit, most: int, begun: Level | None = None) -> li
         # Each round is seldom followed by another.
         with part(1 - AFTER ** len(levels), 1 - AFTER ** (len(levels) + 1), f"round {len(levels) + 1}"):
             level = _level(bench, base) if levels or begun is None else begun
+            level = level if base.problem.candidates else with_known(bench, level)
         levels.append(level)
         # Once nearly all is explained, a further effect must be worth its name to go on from.
         worth = WORTH if excess(base) > NEARLY * excess(levels[0].base) else HOLDS
@@ -100,6 +103,13 @@ def rounds(bench: Bench, base: Fit, most: int, begun: Level | None = None) -> li
             break
         base = level.fits[0]
     return levels or [Level(base, (), ())]
+
+
+def with_known(bench: Bench, level: Level) -> Level:
+    """A first round with what an earlier diagnosis had left standing, fitted from its own numbers."""
+    begun = [completed(bench, seen(Problem(bench.data, bench.free, p.candidates), u)) for p, u in bench.known]
+    known = [elsewhere(f) for f in begun]
+    return replace(level, fits=tuple(sorted([*level.fits, *known], key=lambda f: f.cost)))
 
 
 def _ends(bench: Bench, first: float, levels: list[Level]) -> float:

@@ -56,6 +56,7 @@ class Bench:
         flat: rms residual below which nothing has to be explained.
         watched: rms residual below which nothing is looked for.
         overtones: of the sines that may be fitted.
+        known: explanations that an earlier diagnosis had left standing, and where their fits begin.
     """
 
     data: Reduced
@@ -66,6 +67,7 @@ class Bench:
     flat: float = FLAT
     watched: float = WATCHED
     overtones: tuple[Overtone, ...] = ()
+    known: tuple[tuple[Problem, Array], ...] = ()
 
 
 def baseline(bench: Bench) -> Fit:

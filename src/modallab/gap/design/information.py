@@ -1,0 +1,208 @@
+"""What records that have not been made would say between explanations, each linear about its own fit.
+
+Where explanation A is true, its fit's numbers are drawn from what the records so far leave open, the new records follow
+with their noise, and every explanation is fitted again to all of them. Half the difference of the squares is the
+logarithm of the likelihoods' ratio; its mean is what an experiment is expected to tell (Box and Hill, Technometrics 9
+(1967), 57; Lindley, Ann. Math. Stat. 27 (1956), 986). Of the records only products of slopes and answers count: of
+several experiments these add up.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.design.standing import Explanation
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.minimise import jacobian
+from modallab.gap.search.choose import shares_of, temperature_of
+from modallab.gap.search.fitting import excess
+
+Array = NDArray[np.float64]
+
+DRAWS = 100
+"""New records that are drawn for each explanation."""
+OPEN, OPEN_PLACE = 0.3, 0.02
+"""Coordinates of an effect that the records leave open are drawn this far from the fit: beyond, slopes say nothing."""
+FAR = 30.0
+"""Times as far as that a fit by slopes goes, about: at the end of its range a number has none."""
+ALONE = 0.95
+"""Probability from which an explanation counts as the only one left."""
+SEED = 20261125
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rivals:
+    """Explanations, linear about their fits to the records that are there.
+
+    Attributes:
+        listed: the explanations.
+        numbers: of each, which columns of `columns_of` are its own.
+        starts: (numbers, numbers) curvature and (numbers,) slope of each one's squares.
+    """
+
+    listed: tuple[Explanation, ...]
+    numbers: tuple[slice, ...]
+    starts: tuple[tuple[Array, Array], ...]
+
+    @classmethod
+    def of(cls, listed: Sequence[Explanation]) -> Self:
+        """At least two explanations, fitted to the same records."""
+        ends = np.cumsum([0, *(r.fit.u.size for r in listed)]).tolist()
+        numbers = tuple(slice(a, b) for a, b in pairwise(ends))
+        return cls(tuple(listed), numbers, tuple(_start(r.fit) for r in listed))
+
+    @property
+    def excess(self) -> float:
+        """What the best explanation leaves above the floor, in squares of noise units over all residuals."""
+        best = min(self.listed, key=lambda r: r.fit.cost)
+        return excess(best.fit) * self.count
+
+    @property
+    def count(self) -> float:
+        """Residuals of the records that are there."""
+        return float(np.count_nonzero(self.listed[0].fit.residual))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Outlook:
+    """What an experiment is expected to bring.
+
+    Attributes:
+        right: mean probability of the explanation that is true, once the experiment is made.
+        alone: how often it is the only one left.
+        ratio: (true, other) mean logarithm of the likelihoods' ratio on all records.
+        chances: (true,) probabilities so far, by the fits to what is there.
+    """
+
+    right: float
+    alone: float
+    ratio: Array
+    chances: Array
+
+    @property
+    def nats(self) -> float:
+        """Logarithm of the likelihoods' ratio of the true explanation to the one nearest to it, in the mean."""
+        others = self.ratio + np.diag(np.full(len(self.ratio), np.inf))
+        return float(self.chances @ np.min(others, axis=1))
+
+
+def _start(fit: Fit) -> tuple[Array, Array]:
+    J, n = jacobian(fit.problem, fit.u, fit.residual), fit.problem.free.size
+    _, slope, curvature = fit.problem.priors(fit.u)
+    normal, gradient = J.T @ J, J.T @ fit.residual
+    normal[np.diag_indices(len(normal))] += np.concatenate([curvature, (FAR * _open(fit)) ** -2])
+    gradient[:n] += slope
+    return normal, gradient
+
+
+def columns_of(rivals: Rivals, data: Reduced) -> Array:
+    """(residuals, all numbers + explanations) slopes of each explanation's answers, and its answers less the first's.
+
+    In noise units; what the records so far say of the generator's clock does not count twice.
+    """
+    slopes: list[Array] = []
+    left: list[Array] = []
+    for rival in rivals.listed:
+        problem = replace(rival.fit.problem, data=data)
+        left.append(problem.residual(rival.fit.u))
+        slopes.append(-jacobian(problem, rival.fit.u, left[-1]))
+    found = np.hstack([*slopes, np.array([left[0] - r for r in left]).T])
+    known = data.sines is not None and rivals.listed[0].fit.problem.data.sines is not None
+    return found[:-1] if known else found
+
+
+def outlook(rivals: Rivals, gram: Array, count: int, bent: Array | None = None) -> Outlook:
+    """What an experiment is expected to bring.
+
+    Args:
+        rivals: the explanations.
+        gram: products of the experiment's columns.
+        count: its residuals.
+        bent: (true, other) squares that full fits leave more than linear ones; None for none.
+    """
+    rng = np.random.default_rng(SEED)
+    values, vectors = np.linalg.eigh(gram)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    size = len(rivals.listed)
+    right, alone, ratio = np.zeros(size), np.zeros(size), np.zeros((size, size))
+    for true in range(size):
+        noise = rng.standard_normal((DRAWS, len(gram))) @ root.T
+        costs = _costs(rivals, gram, true, _drawn(rivals, true, rng), noise)
+        costs += count if bent is None else count + bent[true]
+        after = believed(rivals, costs, count)[:, true]
+        right[true], alone[true] = np.mean(after), np.mean(after >= ALONE)
+        ratio[true] = np.mean(costs - costs[:, [true]], axis=0) / 2
+    chances = believed(rivals, np.array([r.fit.cost for r in rivals.listed]), 0)
+    return Outlook(float(chances @ right), float(chances @ alone), ratio, chances)
+
+
+def without_noise(rivals: Rivals, gram: Array, true: int) -> list[tuple[float, Array]]:
+    """What each explanation leaves by slopes of the answers of one and of the records before, and its numbers then."""
+    answers = np.zeros((1, len(gram)))
+    answers[0, len(gram) - len(rivals.listed) + true] = 1
+    found = [_again(rivals, gram, k, answers, np.zeros((1, len(gram)))) for k in range(len(rivals.listed))]
+    return [(float(cost[0]), r.fit.u + step[0]) for r, (cost, step) in zip(rivals.listed, found, strict=True)]
+
+
+def apart_by_row(rivals: Rivals, columns: Array) -> Array:
+    """(residuals,) what the second explanation, fitted again, leaves of the answers of the first, in noise units."""
+    own, first = rivals.numbers[1], columns.shape[1] - len(rivals.listed)
+    slopes, off = columns[:, own], -columns[:, first + 1]
+    normal, gradient = rivals.starts[1]
+    step: Array = np.linalg.solve(normal + slopes.T @ slopes, slopes.T @ off - gradient).astype(np.float64)
+    return off - slopes @ step
+
+
+def believed(rivals: Rivals, costs: Array, count: int) -> Array:
+    """(..., explanations) probabilities, as a diagnosis of all records would give them, of squares left of all."""
+    n = rivals.count + count
+    effects = np.array([len(r.effects) for r in rivals.listed])
+    # What is above the floor counts for less among more records.
+    return shares_of(costs, effects, n, temperature_of(rivals.excess / n))
+
+
+def _open(fit: Fit) -> Array:
+    """(numbers of its effects,) how far each is drawn from the fit at most, about."""
+    return np.array([OPEN_PLACE if s.name == "x" else OPEN for c in fit.problem.candidates for s in c.slots])
+
+
+def _drawn(rivals: Rivals, true: int, rng: np.random.Generator) -> Array:
+    """(draws, numbers) what the records so far leave open of an explanation's numbers."""
+    fit, normal = rivals.listed[true].fit, rivals.starts[true][0].copy()
+    own = np.arange(fit.problem.free.size, len(normal))
+    normal[own, own] += _open(fit) ** -2
+    z = rng.standard_normal((len(normal), DRAWS))
+    drawn: Array = np.linalg.solve(np.linalg.cholesky(normal).T, z).T.astype(np.float64)
+    return drawn
+
+
+def _costs(rivals: Rivals, gram: Array, true: int, drawn: Array, noise: Array) -> Array:
+    """(draws, explanations) squares that each leaves of all records, less those of the new noise alone."""
+    answers = np.zeros((len(drawn), len(gram)))
+    answers[:, rivals.numbers[true]] = drawn
+    answers[:, len(gram) - len(rivals.listed) + true] += 1
+    return np.array([_again(rivals, gram, k, answers, noise)[0] for k in range(len(rivals.listed))]).T
+
+
+def _again(rivals: Rivals, gram: Array, k: int, answers: Array, noise: Array) -> tuple[Array, Array]:
+    """(draws,) squares that an explanation leaves, fitted again, and (draws, numbers) how far its numbers go.
+
+    Args:
+        rivals: the explanations.
+        gram: products of the experiment's columns.
+        k: which explanation.
+        answers: (draws, columns) the new records, as sums of columns.
+        noise: (draws, columns) products of their noise with the columns.
+    """
+    own, (normal, gradient) = rivals.numbers[k], rivals.starts[k]
+    less = answers.copy()
+    less[:, len(gram) - len(rivals.listed) + k] -= 1
+    along = less @ gram + noise
+    slope = along[:, own] - gradient
+    step: Array = np.linalg.solve(normal + gram[own, own], slope.T).T.astype(np.float64)
+    return rivals.listed[k].fit.cost + np.sum(less * (along + noise), axis=1) - np.sum(slope * step, axis=1), step

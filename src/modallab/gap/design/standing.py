@@ -1,0 +1,176 @@
+"""The explanations that a diagnosis has left standing, each with its own numbers, on the records it was made from."""
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Campaign
+from modallab.core.diagnosis import CandidateSet, Diagnosis
+from modallab.core.effects import kind_of
+from modallab.core.errors import DataError, PlanError
+from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
+from modallab.gap.conditioning.split import split
+from modallab.gap.design.continued import FITTED
+from modallab.gap.model.fit import Fit
+from modallab.gap.model.minimise import minimise
+from modallab.gap.model.nuisances import Nuisances, nuisances
+from modallab.gap.model.restored import begin_of
+from modallab.gap.model.tolerances import with_tolerances
+from modallab.gap.report.initial_gap import TOP_HZ, weights_of
+from modallab.gap.search.elsewhere import elsewhere
+from modallab.gap.search.fitting import settled
+
+Array = NDArray[np.float64]
+
+POSSIBLE = 0.01
+"""Probability from which an explanation counts as left standing."""
+MOST = 4
+"""Explanations that are planned for at most."""
+STEPS = 6
+"""Evaluations of the slopes, at most, until an explanation is at the end of its valley."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Explanation:
+    """An explanation that is left standing.
+
+    Attributes:
+        effects: names of its effects.
+        probability: that the diagnosis gives it; those of all explanations add up to 1.
+        fit: it, on the records that are there.
+    """
+
+    effects: tuple[str, ...]
+    probability: float
+    fit: Fit
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Recorded:
+    """What is there to plan with.
+
+    Attributes:
+        data: the records that a fit would see.
+        weights: the noise of the rows.
+        prepared: the campaign.
+    """
+
+    data: Reduced
+    weights: Weights
+    prepared: Prepared
+
+
+def recorded(campaign: Campaign) -> Recorded:
+    """The records of a campaign as a diagnosis of them and of later ones would fit them.
+
+    Raises:
+        DataError: the campaign holds no record that says what drove it.
+    """
+    prepared = prepare(replace(campaign, rig=with_tolerances(campaign.rig)))
+    weights = weights_of(prepared)
+    fitted, _ = split(prepared.blocks, FITTED)
+    return Recorded(reduce(prepared.campaign, fitted, weights), weights, prepared)
+
+
+def left_standing(diagnosis: Diagnosis) -> list[CandidateSet]:
+    """Explanations between which an experiment could decide, the likeliest first; a single one if there is none.
+
+    One that contains a likelier one is no rival of it: what it has beyond is not needed, and nothing rules it out.
+    Where one stands alone, the one behind it counts too.
+    """
+    kept = without_needless(diagnosis.candidates)
+    return [c for k, c in enumerate(kept) if k < 2 or c.probability >= POSSIBLE][:MOST]
+
+
+def without_needless(candidates: Sequence[CandidateSet]) -> list[CandidateSet]:
+    """Explanations, the likeliest first, without those that contain a likelier one: what they add is not needed."""
+    kept: list[CandidateSet] = []
+    for c in sorted(candidates, key=lambda c: -c.probability):
+        if not any(set(k.effects) < set(c.effects) for k in kept):
+            kept.append(c)
+    return kept
+
+
+def to_decide(diagnosis: Diagnosis) -> list[CandidateSet]:
+    """The explanations left standing, where an experiment can be planned for them.
+
+    Raises:
+        PlanError: fewer than two are left standing, or one of them depends on the size of the motion.
+        DataError: the diagnosis does not hold their numbers.
+    """
+    sets = left_standing(diagnosis)
+    if len(sets) < 2:
+        raise PlanError(
+            "the diagnosis leaves no two explanations between which an experiment could decide",
+            where=diagnosis.rig,
+            remedy=diagnosis.next_experiment or "nothing is to be decided; put what was found into the simulation",
+        )
+    for c in sets:
+        _require_planned(diagnosis, c)
+    return sets
+
+
+def explanations(
+    sets: Sequence[CandidateSet], there: Recorded, points: Collection[tuple[float, int]]
+) -> list[Explanation]:
+    """Explanations, fitted to what is there.
+
+    Args:
+        sets: the explanations, as `to_decide`.
+        there: the records.
+        points: place in m and number of further hits that are planned: where each lands is free as well.
+
+    Raises:
+        DataError: one has an effect that no fit looks for on this rig.
+    """
+    free = free_with(there, points)
+    total = sum(c.probability for c in sets) or 1.0
+    names = Counter(frozenset(c.effects) for c in sets)
+    fits = [
+        minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4, alike=True) for c in sets
+    ]
+    best = min(fits, key=lambda f: f.cost)
+    fits = [settled(elsewhere(beside(f, best))) for f in fits]
+    return [
+        Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, fit)
+        for c, fit in zip(sets, fits, strict=True)
+    ]
+
+
+def beside(fit: Fit, other: Fit) -> Fit:
+    """A fit, or the one that begins where another's nuisances are, if that is the better one.
+
+    Many numbers that do nearly the same settle slowly: what two explanations differ by must not be where each fit has
+    come to.
+    """
+    size = fit.problem.free.size
+    moved = np.concatenate([other.u[:size], fit.u[size:]])
+    return min(fit, minimise(fit.problem, moved, STEPS, 1e-4, alike=True), key=lambda f: f.cost)
+
+
+def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:
+    if c.twin is None or not c.fitted:
+        raise DataError(
+            f"the diagnosis does not hold the numbers of {' and '.join(c.effects)}",
+            where=diagnosis.rig,
+            remedy="diagnose the campaign again with this version",
+        )
+    if not all(kind_of(e.effect).linear for e in c.fitted):
+        raise PlanError(
+            f"{' and '.join(c.effects)} depends on the size of the motion: no experiment is planned for that yet",
+            where=diagnosis.rig,
+            remedy=diagnosis.next_experiment or "repeat the sines at a third level",
+        )
+
+
+def free_with(there: Recorded, points: Collection[tuple[float, int]]) -> Nuisances:
+    """What is free on the records that are there and on hits at further points."""
+    rig = there.prepared.campaign.rig
+    counts = Counter(b.drive_point for b in there.prepared.blocks if b.test == "impact" and b.drive_point is not None)
+    done = {rig.x_of(point): count for point, count in sorted(counts.items())}
+    more = [(x, count) for x, count in points if x not in done]
+    return nuisances(rig, TOP_HZ, [*done.items(), *more])

@@ -1,0 +1,115 @@
+"""An explanation of a diagnosis as a fit again: its effects and its twin, read back from the document."""
+
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.diagnosis import Calibrated, CandidateSet
+from modallab.core.effects import Effect, kind_of
+from modallab.core.errors import DataError
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.candidates import of_bench, of_channel, of_pairs
+from modallab.gap.model.fit import Problem
+from modallab.gap.model.nuisances import Nuisances, beam_of
+from modallab.gap.model.tolerances import FREE, MOST
+from modallab.twin.candidate import Candidate, Slot
+from modallab.twin.structure import ROOT, believed_root
+
+Array = NDArray[np.float64]
+
+EDGE = 1e-6
+"""How near to its bounds a share may be."""
+
+
+def coordinates_of(twin: Calibrated, free: Nuisances) -> Array:
+    """(size,) the nuisances at which a fit left the twin: what `calibrated` wrote down, the other way round.
+
+    Args:
+        twin: the numbers.
+        free: the nuisances, which may be of another campaign of the same rig: what the document does not mention, such
+            as where the hits at a new point land, is 0.
+    """
+    rig, u = free.rig, np.zeros(free.size)
+    beam, t = beam_of(rig), rig.tolerance
+    own = (
+        (twin.youngs_modulus_pa / beam.youngs_modulus_pa, t.youngs_modulus),
+        (twin.thickness_m / beam.thickness_m, t.thickness),
+        (twin.density_kg_m3 / beam.density_kg_m3, t.density),
+    )
+    u[:3] = [_free(log(ratio) / sigma) if sigma else 0.0 for ratio, sigma in own]
+    zeta = np.array(twin.zeta[: free.modes]) / rig.damping_ratio.guess
+    u[3 : 3 + free.modes] = np.log(zeta) / log(rig.damping_ratio.factor)
+    for k, channel in enumerate(free.gains):
+        u[3 + free.modes + k] = _free(log(twin.gains.get(channel, 1.0)) / free.tolerance)
+    stated = {(d.tolerance, d.at): d.u for d in twin.departures}
+    u[free.first_deviation : free.first_deviation + len(free.deviations)] = [
+        stated.get((d.tolerance, d.at), 0.0) for d in free.deviations
+    ]
+    if free.root:
+        u[-2] = _free(log(twin.root_rotation / believed_root(beam)) / ROOT)
+    u[-1] = 0.5 + _free(twin.residual_compliance - 0.5, 0.6, 1.0)
+    return u
+
+
+def _free(value: float, free: float = FREE, most: float = MOST) -> float:
+    """The inverse of `held_one`: what was pressed together towards its bound, as it was."""
+    if abs(value) < free:
+        return value
+    room = most - free
+    return float(np.sign(value) * (free + room * np.arctanh(min((abs(value) - free) / room, 1 - 1e-9))))
+
+
+def begin_of(said: CandidateSet, data: Reduced, free: Nuisances, in_place: bool = False) -> tuple[Problem, Array]:
+    """An explanation's problem on records, and (u,) its numbers, from which a fit begins.
+
+    Args:
+        said: the explanation, with its numbers.
+        data: the records, which may be others than it was found on.
+        free: the nuisances, see `coordinates_of`.
+        in_place: whether its effects stay where they are.
+
+    Raises:
+        DataError: it has an effect that no fit looks for on this rig.
+    """
+    assert said.twin is not None
+    found = [_free_again(e, data) for e in said.fitted]
+    found = [_held_in_place(*f) for f in found] if in_place else found
+    u = np.concatenate([coordinates_of(said.twin, free), *(own for _, own in found)])
+    return Problem(data, free, tuple(f for f, _ in found), drift_curve=tuple(said.twin.drift_curve)), u
+
+
+def _free_again(effect: Effect, data: Reduced) -> tuple[Candidate, Array]:
+    """An effect with its numbers free, and the coordinates at which it is this one."""
+    for c in _like(effect, data):
+        values = {**effect.parameters, **effect.place}
+        fixed = {**dict(c.place), **dict(c.fixed)}
+        if c.effect == effect.effect and all(values.get(k) == v for k, v in fixed.items()):
+            return c, np.array([_coordinate(s, values[s.name]) for s in c.slots])
+    raise DataError(
+        f"no fit looks for {effect.effect} at {effect.place}",
+        where=data.rig.name,
+        remedy="name the rig file that the campaign was diagnosed with",
+    )
+
+
+def _held_in_place(candidate: Candidate, own: Array) -> tuple[Candidate, Array]:
+    names = [s.name for s in candidate.slots]
+    if "x" not in names:
+        return candidate, own
+    at = names.index("x")
+    return candidate.held_at(candidate.slots[at].value(float(own[at]))), np.delete(own, at)
+
+
+def _like(effect: Effect, data: Reduced) -> list[Candidate]:
+    at = effect.place.get("channel")
+    kind = kind_of(effect.effect).place
+    if kind == "pair" and isinstance(at, tuple):
+        return of_pairs(data.rig, at)
+    return of_channel(data.rig, at) if kind == "channel" and isinstance(at, int) else of_bench(data.rig)
+
+
+def _coordinate(slot: Slot, value: object) -> float:
+    assert isinstance(value, float | int)
+    near = float(np.clip(value, EDGE, 1 - EDGE)) if slot.transform == "share" else float(value)
+    return slot.coordinate(max(near, np.finfo(float).tiny) if slot.transform == "log" else near)
