@@ -1,6 +1,8 @@
 """Nastran's binary results: what is read is what the same run printed."""
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +29,15 @@ def test_modes_are_those_that_were_printed_at_unit_modal_mass() -> None:
         np.testing.assert_allclose([motion[:2].sum(), motion[2:4].sum()], squares, rtol=1e-5)
     assert found.places_m[5] == pytest.approx((4.0, 0.0, 0.0))
     assert set(found.places_m) == set(found.at)
+
+
+def test_numbers_are_printed_afterwards_as_before() -> None:
+    script = (
+        "import sys, numpy as np; from pathlib import Path; from modallab.formats.fem.fem_file import read_fem;"
+        "before = np.get_printoptions(); read_fem(Path(sys.argv[1]));"
+        "assert 'pyyeti' in sys.modules; assert np.get_printoptions() == before"
+    )
+    subprocess.run([sys.executable, "-c", script, str(BEAM)], check=True, timeout=60)
 
 
 def test_a_file_that_ends_too_early_is_damaged(tmp_path: Path) -> None:

@@ -66,7 +66,9 @@ def read_op2(path: Path) -> NodeModes:
 
 def _reader() -> Any:
     require_package(PACKAGE, "a Nastran .op2 file")
-    return import_module(f"{PACKAGE}.nastran.op2")
+    # pyYeti sets how NumPy prints, of the whole process.
+    with np.printoptions():
+        return import_module(f"{PACKAGE}.nastran.op2")
 
 
 def _require_words_of_four(path: Path) -> None:
