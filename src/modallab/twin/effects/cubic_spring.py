@@ -16,7 +16,7 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
 
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m**5
-    return (Slot("k3", "log", spread(1e2 * unit, 1e7 * unit, 6)), along_beam())
+    return (Slot("k3", "log", spread(2e2 * unit, 1e8 * unit, 6)), along_beam())
 
 
 MODEL = EffectModel(
