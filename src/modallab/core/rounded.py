@@ -8,4 +8,4 @@ LARGE = 1e6
 def rounded(value: float) -> str:
     """Three digits, and no exponent below a million: 1.02, 920, 2150."""
     shown = f"{value:.{DIGITS}g}"
-    return f"{float(shown):.0f}" if "e+" in shown and abs(value) < LARGE else shown
+    return f"{float(shown):.0f}" if "e+" in shown and abs(float(shown)) < LARGE else shown

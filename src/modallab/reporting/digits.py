@@ -4,6 +4,8 @@ import math
 import re
 from datetime import date
 
+from modallab.core.rounded import rounded
+
 UNKNOWN = "unknown"
 _UNIT = re.compile(r"(?<=[\d⁻⁰¹²³⁴⁵⁶⁷⁸⁹]) (?=(%|Hz|kHz|s|ms|m|mm|N|GPa|kg|V|sigmas?|bit|±|σ)(?![a-zA-Z]))|(?<=±) ")
 
@@ -117,7 +119,7 @@ def short(value: float) -> str:
 
 def about(value: float) -> str:
     """A number to three digits, said shortly: 2.44, 800."""
-    return short(float(f"{value:.3g}")) if math.isfinite(value) else UNKNOWN
+    return rounded(value).replace("-", "−") if math.isfinite(value) else UNKNOWN
 
 
 def _fixed(value: float, places: int) -> str:

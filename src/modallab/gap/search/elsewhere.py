@@ -3,13 +3,13 @@
 A fit stays in the low where it began. Each place is tried with everything else fitted, and the best are let go.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.minimise import minimise
+from modallab.gap.search.lows import lows
 
 PLACES: tuple[float, ...] = tuple(np.linspace(0.06, 0.99, 16).tolist())
 """Places over L that are tried."""
@@ -31,12 +31,6 @@ def elsewhere(fit: Fit) -> Fit:
         minimise(replace(fit.problem, candidates=(candidates[0].held_at(p),)), others, STEPS, 1e-2, alike=True)
         for p in PLACES
     ]
-    begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in _lows([f.cost for f in tried])[:LET_GO]]
+    best = sorted(lows([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
+    begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in best]
     return min([fit, *(minimise(fit.problem, u, LONG, 1e-4, alike=True) for u in begins)], key=lambda f: f.cost)
-
-
-def _lows(costs: Sequence[float]) -> list[int]:
-    """Which values are lower than those beside them, the lowest first."""
-    wide = np.array([np.inf, *costs, np.inf])
-    low = np.flatnonzero((wide[1:-1] <= wide[:-2]) & (wide[1:-1] <= wide[2:]))
-    return [int(k) for k in low[np.argsort(np.array(costs)[low])]]

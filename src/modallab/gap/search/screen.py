@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.prefit import start, starts
+from modallab.gap.search.lows import lows
 from modallab.twin.candidate import Candidate, Slot
 from modallab.twin.effects import model_of, search_of
 from modallab.twin.structure import solve
@@ -200,9 +201,7 @@ class Screen:
 
 def _valleys(tried: list[Begin]) -> list[Begin]:
     """Those of a row that leave no more than their neighbours."""
-    costs = np.array([np.inf, *(b.cost for b in tried), np.inf])
-    low = (costs[1:-1] <= costs[:-2]) & (costs[1:-1] <= costs[2:])
-    return [b for b, is_low in zip(tried, low, strict=True) if is_low]
+    return [tried[k] for k in lows([b.cost for b in tried])]
 
 
 def _plain(problem: Problem, u: Array) -> float:
