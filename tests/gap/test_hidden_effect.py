@@ -15,7 +15,7 @@ from modallab.gap.search.beside_hits import beside_the_hits
 from modallab.gap.search.by_frequencies import round_by_frequencies
 from modallab.gap.search.by_relief import FORGIVEN
 from modallab.gap.search.clock import clock_shows, with_clock
-from modallab.gap.search.fitting import COARSE, ordinary, short
+from modallab.gap.search.fitting import COARSE, baseline, ordinary, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import Screen
 from modallab.gap.search.worth import worthwhile
@@ -81,7 +81,7 @@ def test_a_large_effect_begins_at_two_sizes_and_one_is_near_its_own(rig, make):
     assert max(sizes) > 4 * min(sizes)
 
 
-@pytest.mark.parametrize(("relative", "named"), [(-6e-4, True), (-1e-4, False)])
+@pytest.mark.parametrize(("relative", "named"), [(-6e-4, True), (3e-4, True), (-1e-4, False)])
 def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, make, relative, named):
     slow = Effect(effect="clock_error", parameters={"relative": relative}, place={"channel": "all"})
     bench = assembled(rig, make, slow)
@@ -89,7 +89,7 @@ def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, ma
     # The twin's generator goes by the recorder's clock; a real one has a quartz of its own.
     lines = replace(bench.data.sines, ratio=1 / (1 + relative))
     bench = replace(bench, data=replace(bench.data, sines=lines))
-    found = with_clock(bench)
+    found = with_clock(bench, baseline(bench))
     assert clock_shows(bench) is named
     assert (found is not None) is named
     if found is not None:

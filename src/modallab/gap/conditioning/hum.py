@@ -45,6 +45,7 @@ class Hum:
         volts: (rows,) amplitude.
         z: how many deviations of its noise the force row's amplitude has.
         force: number of the row of the force.
+        ratio: frequency of the drives in the records over their lines'.
     """
 
     hz: float
@@ -52,6 +53,7 @@ class Hum:
     volts: Array
     z: float
     force: int
+    ratio: float
 
 
 def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
@@ -67,13 +69,14 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
     """
     best: Hum | None = None
     for hz in MAINS_HZ:
+        ratio = _drive_ratio(blocks, hz, force)
         heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
         if len(heard) < 4:
             heard = [b for b in blocks if b.test == "impact"]
         if len(heard) < 3:
             continue
-        seen_hz = _tuned(heard, hz, force)
-        size = np.abs(np.array([_amplitudes(b, seen_hz, force) for b in heard]))
+        seen_hz = _tuned(heard, hz, force, ratio)
+        size = np.abs(np.array([_amplitudes(b, seen_hz, force, ratio) for b in heard]))
         volts = np.median(size, axis=0)
         n = int(np.median([_heard_samples(b, force) for b in heard]))
         sigma = noise_v * np.sqrt(2 / n)
@@ -83,7 +86,7 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
         stands = (z > CLEAR) & steady
         clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
         if clear and (best is None or float(z[force]) > best.z):
-            best = Hum(hz, seen_hz, volts, float(z[force]), force)
+            best = Hum(hz, seen_hz, volts, float(z[force]), force, ratio)
     return best
 
 
@@ -91,32 +94,33 @@ def without_hum(block: Block, hum: Hum) -> Block:
     """The record less its hum; the phase is the record's own."""
     volts = block.samples * block.scale[:, None]
     t = np.arange(block.n_samples) / block.rate_hz
-    phases = _amplitudes(block, hum.seen_hz, hum.force)
+    phases = _amplitudes(block, hum.seen_hz, hum.force, hum.ratio)
     # One phase for all rows, weighed by how far each stands out.
     phase = np.angle(np.sum(phases * hum.volts))
     cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
 
 
-def _tuned(heard: Sequence[Block], hz: float, force: int) -> float:
+def _tuned(heard: Sequence[Block], hz: float, force: int, ratio: float) -> float:
     """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
     if heard[0].test != "sine":
         return hz
-    records = [_Record.of(b, hz, force) for b in heard]
+    records = [_Record.of(b, hz, force, ratio) for b in heard]
 
     def power(f: float) -> float:
         return float(np.median([np.sum(np.abs(r.amplitudes(f)) ** 2) for r in records]))
 
-    return _strongest(power, hz, 15)
+    found, most = _strongest(power, hz, 15)
+    return found if most > PLAINLY * power(hz) else hz
 
 
-def _strongest(power: Callable[[float], float], hz: float, points: int) -> float:
-    """The frequency around `hz`, within what a clock may be off, that holds most; `hz` unless that is plainly more."""
+def _strongest(power: Callable[[float], float], hz: float, points: int) -> tuple[float, float]:
+    """The frequency around `hz`, within what a clock may be off, that holds most, and its power."""
     grid = hz * (1 + np.linspace(-OFF, OFF, points))
     start = float(grid[int(np.argmax([power(float(f)) for f in grid]))])
     step = float(grid[1] - grid[0])
     found = minimize_scalar(lambda f: -power(float(f)), bounds=(start - step, start + step), method="bounded")
-    return float(found.x) if -float(found.fun) > PLAINLY * power(hz) else hz
+    return float(found.x), -float(found.fun)
 
 
 def _clear(block: Block, hz: float) -> bool:
@@ -144,15 +148,16 @@ class _Record:
     held: Array
 
     @classmethod
-    def of(cls, block: Block, near_hz: float, force: int) -> Self:
+    def of(cls, block: Block, near_hz: float, force: int, ratio: float) -> Self:
         """Of a block, for frequencies near one."""
         volts = block.samples[:, : _heard_samples(block, force)] * block.scale[:, None]
         t = np.arange(volts.shape[1]) / block.rate_hz
         window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
         beside = [np.ones(len(t))]
         if block.test == "sine" and block.frequency_hz:
-            near = abs(block.frequency_hz - near_hz) < BESIDE_HZ
-            drive = _drive_hz(block, t, force) if near else _line(block.frequency_hz, t, block.rate_hz)
+            drive = _line(block.frequency_hz, t, block.rate_hz)
+            if abs(block.frequency_hz - near_hz) < BESIDE_HZ:
+                drive *= ratio
             beside += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
         rows = np.array(beside) * window
         weighed = volts * window
@@ -171,25 +176,36 @@ class _Record:
         return a[0] + 1j * a[1]
 
 
-def _amplitudes(block: Block, hz: float, force: int) -> Complex:
+def _amplitudes(block: Block, hz: float, force: int, ratio: float) -> Complex:
     """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
-    return _Record.of(block, hz, force).amplitudes(hz)
+    return _Record.of(block, hz, force, ratio).amplitudes(hz)
 
 
 def _line(hz: float, t: Array, rate_hz: float) -> float:
     return round(hz * len(t) / rate_hz) * rate_hz / len(t)
 
 
-def _drive_hz(block: Block, t: Array, force: int) -> float:
-    """Where the drive stands in a record, by the row of the force: beside the mains its nominal line is not enough."""
-    window = np.hanning(len(t))
+def _drive_ratio(blocks: Sequence[Block], hz: float, force: int) -> float:
+    """Frequency of the drives in the records over their lines', by the records whose drive has no mains beside it.
+
+    Beside the mains a hundredth of a line counts: what a drive leaves of itself there would be taken for hum, and turn
+    what is taken out.
+    """
+    found = [_drive_off(b, force) for b in blocks if b.test == "sine" and abs((b.frequency_hz or hz) - hz) > BESIDE_HZ]
+    return float(np.median(found)) if found else 1.0
+
+
+def _drive_off(block: Block, force: int) -> float:
+    """Where the drive stands in the row of the force, over its line."""
+    t = np.arange(block.n_samples) / block.rate_hz
     row = block.samples[force] * block.scale[force]
-    weighed = (row - np.mean(row)) * window
+    weighed = (row - np.mean(row)) * np.hanning(len(t))
 
     def power(f: float) -> float:
         return float(np.abs(np.exp(-2j * np.pi * f * t) @ weighed))
 
-    return _strongest(power, _line(block.frequency_hz or 0.0, t, block.rate_hz), 29)
+    line = _line(block.frequency_hz or 0.0, t, block.rate_hz)
+    return _strongest(power, line, 29)[0] / line
 
 
 def _heard_samples(block: Block, force: int) -> int:
@@ -205,7 +221,7 @@ def weak_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[float
         heard = [b for b in blocks if b.test == "sine" and abs((b.frequency_hz or 0.0) - hz) > 2 * BESIDE_HZ]
         if len(heard) < 4:
             continue
-        power = np.median(np.abs(np.array([_amplitudes(b, hz, force) for b in heard])) ** 2, axis=0)
+        power = np.median(np.abs(np.array([_amplitudes(b, hz, force, 1.0) for b in heard])) ** 2, axis=0)
         # Under a Hann window noise scatters by 1.5 times as much; of an exponential variable the median is ln 2.
         noise = 3 * np.log(2) * noise_v**2 * 2 / heard[0].n_samples
         z = float(np.median(power / noise))

@@ -84,7 +84,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     """
     base = levels[0].base
     plain = base.gap <= bench.flat and (ordinary(base) or not bench.free.deviations)
-    if plain and not _small_but_plain(levels):
+    if plain and not _small_but_plain(levels) and not _clock_alone(bench, levels):
         return Choice(base, base, (), True, True)
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
     while len(chain) > 1 and not _holds(chain[-2], chain[-1], unseen):
@@ -191,6 +191,12 @@ def _small_but_plain(levels: list[Level]) -> bool:
         return False
     base, best = levels[0].base, levels[0].fits[0]
     return base.cost - best.cost > PLAIN and excess(best) < PLAIN_LEAVES * excess(base)
+
+
+def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
+    """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
+    first = levels[0].fits[0].problem.candidates if levels[0].fits else ()
+    return clock_shows(bench) and any(search_of(c.effect).is_clock for c in first)
 
 
 def prune(bench: Bench, fit: Fit) -> Fit:

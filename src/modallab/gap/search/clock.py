@@ -3,11 +3,11 @@
 import numpy as np
 
 from modallab.gap.model.candidates import of_bench
-from modallab.gap.model.fit import Fit
-from modallab.gap.search.fitting import Bench, from_poles
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.search.fitting import Bench, completed, from_poles
 from modallab.twin.effects import search_of
 
-EVIDENT = 4e-4
+EVIDENT = 2.5e-4
 """Relative distance of the generator's lines from where they were set that no quartz explains."""
 
 
@@ -18,11 +18,16 @@ def clock_shows(bench: Bench) -> bool:
     return sines is not None and abs(sines.ratio * (1 + known) - 1) >= EVIDENT
 
 
-def with_clock(bench: Bench) -> Fit | None:
-    """The twin with the clock that the generator's lines show; None if they stand where they should."""
+def with_clock(bench: Bench, base: Fit) -> Fit | None:
+    """The twin with the clock that the generator's lines show; None if they stand where they should.
+
+    From the beam that the poles show, and from the fit without effects: its assembly follows a clock that is a little
+    off, all but the lines.
+    """
     clocks = (c for c in of_bench(bench.data.rig) if search_of(c.effect).is_clock and bench.allowed(c.effect))
     candidate = next(clocks, None)
     if candidate is None or bench.data.sines is None or not clock_shows(bench):
         return None
     own = np.array([candidate.slots[0].coordinate(1 / bench.data.sines.ratio - 1)])
-    return from_poles(bench, (candidate,), own)
+    bent = seen(Problem(bench.data, bench.free, (candidate,)), np.append(base.u, own))
+    return min(from_poles(bench, (candidate,), own), completed(bench, bent), key=lambda f: f.cost)

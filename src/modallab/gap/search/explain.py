@@ -78,7 +78,7 @@ def first_rounds(bench: Bench, base: Fit, begun: Level | None = None) -> list[Le
 
     Beside another effect the beam takes such a clock over, and none of the later rounds would find its way back.
     """
-    clocked = with_clock(bench)
+    clocked = with_clock(bench, base)
     if clocked is None:
         return rounds(bench, base, MOST, begun)
     return [Level(base, (clocked,), ()), *rounds(bench, clocked, MOST - 1)]

@@ -45,7 +45,7 @@ def _faint(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
     def allowed(effect: str) -> bool:
         return bench.allowed(effect) and search_of(effect).drowns
 
-    clocked = with_clock(bench)
+    clocked = with_clock(bench, base)
     before = [] if clocked is None else [Level(base, (clocked,), ())]
     level = nonlinear_level(replace(bench, allowed=allowed), clocked or base, "odd")
     choice = choose(bench, [*before, level], matters)

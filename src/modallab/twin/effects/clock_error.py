@@ -6,11 +6,18 @@ from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, both_signs
-from modallab.twin.effect_model import EffectModel, Search
+from modallab.twin.effect_model import EffectModel, Search, over
+
+QUARTZ = 5e-5
+"""Deviation of one ordinary clock from another: two quartzes are up to 100 millionths apart."""
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, clock=effect.parameters["relative"])
+
+
+def _own_deviations(effect: Effect, rig: Rig) -> float:
+    return over(effect.parameters["relative"], QUARTZ if rig.tolerance.of_assembly else 0.0)
 
 
 MODEL = EffectModel(
@@ -31,6 +38,7 @@ MODEL = EffectModel(
         slots=lambda _: (Slot("relative", "plain", both_signs(1e-4, 0.04, 7), 0.01, low=-0.1, high=0.1),),
         needs="sine",
         is_clock=True,
+        deviations=_own_deviations,
     ),
     experiment="Record a tone of known frequency: its frequency is off by the error of the clock.",
 )
