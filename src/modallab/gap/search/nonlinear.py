@@ -63,13 +63,13 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     groups = [[fit for fit in best if _by_sine(fit) is alike] for alike in (True, False)]
     hopeful = [fit for group in groups for fit in _near_the_best(group, score_of, RIVAL)[:LONGER]]
     report(0.5, "the likeliest of them")
-    looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of))
+    looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of), _by_sine)
     left = tuple((f.problem.candidates, f.cost) for f in looks)
     if not looks or not _explains(bench, looks[0], base, score_of):
         return Level(base, (), left)
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
-    return Level(base, tuple(sorted(fits, key=_cost)), left[len(fits) :])
+    return Level(base, tuple(_best_forms(sorted(fits, key=_cost))), left[len(fits) :])
 
 
 def _by_sine(fit: Fit) -> bool:
@@ -93,12 +93,19 @@ def _explains(bench: Bench, fit: Fit, base: Fit, score_of: Callable[[Fit], float
     return fit.cost <= WRONG * linear.cost
 
 
-def _best_forms(fits: list[Fit]) -> list[Fit]:
-    """Of each effect the form of its law that leaves least; in that order."""
-    best: dict[str, Fit] = {}
+def _best_forms(fits: list[Fit], known: Callable[[Fit], bool] = lambda fit: True) -> list[Fit]:
+    """Of each effect the first form of its law, where that is `known` to be the better one; in their order.
+
+    A few sines, each as a share of its own size, do not tell the forms of a smooth law apart: all records do.
+    """
+    seen_before: set[str] = set()
+    best: list[Fit] = []
     for fit in fits:
-        best.setdefault(fit.problem.candidates[-1].effect, fit)
-    return list(best.values())
+        effect = fit.problem.candidates[-1].effect
+        if not known(fit) or effect not in seen_before:
+            best.append(fit)
+        seen_before.add(effect)
+    return best
 
 
 def _cost(fit: Fit) -> float:

@@ -41,9 +41,9 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
         return []
     problem = Problem(some[0], bench.free, (*base.problem.candidates, located), LOOKED)
     begins = [
-        (dict(zip((s.name for s in located.slots), own, strict=True)).get("x"), u)
+        (dict(zip((s.name for s in located.slots), own, strict=True)).get("x", float(beam)), u)
         for own in product(*(slot.starts for slot in located.slots))
-        for u in _begins(bench, base, located, own)
+        for beam, u in enumerate(_begins(bench, base, located, own))
     ]
     if search_of(candidate.effect).by_sine:
         even = replace(problem, data=looked_at(bench.data, bench.overtones, FREQUENCIES), floor=0.0)
@@ -68,15 +68,18 @@ def _by_sine(even: Problem, begins: list[Array], rough: bool) -> Array:
     return min((followed(even, u, 2) for u in apart(starts, begins)), key=lambda u: score(even, u))
 
 
-def _one_a_place(problem: Problem, begins: list[tuple[float | None, Array]]) -> list[Array]:
-    """The likeliest start at each of the likeliest places: a place is seldom left again."""
+def _one_a_place(problem: Problem, begins: list[tuple[float, Array]]) -> list[Array]:
+    """The likeliest start at each of the likeliest places: a place is seldom left again.
+
+    Of a law that is everywhere the likeliest with each beam: one that stops all resonances leaves little of any.
+    """
 
     def cost(u: Array) -> float:
         return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)) + problem.priors(u)[0])
 
     with ThreadPoolExecutor(WORKERS) as workers:
         costs = list(workers.map(cost, (u for _, u in begins)))
-    best: dict[float | None, Array] = {}
+    best: dict[float, Array] = {}
     for i in np.argsort(costs):
         best.setdefault(begins[i][0], begins[i][1])
     return list(best.values())[:PLACES]
