@@ -7,14 +7,19 @@ effect. The frequencies do: each effect that moves them begins as large, and whe
 from concurrent.futures import ThreadPoolExecutor
 from itertools import repeat
 
+import numpy as np
+from numpy.typing import NDArray
+
 from modallab.core.progress import counted
 from modallab.gap.model.fit import Fit
-from modallab.gap.model.prefit import starts
+from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, annealed, completed, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.round import WORKERS, Level
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
+
+Array = NDArray[np.float64]
 
 BEGINS = 2
 """Places along the beam from which an effect with a place begins."""
@@ -30,7 +35,9 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     def look(candidate: Candidate) -> Fit:
         candidates = (*former[0], candidate)
         begins = starts(candidates, bench.free, bench.poles, BEGINS if len(candidate.slots) > 1 else 1, former[1])
-        looks = (annealed(bench, short(bench, candidates, b.u, COARSE), COARSE / 6) for b in begins)
+        less = _less(candidate, begins[0].u[bench.free.size + len(former[1]) :])
+        smaller = [] if less is None else [start(candidates, np.append(former[1], less), bench.free, bench.poles)]
+        looks = (annealed(bench, short(bench, candidates, b.u, COARSE), COARSE / 6) for b in (*begins, *smaller))
         return min(looks, key=_cost)
 
     with ThreadPoolExecutor(WORKERS) as workers:
@@ -38,6 +45,23 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
         looks = sorted(looked, key=_cost)
         best = sorted(workers.map(completed, repeat(bench), looks[:FINISHED]), key=_cost)
     return Level(base, tuple(best), tuple((f.problem.candidates, f.cost) for f in looks))
+
+
+def _less(candidate: Candidate, own: Array) -> float | None:
+    """The coordinate of the first value of an effect of one number that is next smaller as an effect.
+
+    What sits at every sensor moves all frequencies as the beam's own numbers do, which hardly tell its size: from too
+    large a size the assembly bends and the fit creeps, from a smaller one it grows.
+    """
+    if len(candidate.slots) != 1:
+        return None
+    (slot,) = candidate.slots
+    value = slot.value(float(own[0]))
+    size = -1.0 if slot.power < 0 else 1.0
+    same_side = [v for v in slot.starts if (v - slot.none) * (value - slot.none) > 0]
+    smaller = [v for v in same_side if size * abs(v - slot.none) < size * abs(value - slot.none)]
+    nearest = max(smaller, key=lambda v: size * abs(v - slot.none), default=None)
+    return None if nearest is None else slot.coordinate(nearest)
 
 
 def _cost(fit: Fit) -> float:
