@@ -1,5 +1,7 @@
 """Mains hum beside what only looks like it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,21 @@ def test_hum_beside_the_drive_is_taken_out_where_the_clock_is_a_little_off(clock
     basis = np.vstack([np.cos(turns), np.sin(turns), np.ones(N)])
     amplitudes = np.linalg.lstsq(basis.T, left.T, rcond=None)[0][[1, 3]]
     assert np.hypot(*amplitudes).mean() < 0.4 * each.mean()
+
+
+def test_a_noisy_row_decides_neither_where_the_hum_stands_nor_its_phase() -> None:
+    each, noise = 8e-4 * (0.5 + 0.1 * np.arange(ROWS)), np.full(ROWS, NOISE)
+    noise[3] *= 1000
+    rng = np.random.default_rng(3)
+    blocks = [record(k, each, 50.0, rng) for k in range(20)]
+    loud = [replace(b, samples=b.samples.astype(float)) for b in blocks]
+    for b in loud:
+        b.samples[3] += noise[3] / STEP * rng.standard_normal(N)
+    found = find_hum(loud, noise, 0)
+    assert found is not None
+    assert found.seen_hz == 50.0
+    for before, after in zip(blocks, (without_hum(b, found) for b in loud), strict=True):
+        if abs(before.frequency_hz - 50.0) > 5.0:
+            quiet = [row for row in range(ROWS) if row != 3]
+            spectrum = np.abs(np.fft.rfft(after.samples[quiet] * STEP * np.hanning(N), axis=1))[:, 51]
+            assert spectrum.max() < 6 * NOISE * np.sqrt(0.375 * N)

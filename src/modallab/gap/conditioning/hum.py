@@ -46,6 +46,7 @@ class Hum:
         z: how many deviations of its noise the force row's amplitude has.
         force: number of the row of the force.
         ratio: frequency of the drives in the records over their lines'.
+        weight: (rows,) how much a row's amplitude says of the phase of all.
     """
 
     hz: float
@@ -54,6 +55,7 @@ class Hum:
     z: float
     force: int
     ratio: float
+    weight: Array
 
 
 def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
@@ -75,7 +77,9 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
             heard = [b for b in blocks if b.test == "impact"]
         if len(heard) < 3:
             continue
-        seen_hz = _tuned(heard, hz, force, ratio)
+        seen_hz = (
+            _tuned([_Record.of(b, hz, force, ratio) for b in heard], hz, noise_v) if heard[0].test == "sine" else hz
+        )
         size = np.abs(np.array([_amplitudes(b, seen_hz, force, ratio) for b in heard]))
         volts = np.median(size, axis=0)
         n = int(np.median([_heard_samples(b, force) for b in heard]))
@@ -86,7 +90,7 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
         stands = (z > CLEAR) & steady
         clear = stands[force] and np.count_nonzero(stands) >= max(3, 0.6 * len(volts))
         if clear and (best is None or float(z[force]) > best.z):
-            best = Hum(hz, seen_hz, volts, float(z[force]), force, ratio)
+            best = Hum(hz, seen_hz, volts, float(z[force]), force, ratio, volts / noise_v**2)
     return best
 
 
@@ -95,20 +99,20 @@ def without_hum(block: Block, hum: Hum) -> Block:
     volts = block.samples * block.scale[:, None]
     t = np.arange(block.n_samples) / block.rate_hz
     phases = _amplitudes(block, hum.seen_hz, hum.force, hum.ratio)
-    # One phase for all rows, weighed by how far each stands out.
-    phase = np.angle(np.sum(phases * hum.volts))
+    # One phase for all rows, weighed by how far each stands out of its noise.
+    phase = np.angle(np.sum(phases * hum.weight))
     cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
 
 
-def _tuned(heard: Sequence[Block], hz: float, force: int, ratio: float) -> float:
-    """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more."""
-    if heard[0].test != "sine":
-        return hz
-    records = [_Record.of(b, hz, force, ratio) for b in heard]
+def _tuned(records: Sequence["_Record"], hz: float, noise_v: Array) -> float:
+    """Where the mains stands in the records: at its own frequency, unless another one nearby holds plainly more.
+
+    Each row counts by its noise: a channel a thousand times as noisy as the others would decide it by chance.
+    """
 
     def power(f: float) -> float:
-        return float(np.median([np.sum(np.abs(r.amplitudes(f)) ** 2) for r in records]))
+        return float(np.median([np.sum(np.abs(r.amplitudes(f) / noise_v) ** 2) for r in records]))
 
     found, most = _strongest(power, hz, 15)
     return found if most > PLAINLY * power(hz) else hz
