@@ -1,6 +1,6 @@
 """What the twin's part of an effect declares: entry in the catalogue, change of the twin, how a fit finds it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
@@ -53,6 +53,7 @@ class Search:
         rough: whether contacts open and close in it, so that slopes lead nowhere from afar.
         behind: its stiffness at the root, in series with which stands what the beam's higher modes give way there: how
             many modes the bench has, the records hardly say; "" for none.
+        acting: whether an effect with these numbers does anything that a linear one does not: else none is begun there.
         deviations: how many deviations of its own tolerance an effect of this size is; infinitely many where the rig
             file states none for it.
         deviations_from: how many deviations of the rig file's tolerances it is off the effect of that name at its own
@@ -76,6 +77,7 @@ class Search:
     drowns: bool = False
     rough: bool = False
     behind: str = ""
+    acting: Callable[[Mapping[str, float]], bool] = lambda numbers: True
     deviations: Callable[[Effect, Rig], float] = lambda effect, rig: inf
     deviations_from: Callable[[Effect, str, Rig], float] = lambda effect, other, rig: inf
 

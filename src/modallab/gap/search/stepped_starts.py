@@ -40,14 +40,17 @@ def begun(bench: Bench, base: Fit, some: tuple[Reduced, Reduced], candidate: Can
     if located is None:
         return []
     problem = Problem(some[0], bench.free, (*base.problem.candidates, located), LOOKED)
+    law, names = search_of(candidate.effect), [s.name for s in located.slots]
+    listed = [dict(zip(names, own, strict=True)) for own in product(*(slot.starts for slot in located.slots))]
     begins = [
-        (dict(zip((s.name for s in located.slots), own, strict=True)).get("x", float(beam)), u)
-        for own in product(*(slot.starts for slot in located.slots))
-        for beam, u in enumerate(_begins(bench, base, located, own))
+        (own.get("x", float(beam)), u)
+        for own in listed
+        if law.acting(own)
+        for beam, u in enumerate(_begins(bench, base, located, tuple(own.values())))
     ]
-    if search_of(candidate.effect).by_sine:
+    if law.by_sine:
         even = replace(problem, data=looked_at(bench.data, bench.overtones, FREQUENCIES), floor=0.0)
-        u = _by_sine(even, [u for _, u in begins], search_of(candidate.effect).rough)
+        u = _by_sine(even, [u for _, u in begins], law.rough)
         return [seen(problem, u)]
     chosen = _one_a_place(replace(problem, data=some[1]), begins)
 

@@ -1,5 +1,6 @@
 """A root that sticks and slips."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
@@ -8,6 +9,9 @@ from modallab.twin.bench import Twin
 from modallab.twin.candidate import Slot, spread
 from modallab.twin.effect_model import EffectModel, Search
 from modallab.twin.nonlinear.element import Element, Law
+
+SOFTER = 1.3
+"""Times as stiff as what slips a root that sticks is at least."""
 
 
 def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
@@ -19,12 +23,17 @@ def _change(twin: Twin, effect: Effect, rig: Rig) -> Twin:
     return replace(twin, structure=replace(s, root_rotation=root), element=element)
 
 
+def _slips(numbers: Mapping[str, float]) -> bool:
+    """Whether what slips gives way: at nearly the same stiffness it is a soft root, whatever the limit."""
+    return numbers["k_stick"] > SOFTER * numbers["k_slip"]
+
+
 def _slots(beam: Beam) -> tuple[Slot, ...]:
     unit = beam.bending_stiffness_n_m2 / beam.length_m
     return (
         Slot("k_slip", "log", spread(7 * unit, 220 * unit, 4)),
         Slot("k_stick", "log", spread(40 * unit, 1500 * unit, 4), power=-1.0),
-        Slot("moment_limit", "log", spread(1.5e-5 * unit, 2e-3 * unit, 5), power=-1.0),
+        Slot("moment_limit", "log", spread(1.5e-5 * unit, 2.3e-2 * unit, 7), power=-1.0),
         Slot("sharpness", "log", (1.2,), low=1.0, high=100.0, power=0.0),
     )
 
@@ -48,6 +57,6 @@ MODEL = EffectModel(
     moves_poles=True,
     once=True,
     # How a joint yields is a convention.
-    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True, behind="k_stick"),
+    search=Search(rank=30, slots=_slots, inexact=0.05, acts="root", by_sine=True, behind="k_stick", acting=_slips),
     experiment="Repeat the sines at a third level: friction softens the root with the level and damps most in between.",
 )
