@@ -17,11 +17,15 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.search.heard import heard
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_fit import followed
-from modallab.gap.search.rough_starts import is_overtone, relative
+from modallab.gap.search.rough_starts import is_overtone, relative, score
 from modallab.gap.search.round import Level
 from modallab.twin.effects import model_of
+from modallab.twin.effects.breathing_crack import WIDTH
+from modallab_simulators.cantilever.cracked import HALF_WIDTH
 
 LOSS = 0.2
+OWN = 3
+"""Numbers of a crack: how much, how far, where."""
 CRACK = Effect(effect="breathing_crack", parameters={"EI_loss_open": LOSS}, place={"x": 0.31})
 
 
@@ -32,13 +36,13 @@ def cracked(make: Callable[..., Campaign]) -> tuple[Bench, Prepared]:
     return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True), prepared
 
 
-def fitted(on: Bench, loss: float) -> Fit:
-    """The crack at its place, so large; no crack at 0."""
+def fitted(on: Bench, loss: float, width: float = WIDTH) -> Fit:
+    """The crack at its place, so large and so wide; no crack at 0."""
     problem = Problem(on.data, on.free)
     if not loss:
         return seen(problem, np.zeros(on.free.size))
     candidate = model_of("breathing_crack").candidates(on.data.rig)[0]
-    own = [s.coordinate({"EI_loss_open": loss, "x": 0.31}[s.name]) for s in candidate.slots]
+    own = [s.coordinate({"EI_loss_open": loss, "width": width, "x": 0.31}[s.name]) for s in candidate.slots]
     return seen(replace(problem, candidates=(candidate,)), np.concatenate([np.zeros(on.free.size), own]))
 
 
@@ -65,7 +69,7 @@ def law(cracked: tuple[Bench, Prepared]) -> Fit:
     on, _ = cracked
     fit = fitted(on, LOSS)
     sines = replace(fit.problem, data=with_overtones(on.data, on.overtones))
-    return seen(fit.problem, np.concatenate([followed(sines, fit.u, 2)[:-2], fit.u[-2:]]))
+    return seen(fit.problem, np.concatenate([followed(sines, fit.u, 2)[:-OWN], fit.u[-OWN:]]))
 
 
 @pytest.mark.parametrize(("share", "named"), [(1.0, True), (0.3, False)])
@@ -76,7 +80,20 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     base = fitted(on, 0.0)
     nothing = Choice(base, base, (), explained=False, flat=False)
     small = fitted(on, share * LOSS)
-    fit = seen(law.problem, np.concatenate([law.u[:-2], small.u[-2:]]))
+    fit = seen(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
     said = heard(on, nothing, [Level(base, (fit,), ())], prepared, on.data)
     assert said.explained is named
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
+
+
+def test_how_far_a_crack_weakens_the_beam_is_a_number_of_its_own(cracked: tuple[Bench, Prepared]) -> None:
+    on, _ = cracked
+    few = looked_at(on.data, on.overtones, 6)
+    assert few.sines is not None
+    above, used = is_overtone(few), np.isfinite(few.sines.rows.sigma[:, ::LINES])
+    left = {}
+    for width in (HALF_WIDTH, 1.5 * HALF_WIDTH):
+        fit = fitted(on, LOSS, width)
+        left[width] = np.median(relative(replace(fit.problem, data=few), fit.u)[:, above][used[:, above]])
+    assert left[HALF_WIDTH] < 0.5 * left[1.5 * HALF_WIDTH]
+    assert "width" in [s.name for s in fit.problem.candidates[0].slots]
