@@ -17,7 +17,7 @@ from modallab.gap.search.fitting import Bench
 from modallab.gap.search.heard import heard
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_fit import followed
-from modallab.gap.search.rough_starts import is_overtone, relative, score
+from modallab.gap.search.rough_starts import is_overtone, relative
 from modallab.gap.search.round import Level
 from modallab.twin.effects import model_of
 from modallab.twin.effects.breathing_crack import WIDTH
