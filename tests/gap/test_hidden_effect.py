@@ -12,7 +12,7 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.beside_hits import beside_the_hits
-from modallab.gap.search.by_frequencies import round_by_frequencies
+from modallab.gap.search.by_frequencies import next_smaller, round_by_frequencies
 from modallab.gap.search.by_relief import FORGIVEN
 from modallab.gap.search.clock import clock_shows, with_clock
 from modallab.gap.search.fitting import COARSE, baseline, ordinary, short
@@ -63,6 +63,36 @@ def test_what_hangs_on_the_beam_with_the_shaker_is_found_beside_the_beam_of_the_
     assert found is not None
     assert [e.effect for e in found.effects] == ["shaker_mass"]
     np.testing.assert_allclose(found.effects[0].parameters["mass"], 0.02, rtol=0.1)
+
+
+@pytest.mark.parametrize("stiffness", [13.0, 28.6])
+def test_a_size_between_the_first_ones_is_found_beside_the_hits(rig, make, stiffness):
+    stiff = Effect(effect="stinger_moment", parameters={"k_rot": stiffness}, place={"x": 0.4})
+    found = beside_the_hits(assembled(rig, make, stiff, lambda name: name == "stinger_moment"))
+    assert found is not None
+    np.testing.assert_allclose(found.effects[0].parameters["k_rot"], stiffness, rtol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("effect", "value", "smaller"),
+    [("sensor_mass", 4e-3, lambda v: v < 4e-3), ("stinger_moment", 30.0, lambda v: v < 30.0)],
+)
+def test_the_next_smaller_size_is_smaller_as_an_effect(rig, make, effect, value, smaller):
+    (candidate,) = (c for c in of_bench(make().rig) if c.effect == effect)
+    (slot,) = candidate.slots
+    less = next_smaller(candidate, np.array([slot.coordinate(value)]))
+    assert less is not None
+    assert smaller(slot.value(less))
+    assert not any(slot.value(less) < v < value for v in slot.starts)
+
+
+def test_a_soft_root_smaller_as_an_effect_is_a_stiffer_one(rig, make):
+    (candidate,) = (c for c in of_bench(make().rig) if c.effect == "clamp_rotation")
+    (slot,) = candidate.slots
+    middle = sorted(slot.starts)[len(slot.starts) // 2]
+    less = next_smaller(candidate, np.array([slot.coordinate(0.99 * middle)]))
+    assert less is not None
+    assert slot.value(less) == pytest.approx(middle)
 
 
 def test_nothing_is_looked_for_beside_hits_that_an_ordinary_bench_does_not_explain(rig, make):

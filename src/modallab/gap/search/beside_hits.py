@@ -14,14 +14,15 @@ from modallab.core.progress import report
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.search.ending import is_sound
 from modallab.gap.search.fitting import COARSE, Bench, annealed, baseline, completed, on_all, short
+from modallab.gap.search.lows import lows
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import OUTLIER, Screen
 from modallab.twin.candidate import Candidate
 
 BEGINS = 2
 """Sizes from which a candidate is fitted."""
-SIZES = 33
-"""Sizes that are looked at between a first one and its neighbours."""
+FINER = 10
+"""Sizes that are looked at from one first size to the next."""
 
 Array = NDArray[np.float64]
 
@@ -51,23 +52,22 @@ def _fitted(bench: Bench, known: Fit, candidate: Candidate) -> list[Fit]:
     screen = Screen(Problem(bench.thin, bench.free, (), COARSE), known.u, bench.poles)
     begins = [b.u for b in screen.begins(candidate)[:BEGINS]]
     if len(candidate.slots) == 1:
-        begins.append(_sized(bench, known, candidate, float(begins[0][-1])))
+        begins += _sized(bench, known, candidate)
     return [annealed(bench, short(bench, (candidate,), u, COARSE), COARSE / 6) for u in begins]
 
 
-def _sized(bench: Bench, known: Fit, candidate: Candidate, near: float) -> Array:
-    """The known beam with the effect in the size about `near`, a coordinate, that leaves least.
+def _sized(bench: Bench, known: Fit, candidate: Candidate) -> list[Array]:
+    """The known beam with the effect in the sizes that leave least of all, a few.
 
     Where the beam is known the right size stands out, too narrow for the first sizes and for slopes from them: to
     either side of it resonances lie apart.
     """
-    (slot,) = candidate.slots
-    first = np.sort([slot.coordinate(v) for v in slot.starts])
-    step = float(np.max(np.diff(first))) if len(first) > 1 else 1.0
+    first = np.sort([candidate.slots[0].coordinate(v) for v in candidate.slots[0].starts])
+    sizes = np.interp(np.arange(0, len(first) - 1, 1 / FINER), np.arange(len(first)), first)
     problem = Problem(bench.thin, bench.free, (candidate,), COARSE / 6)
-    tried = [np.append(known.u, v) for v in near + step * np.linspace(-1.0, 1.0, SIZES)]
+    tried = [np.append(known.u, v) for v in sizes]
     costs = [float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))) for u in tried]
-    return tried[int(np.argmin(costs))]
+    return [tried[i] for i in sorted(lows(costs), key=lambda i: costs[i])[:BEGINS]]
 
 
 def _cost(fit: Fit) -> float:

@@ -35,7 +35,7 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     def look(candidate: Candidate) -> Fit:
         candidates = (*former[0], candidate)
         begins = starts(candidates, bench.free, bench.poles, BEGINS if len(candidate.slots) > 1 else 1, former[1])
-        less = _less(candidate, begins[0].u[bench.free.size + len(former[1]) :])
+        less = next_smaller(candidate, begins[0].u[bench.free.size + len(former[1]) :])
         smaller = [] if less is None else [start(candidates, np.append(former[1], less), bench.free, bench.poles)]
         looks = (annealed(bench, short(bench, candidates, b.u, COARSE), COARSE / 6) for b in (*begins, *smaller))
         return min(looks, key=_cost)
@@ -47,7 +47,7 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     return Level(base, tuple(best), tuple((f.problem.candidates, f.cost) for f in looks))
 
 
-def _less(candidate: Candidate, own: Array) -> float | None:
+def next_smaller(candidate: Candidate, own: Array) -> float | None:
     """The coordinate of the first value of an effect of one number that is next smaller as an effect.
 
     What sits at every sensor moves all frequencies as the beam's own numbers do, which hardly tell its size: from too
