@@ -123,6 +123,6 @@ def test_a_noisy_row_decides_neither_where_the_hum_stands_nor_its_phase() -> Non
     assert found.seen_hz == 50.0
     for before, after in zip(blocks, (without_hum(b, found) for b in loud), strict=True):
         if abs(before.frequency_hz - 50.0) > 5.0:
-            quiet = [row for row in range(ROWS) if row != 3]
-            spectrum = np.abs(np.fft.rfft(after.samples[quiet] * STEP * np.hanning(N), axis=1))[:, 51]
+            others = [row for row in range(ROWS) if row != 3]
+            spectrum = np.abs(np.fft.rfft(after.samples[others] * STEP * np.hanning(N), axis=1))[:, 51]
             assert spectrum.max() < 6 * NOISE * np.sqrt(0.375 * N)
