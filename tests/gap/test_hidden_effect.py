@@ -11,10 +11,11 @@ from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
-from modallab.gap.search.beside_hits import beside_the_hits
+from modallab.gap.search.beside_hits import beside_the_hits, only_sines
 from modallab.gap.search.by_frequencies import next_smaller, round_by_frequencies
 from modallab.gap.search.by_relief import FORGIVEN
 from modallab.gap.search.clock import clock_shows, with_clock
+from modallab.gap.search.explain import from_one_test, rounds
 from modallab.gap.search.fitting import COARSE, baseline, ordinary, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import Screen
@@ -24,7 +25,8 @@ from modallab.twin.effects import search_of
 
 def assembled(rig, make, effect, allowed=lambda _: True):
     """A bench whose rig file states a lab's usual tolerances; its first look at the data is all of the data."""
-    prepared = prepare(replace(make(effect), rig=rig.model_copy(update={"tolerance": Tolerance.usual()})))
+    effects = effect if isinstance(effect, tuple) else (effect,)
+    prepared = prepare(replace(make(*effects), rig=rig.model_copy(update={"tolerance": Tolerance.usual()})))
     whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), allowed)
     return replace(whole, data=whole.thin)
 
@@ -93,6 +95,19 @@ def test_a_soft_root_smaller_as_an_effect_is_a_stiffer_one(rig, make):
     less = next_smaller(candidate, np.array([slot.coordinate(0.99 * middle)]))
     assert less is not None
     assert slot.value(less) == pytest.approx(middle)
+
+
+def test_hits_beside_their_points_do_not_hide_what_the_sines_show(rig, make):
+    beside = Effect(effect="hit_position", parameters={"dx": -0.09}, place={"where": "hit"})
+    heavy = Effect(effect="added_mass", parameters={"mass": 0.2}, place={"x": 0.97})
+    bench = assembled(rig, make, (beside, heavy), lambda name: name in ("added_mass", "hit_position"))
+    found = from_one_test(bench, only_sines(bench))
+    assert found is not None
+    assert [e.effect for e in found.effects] == ["added_mass"]
+    np.testing.assert_allclose(found.effects[0].parameters["mass"], 0.2, rtol=0.05)
+    (level,) = rounds(bench, found, 1)
+    assert [e.effect for e in level.fits[0].effects] == ["added_mass", "hit_position"]
+    np.testing.assert_allclose(level.fits[0].effects[1].parameters["dx"], -0.09, rtol=0.05)
 
 
 def test_nothing_is_looked_for_beside_hits_that_an_ordinary_bench_does_not_explain(rig, make):

@@ -32,6 +32,11 @@ def only_hits(bench: Bench) -> Bench:
     return replace(bench, data=replace(bench.data, sines=None), thin=replace(bench.thin, sines=None))
 
 
+def only_sines(bench: Bench) -> Bench:
+    """The same without the hits; their ring-down is known as before."""
+    return replace(bench, data=replace(bench.data, impacts=()), thin=replace(bench.thin, impacts=()))
+
+
 def beside_the_hits(bench: Bench) -> Fit | None:
     """The twin with the effect of the sine test that explains all; None if there is none, or the hits need another."""
     if bench.data.sines is None or not bench.data.impacts or not bench.free.deviations:

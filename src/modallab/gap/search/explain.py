@@ -9,7 +9,7 @@ import numpy as np
 
 from modallab.core.progress import part, report
 from modallab.gap.model.fit import Fit, Problem, seen
-from modallab.gap.search.beside_hits import beside_the_hits, only_hits
+from modallab.gap.search.beside_hits import beside_the_hits, only_hits, only_sines
 from modallab.gap.search.by_frequencies import round_by_frequencies
 from modallab.gap.search.by_relief import round_by_relief
 from modallab.gap.search.clock import with_clock
@@ -50,7 +50,7 @@ MOST = 3
 
 
 def explain(bench: Bench, base: Fit | None = None, begun: Level | None = None) -> list[Level]:
-    """Round after round until nothing is left, or no further effect helps; if that fails, once more from the hits.
+    """Round after round until nothing is left, or no further effect helps; if that fails, once more from either test.
 
     Args:
         bench: what to search.
@@ -63,14 +63,13 @@ def explain(bench: Bench, base: Fit | None = None, begun: Level | None = None) -
         return levels
     if bench.free.deviations and excess(_best(levels)) < YIELDS * excess(levels[0].base):
         return levels
-    with part(0.7, 0.85, "hits alone"):
-        started = from_hits(bench)
-    if started is None:
-        return levels
-    with part(0.85, 1.0):
-        later = rounds(bench, started, MOST - len(started.problem.candidates))
-    again = [Level(levels[0].base, (started,), ()), *later] if started.problem.candidates else later
-    return again if _best(again).cost < 0.5 * _best(levels).cost else levels
+    for begin, only, test in ((0.7, only_hits, "hits"), (0.85, only_sines, "sines")):
+        with part(begin, begin + 0.15, f"{test} alone"):
+            again = _from_one_test(bench, levels[0].base, only(bench))
+        levels = again if again and _best(again).cost < 0.5 * _best(levels).cost else levels
+        if _solved(bench, levels):
+            break
+    return levels
 
 
 def first_rounds(bench: Bench, base: Fit, begun: Level | None = None) -> list[Level]:
@@ -147,15 +146,23 @@ def _impossible(bench: Bench, base: Fit) -> bool:
     return bool(bench.free.deviations) and not plausible(base)
 
 
-def from_hits(bench: Bench) -> Fit | None:
-    """What explains the hits alone, on all data: no shaker hangs on the beam there. None if nothing explains them."""
-    report(0.0, "the hits alone")
-    only = only_hits(bench)
+def _from_one_test(bench: Bench, base: Fit, only: Bench) -> list[Level]:
+    """The rounds from what explains one of the two tests alone; none if nothing does.
+
+    What hangs on the shaker does not disturb the hits, and hits beside their points do not disturb the sines.
+    """
+    started = from_one_test(bench, only)
+    if started is None:
+        return []
+    later = rounds(bench, started, MOST - len(started.problem.candidates))
+    return [Level(base, (started,), ()), *later] if started.problem.candidates else later
+
+
+def from_one_test(bench: Bench, only: Bench) -> Fit | None:
+    """What explains the records of one test alone, on all data. None if nothing explains them."""
+    report(0.0, "a bench without any effect")
     levels = rounds(only, baseline(only), 1)
-    if not _solved(only, levels):
-        return None
-    best = _best(levels)
-    return on_all(bench, best)
+    return on_all(bench, _best(levels)) if _solved(only, levels) else None
 
 
 def _best(levels: list[Level]) -> Fit:
