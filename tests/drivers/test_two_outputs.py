@@ -156,7 +156,7 @@ def test_beyond_a_limit_at_the_second_force_both_outputs_end(both: Rig, tmp_path
 
 @pytest.mark.parametrize("way", ["supervisor", "watchdog"])
 def test_who_ends_them_from_outside_brings_both_outputs_to_zero(both: Rig, way: str) -> None:
-    guarded = both.model_copy(update={"excitation": Excitation(watchdog_s=0.3 if way == "watchdog" else 5.0)})
+    guarded = both.model_copy(update={"excitation": Excitation(watchdog_s=1.5 if way == "watchdog" else 5.0)})
     with NiServer(both, "9215", "--pace", virtual=False) as server:
         bench, _ = started(server, guarded)
         assert isinstance(bench, WavesPlaying)
@@ -170,7 +170,7 @@ def test_who_ends_them_from_outside_brings_both_outputs_to_zero(both: Rig, way: 
             assert handle is not None
             handle.zero()
             handle.close()
-        time.sleep(0.6)
+        time.sleep(2.5 if way == "watchdog" else 0.6)
         assert max(levels(server, 0.05)) == 0.0
         with pytest.raises(BenchError):
             bench.read(6000, 5.0)
