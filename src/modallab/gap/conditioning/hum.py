@@ -70,17 +70,17 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
         force: number of the row of the force.
     """
     best: Hum | None = None
+    off = [(b.frequency_hz, _drive_off(b, force)) for b in blocks if b.test == "sine" and b.frequency_hz]
     for hz in MAINS_HZ:
-        ratio = _drive_ratio(blocks, hz, force)
+        ratio = _drive_ratio(off, hz)
         heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
         if len(heard) < 4:
             heard = [b for b in blocks if b.test == "impact"]
         if len(heard) < 3:
             continue
-        seen_hz = (
-            _tuned([_Record.of(b, hz, force, ratio) for b in heard], hz, noise_v) if heard[0].test == "sine" else hz
-        )
-        size = np.abs(np.array([_amplitudes(b, seen_hz, force, ratio) for b in heard]))
+        records = [_Record.of(b, hz, force, ratio) for b in heard]
+        seen_hz = _tuned(records, hz, noise_v) if heard[0].test == "sine" else hz
+        size = np.abs(np.array([r.amplitudes(seen_hz) for r in records]))
         volts = np.median(size, axis=0)
         n = int(np.median([_heard_samples(b, force) for b in heard]))
         sigma = noise_v * np.sqrt(2 / n)
@@ -189,13 +189,13 @@ def _line(hz: float, t: Array, rate_hz: float) -> float:
     return round(hz * len(t) / rate_hz) * rate_hz / len(t)
 
 
-def _drive_ratio(blocks: Sequence[Block], hz: float, force: int) -> float:
-    """Frequency of the drives in the records over their lines', by the records whose drive has no mains beside it.
+def _drive_ratio(off: Sequence[tuple[float, float]], hz: float) -> float:
+    """Frequency of the drives in the records over their lines', by those (Hz, ratio) that have no mains beside them.
 
     Beside the mains a hundredth of a line counts: what a drive leaves of itself there would be taken for hum, and turn
     what is taken out.
     """
-    found = [_drive_off(b, force) for b in blocks if b.test == "sine" and abs((b.frequency_hz or hz) - hz) > BESIDE_HZ]
+    found = [ratio for drive_hz, ratio in off if abs(drive_hz - hz) > BESIDE_HZ]
     return float(np.median(found)) if found else 1.0
 
 

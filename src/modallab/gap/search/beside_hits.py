@@ -16,7 +16,7 @@ from modallab.gap.search.ending import is_sound
 from modallab.gap.search.fitting import COARSE, Bench, annealed, baseline, completed, on_all, short
 from modallab.gap.search.lows import lows
 from modallab.gap.search.pool import pool
-from modallab.gap.search.screen import OUTLIER, Screen
+from modallab.gap.search.screen import Screen, capped
 from modallab.twin.candidate import Candidate
 
 BEGINS = 2
@@ -71,7 +71,7 @@ def _sized(bench: Bench, known: Fit, candidate: Candidate) -> list[Array]:
     sizes = np.interp(np.arange(0, len(first) - 1, 1 / FINER), np.arange(len(first)), first)
     problem = Problem(bench.thin, bench.free, (candidate,), COARSE / 6)
     tried = [np.append(known.u, v) for v in sizes]
-    costs = [float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))) for u in tried]
+    costs = [capped(problem, u) for u in tried]
     return [tried[i] for i in sorted(lows(costs), key=lambda i: costs[i])[:BEGINS]]
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.progress import part, report
+from modallab.core.progress import part
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.beside_hits import beside_the_hits, only_hits, only_sines
 from modallab.gap.search.by_frequencies import round_by_frequencies
@@ -160,7 +160,6 @@ def _from_one_test(bench: Bench, base: Fit, only: Bench) -> list[Level]:
 
 def from_one_test(bench: Bench, only: Bench) -> Fit | None:
     """What explains the records of one test alone, on all data. None if nothing explains them."""
-    report(0.0, "a bench without any effect")
     levels = rounds(only, baseline(only), 1)
     return on_all(bench, _best(levels)) if _solved(only, levels) else None
 

@@ -21,7 +21,7 @@ from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.model.tolerances import MOST
-from modallab.gap.search.screen import OUTLIER
+from modallab.gap.search.screen import capped
 from modallab.twin.candidate import Candidate
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ def _first(bench: Bench) -> list[Array]:
     for shift in np.linspace(-3.2, 3.2, 33):
         u = np.zeros(bench.free.size)
         u[0] = shift
-        tried.append((float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER))), u))
+        tried.append((capped(problem, u), u))
     return [u for _, u in sorted(tried, key=lambda t: t[0])[:2]]
 
 

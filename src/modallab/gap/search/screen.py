@@ -173,7 +173,7 @@ class Screen:
             if model_of(candidate.effect).moves_poles:
                 best = 3 if len(candidate.slots) > 1 else 1
                 begins = [s.u for s in starts(problem.candidates, free, self.poles, best, former)]
-        listed = [Begin(problem, u, _plain(problem, u)) for u in begins]
+        listed = [Begin(problem, u, capped(problem, u)) for u in begins]
         grid = _grid(candidate.slots)
         for turn, near in enumerate(reversed(nears)):
             tried = [(self._at(problem, candidate, np.concatenate([near, more])), more) for more in grid]
@@ -187,7 +187,7 @@ class Screen:
         return tuple(sorted(listed, key=lambda b: b.cost))
 
     def _at(self, problem: Problem, candidate: Candidate, u: Array) -> Begin:
-        tried = (Begin(problem, v, _plain(problem, v)) for v in self._variants(problem, candidate, u))
+        tried = (Begin(problem, v, capped(problem, v)) for v in self._variants(problem, candidate, u))
         return min(tried, key=lambda b: b.cost)
 
     def _variants(self, problem: Problem, candidate: Candidate, u: Array) -> list[Array]:
@@ -204,8 +204,8 @@ def _valleys(tried: list[Begin]) -> list[Begin]:
     return [tried[k] for k in lows([b.cost for b in tried])]
 
 
-def _plain(problem: Problem, u: Array) -> float:
-    """Squares at u as it is: far from the fit no first order says how the rest would adapt."""
+def capped(problem: Problem, u: Array) -> float:
+    """Squares at u as it is, large ones cut: far from the fit no first order says how the rest would adapt."""
     return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)))
 
 
