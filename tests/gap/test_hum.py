@@ -126,3 +126,12 @@ def test_a_noisy_row_decides_neither_where_the_hum_stands_nor_its_phase() -> Non
             others = [row for row in range(ROWS) if row != 3]
             spectrum = np.abs(np.fft.rfft(after.samples[others] * STEP * np.hanning(N), axis=1))[:, 51]
             assert spectrum.max() < 6 * NOISE * np.sqrt(0.375 * N)
+
+
+def test_a_drive_of_less_than_a_period_says_nothing_of_where_drives_stand() -> None:
+    each = 0.03 * (0.5 + 0.1 * np.arange(ROWS))
+    blocks = records(lambda _k, _rng: each, 50.0)
+    slow = replace(blocks[0], name="slow", frequency_hz=0.3)
+    found = find_hum([slow, *blocks], np.full(ROWS, NOISE), 0)
+    assert found is not None
+    assert found.ratio == pytest.approx(1.0, abs=1e-5)

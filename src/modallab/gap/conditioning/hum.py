@@ -70,7 +70,9 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
         force: number of the row of the force.
     """
     best: Hum | None = None
-    off = [(b.frequency_hz, _drive_off(b, force)) for b in blocks if b.test == "sine" and b.frequency_hz]
+    # Of less than a period in a record nothing says where it stands.
+    sines = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) * b.n_samples >= b.rate_hz]
+    off = [(b.frequency_hz or 0.0, _drive_off(b, force)) for b in sines]
     for hz in MAINS_HZ:
         ratio = _drive_ratio(off, hz)
         heard = [b for b in blocks if b.test == "sine" and _clear(b, hz)]
