@@ -7,11 +7,15 @@ import pytest
 from scipy.optimize import brentq
 
 from modallab.bench.protocol import Burst
+from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.attached import AttachedModes, Attachment
+from modallab_simulators.cantilever.altered import ChainChanges
+from modallab_simulators.cantilever.attached import SUMMED, AttachedModes, Attachment
 from modallab_simulators.cantilever.basis import ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam
+from modallab_simulators.cantilever.chain import Chain
 from modallab_simulators.cantilever.few import FewModes
+from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.rotary import RotaryModes
 from modallab_simulators.cantilever.shaker import Emission
 
@@ -47,6 +51,35 @@ def test_modes_of_a_beam_with_rotary_inertia_add_up_to_its_statics():
     x = np.array([0.2, 0.5, 0.8])
     added = modes.shapes(x, 150) @ (modes.shapes(np.array([0.3]), 150)[0] / modes.omega(150) ** 2)
     np.testing.assert_allclose(added, BEAM.flexibility(x, 0.3), rtol=1e-6)
+
+
+def test_heavier_slices_leave_what_modes_beyond_the_last_answer_statically():
+    # At ten points of a stiff beam that is 1e-9 of the whole answer: an error of 1e-8 in mode 1 hides it.
+    beam = CantileverBeam(1.195, 545.0, 3.06, 393.0)
+    x = np.linspace(0.1195, 1.195, 10)
+    whole = np.stack([beam.flexibility(x, at) for at in x], axis=1)
+
+    def beyond(modes: Modes) -> float:
+        shapes = modes.shapes(x, SUMMED) / modes.omega(SUMMED)
+        return float(np.linalg.eigvalsh(whole - shapes @ shapes.T)[0])
+
+    found = [beyond(RotaryModes(beam, inertia, ((3, 0.0027),))) for inertia in np.linspace(2e-5, 4e-5, 6)]
+    np.testing.assert_allclose(found, beyond(beam), rtol=1e-5)
+
+
+def test_what_would_let_the_structure_fly_apart_is_rejected():
+    modes = AttachedModes(BEAM, [Attachment(0.6, stiffness=-1e6)])
+    with pytest.raises(ConfigurationError, match=r"at 0\.6 m leaves it a mode that no spring holds"):
+        modes.omega(3)
+
+
+def test_what_is_no_number_is_never_counted_as_zero(rig: Rig):
+    chain = Chain.of(rig, "impact", ChainChanges())
+    luck = chain.draw(np.random.default_rng(1), np.random.default_rng(2), 4)
+    seen = np.zeros((len(rig.channels), 4))
+    seen[3, 2] = np.nan
+    with pytest.raises(ConfigurationError, match="row 3 of the simulated bench"):
+        chain.convert(seen, luck, np.arange(4) / 1000)
 
 
 def test_a_mass_on_a_beam_with_rotary_inertia_lowers_what_rayleighs_quotient_says():

@@ -16,6 +16,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever.eigenmodes import eigh
 from modallab_simulators.cantilever.modes import Modes
 
@@ -190,7 +191,13 @@ class AttachedModes:
         # At unit mass each, vectors of very different size can share one factorisation.
         scale = np.diag(mass) ** -0.5
         values, vectors = eigh(stiffness * np.outer(scale, scale), mass * np.outer(scale, scale))
-        return np.sqrt(np.maximum(values, 0.0)), vectors * scale[:, None]
+        if values[0] <= 0:
+            raise ConfigurationError(
+                f"what hangs on the beam at {', '.join(f'{a.x_m:g}' for a in self._at)} m leaves it a mode that no "
+                f"spring holds: omega^2 = {values[0]:.3g} 1/s^2",
+                remedy="give masses and springs greater than 0, and places further apart",
+            )
+        return np.sqrt(values), vectors * scale[:, None]
 
     def _bare_matrices(self) -> tuple[Floats, Floats]:
         shifts, last = len(self._shift_mass), KEPT + len(self._shift_mass) + len(self._at)

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Channel, Converter, Rig
 from modallab.core.units import Test, si_factor
 from modallab_simulators.cantilever.altered import ChainChanges
@@ -119,7 +120,17 @@ class Chain:
         return Luck(noise.standard_normal((rows, count), dtype=np.float32), lost, late)
 
     def convert(self, seen: Floats, luck: Luck, times_s: Floats) -> NDArray[np.generic]:
-        """Counts of what the rows see in SI units at some times, both (rows, n)."""
+        """Counts of what the rows see in SI units at some times, both (rows, n).
+
+        Raises:
+            ConfigurationError: a row sees what is no number; as counts it would be a silent 0.
+        """
+        if not np.all(np.isfinite(seen)):
+            row = int(np.flatnonzero(~np.isfinite(seen).all(axis=1))[0])
+            raise ConfigurationError(
+                f"row {row} of the simulated bench sees what is no number from {times_s[0]:.3f} s on",
+                remedy="make its effects smaller: its structure has become unstable",
+            )
         if luck.late is not None:
             seen = seen + np.gradient(seen, times_s, axis=1) * (self.jitter_s * luck.late)
         counts = seen * (self.volts_per_si / self.volts_per_count)[:, None]

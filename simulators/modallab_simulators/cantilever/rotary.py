@@ -81,5 +81,8 @@ class RotaryModes:
         if self._waves:
             shapes = self._bare.shapes(x_m, SUMMED)
             mass += shapes.T @ (shapes * (self._heavier(x_m) * weights)[:, None])
-        values, vectors = eigh(np.diag(self._bare.omega(SUMMED) ** 2), mass)
-        return np.sqrt(values), vectors
+        # By 1 / omega^2 the lowest mode is exact to the last digit, and with it what modes answer statically.
+        period = 1 / self._bare.omega(SUMMED)
+        values, vectors = eigh(mass * np.outer(period, period))
+        omega = values[::-1] ** -0.5
+        return omega, period[:, None] * vectors[:, ::-1] * omega
