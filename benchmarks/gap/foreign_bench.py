@@ -16,7 +16,7 @@ from modallab.core.effects import Effect
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.simulations.played import played
 from modallab_simulators.cantilever.address import Settings
 from modallab_simulators.cantilever.altered import ChainChanges

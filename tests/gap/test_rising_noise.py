@@ -8,7 +8,7 @@ from twin_campaign import built, link
 
 from modallab.core.block import Block
 from modallab.gap.conditioning.noise import believed_noise, own_noise, rising_power
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 
 WHITE = 3e-4 * np.linspace(0.7, 1.6, 11)
 

@@ -14,6 +14,7 @@ from modallab.core.diagnosis import CandidateSet, Diagnosis, Discrepancy, Found,
 from modallab.core.effects import kind_of
 from modallab.core.progress import part, report
 from modallab.gap.conditioning.prepare import ONE_LEVEL, Prepared, prepare
+from modallab.gap.conditioning.records import as_recorded
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.fit import Fit
@@ -285,9 +286,8 @@ def _as_found(prepared: Prepared, seen: list[Found], clean: Reduced, held: Seque
     """
     if not seen:
         return clean
-    chosen = {b.name for b in held}
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
-    blocks = [b for b in prepared.campaign.blocks if b.name in chosen]
+    blocks = as_recorded(prepared.campaign, held)
     return reduce(prepared.campaign, blocks, Weights(prepared.believed_v, full_scales))
 
 

@@ -25,6 +25,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 FLOOR_TOP_HZ = 60.0
 """A floor's shaking is looked for below this."""
+MOVES = 1.3
+"""Rms before the hits, over the noise, from which the beam moves."""
 LEADS = 1.024
 """Time by which a hit of the same kind came earlier, s: one block."""
 
@@ -72,6 +74,11 @@ def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
         if before.shape[1] > 20:
             ratios.append(float(np.median(np.sqrt(np.mean(before**2, axis=1)) / _sigma(b, rig, noise_v))))
     return float(np.median(ratios)) if ratios else 1.0
+
+
+def moves_before_hits(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> bool:
+    """Whether the accelerometers read more than their noise before the hits."""
+    return before_hit([b for b in blocks if b.test == "impact"], rig, noise_v) >= MOVES
 
 
 def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex, ratio: float = 1.0) -> Floor | None:
@@ -135,7 +142,7 @@ def find_ringing(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Compl
     """Decays before the hits; None if the beam is at rest, or if what stands there is no decay."""
     hits = [b for b in blocks if b.test == "impact"]
     z = before_hit(hits, rig, noise_v)
-    if z < 1.3 or not len(poles) or not hits:
+    if z < MOVES or not len(poles) or not hits:
         return None
     poles = poles[: min(5, len(poles))]
     shapes = _shapes(hits, rig, poles)
@@ -181,9 +188,11 @@ def _shapes(hits: Sequence[Block], rig: Rig, poles: Complex) -> Complex:
 def _decays(a: Array, poles: Complex, rate_hz: float) -> Complex:
     """(channels, modes) complex amplitudes at the start of a stretch of free decay."""
     t = np.arange(a.shape[1]) / rate_hz
-    wave = np.exp(poles[:, None] * t)
+    # Modes without a pole here are as large at first: under a window they do not leak into the others.
+    window = np.hanning(a.shape[1])
+    wave = np.exp(poles[:, None] * t) * window
     basis = np.concatenate([2 * wave.real, -2 * wave.imag]).T
-    found = np.linalg.lstsq(basis, a.T, rcond=None)[0]
+    found = np.linalg.lstsq(basis, (a * window).T, rcond=None)[0]
     return (found[: len(poles)] + 1j * found[len(poles) :]).T
 
 

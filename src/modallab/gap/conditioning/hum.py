@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 MAINS_HZ = (50.0, 60.0)
+NO_DECAYS: Complex = np.zeros(0, dtype=np.complex128)
 CLEAR = 6.0
 """Deviations of the noise from which an amplitude counts."""
 STEADY = 0.1
@@ -96,13 +97,28 @@ def find_hum(blocks: Sequence[Block], noise_v: Array, force: int) -> Hum | None:
     return best
 
 
-def without_hum(block: Block, hum: Hum) -> Block:
-    """The record less its hum; the phase is the record's own."""
+def without_hum(block: Block, hum: Hum, decays: Complex | None = None) -> Block:
+    """The record less its hum; the phase is the record's own.
+
+    Few periods of the mains before a hit do not tell hum from what still rings there. A hammer that nothing touches
+    does not ring: its row alone says the phase, or says it beside the others where it is known how they move.
+
+    Args:
+        block: the record.
+        hum: what was found.
+        decays: (modes,) poles in rad/s of what rings before a hit, empty for a beam at rest; None if nobody knows.
+    """
     volts = block.samples * block.scale[:, None]
     t = np.arange(block.n_samples) / block.rate_hz
-    phases = _amplitudes(block, hum.seen_hz, hum.force, hum.ratio)
+    phases, weight = _amplitudes(block, hum.seen_hz, hum.force, hum.ratio), hum.weight
+    if block.test == "impact" and decays is None:
+        weight = weight * (np.arange(len(weight)) == hum.force)
+    elif block.test == "impact" and decays is not None:
+        alone = phases[hum.force]
+        phases = _amplitudes(block, hum.seen_hz, hum.force, hum.ratio, decays)
+        phases[hum.force] = alone
     # One phase for all rows, weighed by how far each stands out of its noise.
-    phase = np.angle(np.sum(phases * hum.weight))
+    phase = np.angle(np.sum(phases * weight))
     cleaned = volts - hum.volts[:, None] * np.cos(2 * np.pi * hum.seen_hz * t + phase)
     return replace(block, samples=cleaned / block.scale[:, None])
 
@@ -141,7 +157,7 @@ class _Record:
         t: (n,) s.
         window: (n,).
         volts: (rows, n) under the window.
-        beside: (fixed, n) what stands beside the mains, under the window: a mean, and the drive.
+        beside: (fixed, n) what stands beside the mains, under the window: a mean, the drive, decays.
         mixed: (fixed, fixed) products of these with each other.
         held: (fixed, rows) products of these with the volts.
     """
@@ -154,8 +170,8 @@ class _Record:
     held: Array
 
     @classmethod
-    def of(cls, block: Block, near_hz: float, force: int, ratio: float) -> Self:
-        """Of a block, for frequencies near one."""
+    def of(cls, block: Block, near_hz: float, force: int, ratio: float, decays: Complex = NO_DECAYS) -> Self:
+        """Of a block, for frequencies near one, beside decays of some poles."""
         volts = block.samples[:, : _heard_samples(block, force)] * block.scale[:, None]
         t = np.arange(volts.shape[1]) / block.rate_hz
         window = np.hanning(len(t)) if block.test == "sine" else np.ones(len(t))
@@ -165,7 +181,8 @@ class _Record:
             if abs(block.frequency_hz - near_hz) < BESIDE_HZ:
                 drive *= ratio
             beside += [np.cos(2 * np.pi * drive * t), np.sin(2 * np.pi * drive * t)]
-        rows = np.array(beside) * window
+        waves = np.exp(decays[:, None] * t)
+        rows = np.array([*beside, *waves.real, *waves.imag]) * window
         weighed = volts * window
         return cls(t, window, weighed, rows, rows @ rows.T, rows @ weighed.T)
 
@@ -182,9 +199,9 @@ class _Record:
         return a[0] + 1j * a[1]
 
 
-def _amplitudes(block: Block, hz: float, force: int, ratio: float) -> Complex:
-    """(rows,) complex amplitude of the mains beside the drive, its neighbours and a mean."""
-    return _Record.of(block, hz, force, ratio).amplitudes(hz)
+def _amplitudes(block: Block, hz: float, force: int, ratio: float, decays: Complex = NO_DECAYS) -> Complex:
+    """(rows,) complex amplitude of the mains beside the drive, a mean and decays."""
+    return _Record.of(block, hz, force, ratio, decays).amplitudes(hz)
 
 
 def _line(hz: float, t: Array, rate_hz: float) -> float:

@@ -1,19 +1,24 @@
 """From a campaign to what the fits see: noise, overloads, hum, ringing, floor, poles."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.block import Block, Campaign
-from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.core.units import BROADBAND
-from modallab.gap.conditioning.ambient import Floor, Ringing, find_floor, find_ringing, without_ringing
+from modallab.gap.conditioning.ambient import (
+    Floor,
+    Ringing,
+    find_floor,
+    find_ringing,
+    moves_before_hits,
+    without_ringing,
+)
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
-from modallab.gap.conditioning.hum import Hum, find_hum, weak_hum, without_hum
+from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
 from modallab.gap.conditioning.noise import (
     believed_noise,
     lines_behind,
@@ -22,14 +27,11 @@ from modallab.gap.conditioning.noise import (
     own_noise,
     rising_power,
 )
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.conditioning.ring_down_poles import ring_down_poles
-from modallab.signals.checks import check_block
-from modallab.signals.conversion import Conversion, in_volts
-from modallab.signals.drive_kind import check_kind, is_hit
+from modallab.signals.conversion import Conversion
 from modallab.signals.full_scale import overloaded
-from modallab.signals.hit import find_hit
-from modallab.signals.signals import to_signals
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -98,18 +100,24 @@ def prepare(campaign: Campaign) -> Prepared:
     """
     campaign = as_volts(campaign)
     blocks, force = usable(campaign), campaign.rig.force_channel.index
-    believed = believed_noise(campaign.rig, blocks)
-    measured = measured_noise(blocks, campaign.rig)
     as_built = campaign.rig.tolerance.of_assembly
-    noise = own_noise(blocks, believed, force) if as_built else noise_in_use(measured, believed)
+    noises = Noises.of(blocks, campaign.rig)
+    hum = find_hum(blocks, noises.in_use, force)
+    if hum is not None and len(blocks) < len(campaign.blocks):
+        blocks = usable(campaign, hum)
+        noises = Noises.of(blocks, campaign.rig)
+    believed, measured, noise = noises
     at_full_scale = _overloaded(blocks, campaign.rig)
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
     repeated = _repeating(blocks, noise, force)
-    hum = find_hum(blocks, noise, force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
+    if hum is not None:
+        decays = poles if moves_before_hits(cleaned, campaign.rig, noise) else NO_DECAYS
+        cleaned = tuple(without_hum(b, hum, decays) for b in blocks)
+        poles = _poles(campaign, cleaned, masked, noisy)
     ratio = sine_clock_of(cleaned, campaign.rig, noise)
     floor = find_floor(cleaned, campaign.rig, noise, poles, ratio)
     ringing = None if floor is not None else find_ringing(cleaned, campaign.rig, noise, poles)
@@ -136,63 +144,20 @@ def prepare(campaign: Campaign) -> Prepared:
     )
 
 
-def as_volts(campaign: Campaign) -> Campaign:
-    """The campaign with every record as its converter saw it: noise, hum and flat tops are of volts.
+class Noises(NamedTuple):
+    """(rows,) V rms of each row: by the rig file, as the records show it, and what is used."""
 
-    Raises:
-        DataError: a rig of several shakers, a record with other channels than the rig's, or in units that are none of
-            its channels'.
-    """
-    forces = campaign.rig.forces
-    if len(forces) > 1:
-        raise DataError(
-            f"the rig has {len(forces)} force channels, and a diagnosis has a model of one force alone",
-            where=campaign.source,
-            remedy="record hits or sines with a rig file without shakers and their force channels",
-        )
-    for block in campaign.blocks:
-        check_block(block, campaign.rig)
-    return replace(campaign, blocks=tuple(in_volts(b, campaign.rig) for b in campaign.blocks))
+    believed: Array
+    measured: Array
+    in_use: Array
 
-
-def usable(campaign: Campaign) -> tuple[Block, ...]:
-    """The records that say where they were driven and hold a force.
-
-    Raises:
-        DataError: there are none.
-    """
-    rig = campaign.rig
-    broadband = sorted({b.test for b in campaign.blocks if b.test in BROADBAND})
-    if broadband:
-        raise DataError(
-            f"records of {', '.join(broadband)} drive cannot be diagnosed yet, only hits and sines",
-            where=campaign.source,
-            remedy="diagnose a campaign of the impact and sine tests alone",
-        )
-    found = [
-        b
-        for b in campaign.blocks
-        if b.drive_point is not None
-        and np.ptp(b.samples[rig.force_channel.index]) > 0
-        and (_has_hit(b, rig) if b.test == "impact" else bool(b.frequency_hz))
-    ]
-    if not found:
-        check_kind([to_signals(b, rig) for b in campaign.blocks if b.test == "impact"])
-        raise DataError(
-            f"none of {len(campaign.blocks)} records has a force, a drive point and all channels of the rig",
-            where=campaign.source,
-            remedy="record hits or sines with the force channel connected, and say where they act",
-        )
-    return tuple(sorted(found, key=lambda b: b.order))
-
-
-def _has_hit(block: Block, rig: Rig) -> bool:
-    force = Conversion.of_block(block, rig).force_n(block.samples)
-    try:
-        find_hit(force)
-    except DataError:
-        return False
-    return is_hit(force)
+    @classmethod
+    def of(cls, blocks: Sequence[Block], rig: Rig) -> Self:
+        """Of some records of a rig."""
+        believed, measured = believed_noise(rig, blocks), measured_noise(blocks, rig)
+        if rig.tolerance.of_assembly:
+            return cls(believed, measured, own_noise(blocks, believed, rig.force_channel.index))
+        return cls(believed, measured, noise_in_use(measured, believed))
 
 
 def _overloaded(blocks: Sequence[Block], rig: Rig) -> set[tuple[str, int]]:

@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.block import Campaign
 from modallab.core.plan import PAPER_LINES, ForceControl, HitAcceptance, ImpactPlan, Plan, SinePlan
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import force_amplitude
 from modallab.gap.design.planned import N_PER_V
 from modallab.signals.signals import to_signals

@@ -11,7 +11,7 @@ from modallab.core.diagnosis import Diagnosis
 from modallab.core.effect import Effect
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import sine_clock_of
 from modallab.gap.model.predicted_records import predict_record
 from modallab.gap.report.calibrated import carried, diagnosed_twin

@@ -17,7 +17,7 @@ from modallab.core.frozen import Frozen
 from modallab.core.progress import report
 from modallab.core.rig import Rig
 from modallab.core.units import Test
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.design.prediction import Records, predict
 from modallab.gap.exported.mjcf import write_mjcf
 from modallab.gap.exported.modal_file import read_modal, write_modal

@@ -7,6 +7,7 @@ from dataclasses import replace
 from modallab.core.block import Block, Campaign
 from modallab.gap.conditioning.overtones import overtones
 from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.conditioning.records import as_recorded
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, sine_clock, thinned
 from modallab.gap.conditioning.split import split
 from modallab.gap.model.nuisances import Nuisances, nuisances
@@ -93,7 +94,7 @@ def bench_of(
 def as_came(prepared: Prepared, twin: Twin) -> Squares:
     """The records as they came, weighed by the noise the rig file promises."""
     campaign = prepared.campaign
-    blocks = [b for b in campaign.blocks if b.name in {p.name for p in prepared.blocks}]
+    blocks = as_recorded(campaign, prepared.blocks)
     full_scales = frozenset(m for m in prepared.masked if m[1] not in {c.row for c in prepared.clipped})
     return squares(twin, reduce(campaign, blocks, Weights(prepared.believed_v, full_scales)))
 

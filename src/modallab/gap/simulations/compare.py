@@ -17,7 +17,7 @@ from modallab.core.errors import DataError
 from modallab.core.frozen import Frozen
 from modallab.core.progress import part
 from modallab.gap.conditioning.noise import believed_noise
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.design.prediction import Records, predict, with_records
 from modallab.gap.diagnosis import diagnose
 from modallab.gap.report.shrinkage import BARE, closed

@@ -13,7 +13,7 @@ from scipy.signal import resample
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.gap.conditioning.prepare import as_volts, usable
+from modallab.gap.conditioning.records import as_volts, usable
 from modallab.gap.conditioning.reduce import force_amplitude, on_line, rise_of, wide_hit
 from modallab.gap.design.prediction import clock_of
 from modallab.signals.alignment import lags_s
