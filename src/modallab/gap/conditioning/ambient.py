@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from modallab.core.block import Block
 from modallab.core.rig import Rig
+from modallab.gap.conditioning.hum import NO_DECAYS
 from modallab.gap.conditioning.reduce import on_line, wide_hit
 from modallab.signals.alignment import lags_s
 from modallab.signals.conversion import volts_per_si
@@ -25,6 +26,8 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 FLOOR_TOP_HZ = 60.0
 """A floor's shaking is looked for below this."""
+MANY = 16
+"""Blocks of which a median is known to a fifth."""
 MOVES = 1.3
 """Rms before the hits, over the noise, from which the beam moves."""
 LEADS = 1.024
@@ -55,14 +58,17 @@ class Floor:
     Attributes:
         rms_acc: m/s^2 of the base.
         z: how far its spectrum stands above the noise.
-        spectrum: (channels, lines) variance per sample of the response on each line, in (m/s^2)^2.
-        density: (channels, lines) the same under a Hann window, where resonances do not leak into all lines.
+        spectrum: (channels, lines) two-sided density in (m/s^2)^2/Hz of the response, resonances with all that they
+            leak into other lines.
+        density: (channels, lines) the same under a Hann window, where they do not.
+        block_s: length of the blocks whose lines these are.
     """
 
     rms_acc: float
     z: float
     spectrum: Array
     density: Array
+    block_s: float
 
 
 def before_hit(blocks: Sequence[Block], rig: Rig, noise_v: Array) -> float:
@@ -96,19 +102,27 @@ def find_floor(blocks: Sequence[Block], rig: Rig, noise_v: Array, poles: Complex
     hits = [b for b in blocks if b.test == "impact"]
     if z < 2.0 or (hits and before_hit(hits, rig, noise_v) < 1.15):
         return None
-    sigma = _sigma(sines[0], rig, noise_v)
-    spectrum = _above_noise(stack) * sigma[:, None] ** 2
-    windowed = [_beside_drive(b, rig, noise_v, poles, ratio, np.hanning) for b in sines]
-    density = _above_noise(np.ma.masked_invalid(np.array(windowed))) * sigma[:, None] ** 2
+    # What the base excites rings at the resonances as what the drive has left does: neither is taken out here.
+    per_hz = _sigma(sines[0], rig, noise_v)[:, None] ** 2 / rate
+    spectrum, density = (
+        per_hz * _above_noise([_beside_drive(b, rig, noise_v, NO_DECAYS, ratio, w) for b in sines])
+        for w in (np.ones, np.hanning)
+    )
     # Near the clamp an accelerometer moves with the base: the one with the least motion shows it best.
-    base = float(np.sqrt(np.min(np.sum(spectrum, axis=1)) * 2 / n))
-    return Floor(base, float(np.sqrt(z)), spectrum, density)
+    base = float(np.sqrt(np.min(np.sum(spectrum, axis=1)) * 2 * rate / n))
+    return Floor(base, float(np.sqrt(z)), spectrum, density, n / rate)
 
 
-def _above_noise(stack: "np.ma.MaskedArray[Any, Any]") -> Array:
-    """(channels, lines) mean over the blocks less the noise, smoothed over five lines."""
-    middle = np.ma.median(stack, axis=0).filled(np.log(2)) / np.log(2) - 1
-    return np.apply_along_axis(lambda row: np.convolve(row, np.ones(5) / 5, mode="same"), 1, np.maximum(middle, 0))
+def _above_noise(powers: Sequence[Array]) -> Array:
+    """(channels, lines) mean over the blocks less the noise, by the median, which a drive's own transient moves little.
+
+    Of a few blocks it is smoothed over five lines, which widens the resonances; many say each line by itself.
+    """
+    stack = np.ma.masked_invalid(np.array(powers))
+    above = np.maximum(np.ma.median(stack, axis=0).filled(np.log(2)) / np.log(2) - 1, 0)
+    if len(powers) >= MANY:
+        return above
+    return np.apply_along_axis(lambda row: np.convolve(row, np.ones(5) / 5, mode="same"), 1, above)
 
 
 def _beside_drive(

@@ -88,11 +88,16 @@ def own_noise(blocks: Sequence[Block], believed: Array, force: int) -> Array:
     return np.maximum(np.median(np.array(spreads), axis=0), LEAST_V)
 
 
-def rising_power(blocks: Sequence[Block], noise_v: Array) -> float:
+def rising_power(blocks: Sequence[Block], noise_v: Array, still: Sequence[int] = ()) -> float:
     """Power at 1 Hz, in V^2 per sample, of noise that rises to low frequencies as 1 / f; 0 if none does.
 
     From what sine blocks far above leave there, where nothing of the drive is: all rows share their converter, so that
     this part of the noise is alike in volts on all of them, whatever their own white noise.
+
+    Args:
+        blocks: the records.
+        noise_v: (rows,) V rms of each row.
+        still: the rows that tell, where others move by themselves; all if empty.
     """
     far = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) > FAR_HZ]
     if len(far) < LEAST_BLOCKS:
@@ -108,5 +113,6 @@ def rising_power(blocks: Sequence[Block], noise_v: Array) -> float:
     low = (np.arange(power.shape[1]) > 1) & (hz < LOW_HZ)
     if not np.any(low):
         return 0.0
-    found = float(np.median(np.mean(hz[low] * (power[:, low] - noise_v[:, None] ** 2), axis=1)))
+    tell = list(still) or range(len(noise_v))
+    found = float(np.median([np.mean(hz[low] * (power[row, low] - noise_v[row] ** 2)) for row in tell]))
     return found if found > RISES_HZ * float(np.median(noise_v)) ** 2 else 0.0

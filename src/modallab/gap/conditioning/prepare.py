@@ -132,7 +132,7 @@ def prepare(campaign: Campaign) -> Prepared:
         frozenset(masked),
         hum,
         weak_hum(blocks, noise, force) if as_built and hum is None else None,
-        rising_power(blocks, noise) if as_built else 0.0,
+        rising_power(blocks, noise, () if floor is None else (force,)) if as_built else 0.0,
         clipped,
         ringing,
         floor,

@@ -132,7 +132,8 @@ class Weights:
     Attributes:
         noise_v: (rows,) V rms of each row.
         masked: (record, row) that must not be used: cut or overloaded.
-        floor: (channels, lines) variance per sample that a shaking base adds on each line of a sine block; or None.
+        floor: (channels, lines) two-sided density in (m/s^2)^2/Hz of what a shaking base adds; or None.
+        floor_s: length of the blocks whose lines these are.
         rising_v2: power at 1 Hz, in V^2 per sample, of noise that rises as 1 / f; 0 for white noise.
         hum_v: (rows,) V amplitude of hum too weak to be taken out.
         hum_hz: its frequency.
@@ -141,18 +142,20 @@ class Weights:
     noise_v: Array
     masked: frozenset[tuple[str, int]] = frozenset()
     floor: Array | None = None
+    floor_s: float = 1.0
     rising_v2: float = 0.0
     hum_v: Array | None = None
     hum_hz: float = 50.0
 
-    def sigma(self, rig: Rig, test: Test, lines: Array, block_s: float) -> Array:
-        """(channels, lines) noise per sample in SI units, on the lines of a block of `block_s` seconds."""
-        rows = [c.index for c in rig.responses]
-        total = self._si(rig, test)[rows][:, None] * self.rise(np.abs(lines) / block_s)[rows]
+    def sigma(self, rig: Rig, test: Test, lines: Array, n: int, dt: float) -> Array:
+        """(channels, lines) noise per sample in SI units, on the lines of a block of n samples, dt s apart."""
+        rows, hz = [c.index for c in rig.responses], np.abs(lines) / (n * dt)
+        total = self._si(rig, test)[rows][:, None] * self.rise(hz)[rows]
         if self.floor is None:
             return total
-        at = np.minimum(np.abs(lines).astype(int), self.floor.shape[1] - 1)
-        return np.sqrt(total**2 + self.floor[:, at])
+        at = np.minimum(np.rint(hz * self.floor_s).astype(int), self.floor.shape[1] - 1)
+        # Noise of a band stands the higher above white noise of the same variance, the faster it is sampled.
+        return np.sqrt(total**2 + self.floor[:, at] / dt)
 
     def rise(self, hz: Array) -> Array:
         """(rows, hz) factor on the white noise of each row at these frequencies."""
@@ -209,7 +212,7 @@ def reduce_hits(blocks: Sequence[Block], rig: Rig, weights: Weights) -> ImpactDa
         # Each hit lands elsewhere: alike weights leave one mean place on all lines.
         conj = 1 / F / len(F)
         power = 1 / np.sum(np.abs(conj) ** 2, axis=0)
-    sigma = weights.sigma(rig, "impact", lines, n * dt) * np.sqrt(n / 2 / power)
+    sigma = weights.sigma(rig, "impact", lines, n, dt) * np.sqrt(n / 2 / power)
     # Half of the hum's power falls on either part, and its phase changes from hit to hit.
     sigma = np.hypot(sigma, weights.hum(rig, "impact", lines, n, dt) * n / 2 / np.sqrt(2 * power))
     sigma[[any((b.name, c.index) in weights.masked for b in blocks) for c in rig.responses]] = np.inf
@@ -264,7 +267,7 @@ def reduce_sines(blocks: Sequence[Block], rig: Rig, weights: Weights) -> SineDat
         amplitude = force_amplitude(signal, f0)
         at = line + offsets
         spectrum = np.fft.rfft(signal.responses, axis=1)[:, np.abs(at)]
-        spread = weights.sigma(rig, "sine", at.astype(float), n * dt) * np.sqrt(2 / n) / abs(amplitude)
+        spread = weights.sigma(rig, "sine", at.astype(float), n, dt) * np.sqrt(2 / n) / abs(amplitude)
         spread = np.hypot(spread, weights.hum(rig, "sine", at.astype(float), n, dt) / np.sqrt(2) / abs(amplitude))
         spread[[(block.name, c.index) in weights.masked for c in rig.responses]] = np.inf
         spread[:, at == 0] = np.inf

@@ -180,7 +180,7 @@ def _hits(
     F = np.fft.rfft(whole)[1 : len(lines) + 1]
     power = plan.hits * np.abs(F) ** 2
     source = Hits(lines, n, dt, np.array([force]), np.array([start]), (F.conj() / np.abs(F) ** 2)[None])
-    sigma = weights.sigma(rig, "impact", lines, n * dt) * np.sqrt(n / 2 / power)
+    sigma = weights.sigma(rig, "impact", lines, n, dt) * np.sqrt(n / 2 / power)
     noise = weights.force(rig, "impact") * np.sqrt(len(force) / 2 / power)
     piece = Piece(f"impact_p{point:02d}", order, rig.x_of(point), None, ())
     return ImpactData(piece, source, _empty(sigma)), noise
@@ -207,7 +207,7 @@ def _sines(rig: Rig, plan: SinePlan, weights: Weights, order: float) -> tuple[Si
     rise = Rise(np.full(count, plan.settle_s), np.full(count, plan.ramp_s), yes, yes)
     source = Sines(lines, np.array([hz for _, _, hz in pairs]), n, dt, force, rise)
     sigma = np.concatenate(
-        [weights.sigma(rig, "sine", at, n * dt) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)],
+        [weights.sigma(rig, "sine", at, n, dt) * np.sqrt(2 / n) / abs(f) for at, f in zip(lines, force, strict=True)],
         axis=1,
     )
     # Lines below the first are those above it again.

@@ -21,6 +21,9 @@ from modallab.twin.bench import Twin
 TOP_HZ = 450.0
 """Modes up to here have a damping ratio of their own."""
 
+NOT_BETTER = 1.3
+"""Rms residual that counts as the floor where the base shakes or the beam still rings."""
+
 
 def gap_before(campaign: Campaign) -> float:
     """The gap of a campaign in noise units before anything is explained; 1 is the floor.
@@ -101,13 +104,12 @@ def as_came(prepared: Prepared, twin: Twin) -> Squares:
 
 def weights_of(prepared: Prepared) -> Weights:
     """How much each row of the records counts."""
-    floor = prepared.floor.spectrum if prepared.floor is not None else None
     hz, hum = prepared.weak_hum or (0.0, None)
-    return Weights(prepared.noise_v, prepared.masked, floor, prepared.rising_v2, hum, hz)
+    alone = Weights(prepared.noise_v, prepared.masked, rising_v2=prepared.rising_v2, hum_v=hum, hum_hz=hz)
+    floor = prepared.floor
+    return alone if floor is None else replace(alone, floor=floor.spectrum, floor_s=floor.block_s)
 
 
 def _flat(prepared: Prepared) -> float:
     # The spectrum of a shaking floor is known to some 10 %, and what rang before a hit is taken off no better.
-    if prepared.floor is not None:
-        return 1.5
-    return 1.3 if prepared.ringing is not None else FLAT
+    return NOT_BETTER if prepared.floor is not None or prepared.ringing is not None else FLAT

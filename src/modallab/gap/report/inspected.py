@@ -170,24 +170,22 @@ def _base_motion(prepared: Prepared, twin: Twin) -> float:
     floor = prepared.floor
     assert floor is not None
     rig = prepared.campaign.rig
-    sine = next(b for b in prepared.blocks if b.test == "sine")
-    n, dt = sine.n_samples, 1 / sine.rate_hz
-    lines = np.arange(floor.density.shape[1])
+    lines, block_s = np.arange(floor.density.shape[1]), floor.block_s
     x = np.array([rig.x_of(c.point or 0) for c in rig.responses])
-    gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / (n * dt))) ** 2
-    near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * n * dt / (2 * np.pi)), axis=1, initial=np.inf)
+    gain = np.abs(base_transmission(twin.structure, x, 2j * np.pi * np.maximum(lines, 0.3) / block_s)) ** 2
+    near = np.min(np.abs(lines[:, None] - np.abs(prepared.poles) * block_s / (2 * np.pi)), axis=1, initial=np.inf)
     reported = (gain > 1 / PLAIN) & (gain < PLAIN) & (near > RINGS)
-    base = np.ma.median(np.ma.masked_where(~reported, _as_acceleration(floor.density, rig, n * dt) / gain), axis=0)
+    base = np.ma.median(np.ma.masked_where(~reported, _as_acceleration(floor.density, rig, block_s) / gain), axis=0)
     known = ~np.ma.getmaskarray(base)
     known[0] = False
     if not np.any(known):
         return floor.rms_acc
     whole = np.interp(lines[1:], lines[known], base.data[known])
-    return float(np.sqrt(2 / n * np.sum(whole)))
+    return float(np.sqrt(2 / block_s * np.sum(whole)))
 
 
 def _as_acceleration(density: Array, rig: Rig, length_s: float) -> Array:
-    """(channels, lines) variances of velocities and displacements as those of the accelerations."""
+    """(channels, lines) densities of velocities and displacements as those of the accelerations."""
     omega = 2 * np.pi * np.arange(density.shape[1]) / length_s
     missing = np.array([2 - DERIVATIVE[c.quantity] for c in rig.responses])
     return density * omega ** (2 * missing[:, None])
