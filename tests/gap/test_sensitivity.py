@@ -15,6 +15,7 @@ from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
 from modallab.twin.candidate import Candidate
+from modallab.twin.structure import solve
 
 STEP = 1e-3
 
@@ -66,3 +67,27 @@ def test_a_drift_beside_leaves_the_slopes_right(rig: Rig, data: Reduced) -> None
     step = STEP * np.eye(len(u))[-1]
     slope = (problem.residual(u + step) - problem.residual(u - step)) / (2 * STEP)
     assert np.linalg.norm(J[:, -1] - slope) < 5e-3 * np.linalg.norm(slope)
+
+
+def test_slopes_lead_past_a_damper_that_stops_a_mode_from_swinging(rig: Rig, data: Reduced) -> None:
+    damper = every(rig)["local_damper"]
+    problem = Problem(data, nuisances(rig, 450.0), (damper,), 0.01)
+    free = np.zeros(problem.free.size)
+
+    def numbers(c: float) -> np.ndarray:
+        slots = {s.name: s.coordinate(v) for s, v in zip(damper.slots, (c, 0.95), strict=True)}
+        return np.concatenate([free, [slots[s.name] for s in damper.slots]])
+
+    def poles(c: float) -> int:
+        return len(solve(problem.twin(numbers(c)).structure).poles)
+
+    # A little below where the number of poles changes: a step of the slopes passes it.
+    low, high = 1.0, next(c for c in np.geomspace(2.0, 1e4, 60) if poles(c) != poles(1.0))
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if poles(middle) == poles(1.0) else (low, middle)
+    u = numbers(low * (1 - 0.3e-4))
+    J = jacobian(problem, u, problem.residual(u))
+    step = STEP * np.eye(len(u))[-2]
+    slope = (problem.residual(u + step) - problem.residual(u - step)) / (2 * STEP)
+    assert np.linalg.norm(J[:, -2] - slope) < 5e-3 * np.linalg.norm(slope)

@@ -149,6 +149,10 @@ def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | N
         return linear_or_faint(bench, base, matters)
     linear = rounds(bench, base, 1) if many else explain(bench, base)
     choice = choose(bench, linear, matters)
+    if choice.explained and many:
+        # A round more where it leaves more than the last digit of a large gap.
+        further = choose(bench, explain(bench, base, linear[0]), matters)
+        return further if further.explained else choice
     if choice.explained:
         return choice
     # What answers to the level, not only to the side, makes odd overtones.

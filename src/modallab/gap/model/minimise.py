@@ -133,6 +133,7 @@ def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array
     if smooth:
         near = sum(k < problem.free.size for k in smooth)
         J[smooth] = _slopes(problem, here, [twins[k] for k in smooth], near, len(r))
+        smooth = [k for k in smooth if not np.isnan(J[k, 0])]
     rest = sorted(set(used) - set(smooth))
     for k, there in zip(rest, _residuals(problem, moved[rest]), strict=True):
         J[k] = (there - r) / STEP
@@ -147,7 +148,7 @@ def _residuals(problem: Problem, moved: Array) -> list[Array]:
 
 
 def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: int) -> Array:
-    """(twins, residuals)"""
+    """(twins, residuals); NaN for a twin to which no slope leads."""
     changes = Tangent(here, problem.data).changes(twins, near)
     weights = [softened(rows, problem.floor) for rows in all_rows(problem.data)]
     # What the clock says of the sines does not depend on the beam.
@@ -158,7 +159,9 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
         rows[:, own], rows[:, half + at : half + own.stop] = values.real, values.imag
         at = own.stop
     rows *= -1.0 / STEP
+    lost = np.isnan(rows[:, 0])
     rows[~np.isfinite(rows)] = 0.0
+    rows[lost] = np.nan
     return rows
 
 

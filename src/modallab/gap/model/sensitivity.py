@@ -57,6 +57,9 @@ class Tangent:
         Args:
             twins: the other twins.
             near: so many of them, the last, are solved to first order only.
+
+        Returns:
+            NaN for a twin of which a mode swings that does not here, or the other way round: there no slope leads.
         """
         first = len(twins) - near
         beside = Neighbours(self.twin.structure) if near else None
@@ -119,7 +122,7 @@ class _Part:
 
     def changes(self, twins: Sequence[Twin], modes: Sequence[Modes], data: Reduced) -> Complex:
         """(twins, channels, rows) what the twins with these modes add."""
-        there = [self.numbers(t, m) for t, m in zip(twins, modes, strict=True)]
+        there = [self._alike(self.numbers(t, m)) for t, m in zip(twins, modes, strict=True)]
         dp = np.array([p for p, _, _ in there]) - self.poles
         dr = np.array([r for _, r, _ in there]) - self.residue
         ds = np.array([s for _, _, s in there]) - self.residual
@@ -129,6 +132,11 @@ class _Part:
         static = ds[:, :, None] + louder * self.residual[:, None]
         weights = np.concatenate([moved.real, moved.imag, turned.real, turned.imag, static], axis=2)
         return self._summed(weights * self.gains[:, None])
+
+    def _alike(self, numbers: tuple[Complex, Complex, Array]) -> tuple[Complex, Complex, Array]:
+        if len(numbers[0]) == len(self.poles):
+            return numbers
+        return np.full_like(self.poles, np.nan), np.full_like(self.residue, np.nan), numbers[2]
 
     def _summed(self, weights: Array) -> Complex:
         if len(self.kernels) == 1:
