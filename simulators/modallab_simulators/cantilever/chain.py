@@ -123,7 +123,7 @@ class Chain:
         """Counts of what the rows see in SI units at some times, both (rows, n).
 
         Raises:
-            ConfigurationError: a row sees what is no number; as counts it would be a silent 0.
+            ConfigurationError: a row sees what is no number; as counts it would be 0.
         """
         if not np.all(np.isfinite(seen)):
             row = int(np.flatnonzero(~np.isfinite(seen).all(axis=1))[0])

@@ -97,7 +97,7 @@ def rising_power(blocks: Sequence[Block], noise_v: Array, still: Sequence[int] =
     Args:
         blocks: the records.
         noise_v: (rows,) V rms of each row.
-        still: the rows that tell, where others move by themselves; all if empty.
+        still: the rows to go by where others move by themselves; all if empty.
     """
     far = [b for b in blocks if b.test == "sine" and (b.frequency_hz or 0.0) > FAR_HZ]
     if len(far) < LEAST_BLOCKS:
@@ -113,6 +113,6 @@ def rising_power(blocks: Sequence[Block], noise_v: Array, still: Sequence[int] =
     low = (np.arange(power.shape[1]) > 1) & (hz < LOW_HZ)
     if not np.any(low):
         return 0.0
-    tell = list(still) or range(len(noise_v))
-    found = float(np.median([np.mean(hz[low] * (power[row, low] - noise_v[row] ** 2)) for row in tell]))
+    rows = list(still) or range(len(noise_v))
+    found = float(np.median([np.mean(hz[low] * (power[row, low] - noise_v[row] ** 2)) for row in rows]))
     return found if found > RISES_HZ * float(np.median(noise_v)) ** 2 else 0.0
