@@ -104,12 +104,13 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=200, help="with one effect")
     parser.add_argument("--none", type=int, default=200, help="without effect")
     parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--first", type=int, default=0, help="as many are left out, which another folder has")
     parser.add_argument("--minutes", type=float, default=60.0, help="no trial is begun after these")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--tolerances", choices=("none", "usual"), default="usual", help="how well benches are built")
     arguments = parser.parse_args()
     sizes = {"trials": arguments.trials, "none": arguments.none, "seed": arguments.seed}
-    draws = drawn(BlindRequest(**sizes, tolerances=arguments.tolerances, later=False))
+    draws = drawn(BlindRequest(**sizes, tolerances=arguments.tolerances, later=False))[arguments.first :]
     arguments.folder.mkdir(parents=True, exist_ok=True)
     end = time.monotonic() + 60 * arguments.minutes
     answer_in_turn(arguments.folder, draws, end, arguments.processes)

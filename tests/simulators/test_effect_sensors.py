@@ -5,6 +5,7 @@ import pytest
 from noiseless_bench import RATE_HZ, driven, noiseless_rig, resting, struck, tone
 
 from modallab.bench.protocol import Request
+from modallab.core.errors import ConfigurationError
 from modallab_simulators.cantilever import open_bench
 
 NOISE_V = 0.0003
@@ -49,6 +50,18 @@ def test_position_error_shows_the_motion_farther_from_the_clamp():
     np.testing.assert_allclose(found[6], found[7], atol=1e-7 * np.abs(found).max())
     found = struck(f"position_error,channel=a06,dx={-dx}")
     np.testing.assert_allclose(found[6], found[5], atol=1e-7 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("over", [0.0, 1e-15])
+def test_a_sensor_drawn_to_sit_at_the_clamp_may_miss_it_by_what_numbers_are_rounded_by(over: float):
+    rig = noiseless_rig()
+    sound, found = struck(), struck(f"position_error,channel=a06,dx={-rig.x_of(6) - over!r}")
+    np.testing.assert_allclose(found[6], 0.0, atol=1e-7 * np.abs(sound).max())
+
+
+def test_a_sensor_before_the_clamp_is_rejected():
+    with pytest.raises(ConfigurationError, match="position_error: dx is"):
+        struck(f"position_error,channel=a06,dx={-noiseless_rig().x_of(6) - 1e-6!r}")
 
 
 def test_noisy_channel():

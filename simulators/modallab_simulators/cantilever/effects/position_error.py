@@ -7,6 +7,9 @@ from modallab.core.rig import Rig
 from modallab_simulators.cantilever.altered import Altered
 from modallab_simulators.cantilever.effect_part import EffectPart, row_of
 
+ROUNDING = 1e-9
+"""Share of the length by which a sensor may leave the beam: one drawn to sit at its very end is there but for this."""
+
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
     c = altered.chain
@@ -20,7 +23,7 @@ def _check(effect: Effect, rig: Rig) -> list[str]:
     if point is None:
         return []
     x, length = rig.x_of(point), rig.beam.length_m
-    if 0 <= x + dx <= length * (1 + 1e-9):
+    if -ROUNDING * length <= x + dx <= length * (1 + ROUNDING):
         return []
     return [f"position_error: dx is {dx:g} m; allowed: {-x:g} to {length - x:g} m for row {row}"]
 
