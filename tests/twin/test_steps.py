@@ -51,6 +51,20 @@ def test_lines_straight_from_the_steps_are_those_of_the_samples(element: Element
     assert np.concatenate([motion, force]) == pytest.approx(whole, abs=1e-10 * np.abs(whole).max())
 
 
+@pytest.mark.parametrize("element", [SPRING, JOINT, PLAY, CRACK, DRAG])
+@pytest.mark.parametrize("first", [10, 300])
+def test_lines_of_a_hit_are_those_of_its_samples(element: Element, first: int) -> None:
+    modes = solve(BEAM)
+    steps = records.ready(modes, coupling(element, BEAM, modes), DT, SHAKER)
+    fine = records.in_hit(steps, 40 * np.hanning(7), first, N)
+    many, few = np.arange(1.0, 400.0), np.array([-24.0, 3.0, 24.0])
+    modes_sampled, force_sampled = fine.sampled()
+    whole = np.fft.fft(np.concatenate([modes_sampled.real, modes_sampled.imag, force_sampled.T]))
+    for lines in (many, few):
+        found = np.concatenate(fine.on_lines(lines))
+        assert found == pytest.approx(whole[:, lines.astype(int)], abs=1e-10 * np.abs(whole).max())
+
+
 def test_the_state_that_a_known_force_leaves_is_that_of_all_its_steps() -> None:
     modes = solve(BEAM)
     steps = Steps.of(modes, coupling(SPRING, BEAM, modes), DT / 4, SHAKER)
@@ -94,5 +108,5 @@ def test_a_stiff_contact_does_not_swing(stiffness: float) -> None:
     own = coupling(Element(Law.PLAY, 0.0, (stiffness * UNIT, 0.0)), structure, modes)
     force = np.zeros(8000)
     force[5:20] = 3.0
-    _, pushed = Steps.of(modes, own, DT / 4, SHAKER).run(force, 0)
-    assert np.abs(pushed[0, 4000:]).max() < np.abs(pushed[0, :2000]).max()
+    pushed = Steps.of(modes, own, DT / 4, SHAKER).run(force, 0).forces[0]
+    assert np.abs(pushed[4000:]).max() < np.abs(pushed[:2000]).max()

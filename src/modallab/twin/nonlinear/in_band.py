@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import firwin
 
+from modallab.twin.nonlinear.pushed import Pushed
+
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
@@ -20,17 +22,14 @@ class Fine:
     """What an element adds to a record, before the chain, step by step.
 
     Attributes:
-        modes: (2 kept, steps) motion of the first modes, real parts and then imaginary ones; those beyond follow the
-            force at once.
-        force: (m, steps) of the element's channels, N.
+        pushed: its forces and the modes; modes that are not kept follow the force at once.
         every: steps a sample.
         before: steps before the first sample; where these are fewer than the filter reaches, all was at rest before.
         n: samples of the record.
         still: samples at its begin, before these steps, at which all is at rest.
     """
 
-    modes: Array
-    force: Array
+    pushed: Pushed
     every: int
     before: int
     n: int
@@ -38,7 +37,8 @@ class Fine:
 
     def sampled(self) -> tuple[Complex, Array]:
         """(kept, n) complex motion of the first modes and (n, m) force, at the samples."""
-        motion, force = self._samples(self.modes), self._samples(self.force)
+        force = self.pushed.forces[: self.pushed.channels]
+        motion, force = self._samples(self.pushed.motion()), self._samples(force)
         kept = len(motion) // 2
         # Motion that grew without bound stays infinite: no product with 1j may make it undefined.
         modes = motion[:kept].astype(complex)
@@ -46,55 +46,108 @@ class Fine:
         return modes, np.ascontiguousarray(force.T)
 
     def on_lines(self, lines: Array) -> tuple[Complex, Complex]:
-        """(2 kept, lines) and (m, lines) DFT of the record's samples, on lines that may be below zero."""
-        if len(lines) > self.n // 16 or self.still:
-            at = np.abs(lines).astype(int)
-            whole = [np.fft.rfft(self._samples(rows))[:, at] for rows in (self.modes, self.force)]
-            motion, force = (np.where(lines < 0, rows.conj(), rows) for rows in whole)
-            return motion, force
-        weights = _weights(self.every, self.before, self.modes.shape[1], self.n, lines.tobytes())
-        motion, force = (rows @ weights for rows in (self.modes, self.force))
-        half = len(lines)
-        return motion[:, :half] + 1j * motion[:, half:], force[:, :half] + 1j * force[:, half:]
+        """(2 kept, lines) and (m, lines) DFT of the record's samples, on lines that may be below zero.
+
+        The filter is linear: what it leaves of the modes is what the forces make of them that it leaves. The sum of all
+        samples follows from the first state and the last, as that of a geometric series does.
+        """
+        p, n = self.pushed, self.n - self.still
+        forces = self._in_band()
+        turn: Complex = np.exp(-2j * np.pi / self.n * lines)
+        phases = _dft(forces[:, :-1].reshape(len(forces), n - 1, self.every), lines, self.n)
+        whole = phases[:, 0] + forces[:, -1:] * turn ** (n - 1)
+        step, driven = self._step()
+        first = self._first_state(forces[:, 0])
+        last = step ** (n - 1) * first + np.sum(p.acts * p.left(forces[:, :-1]), axis=0)
+        driving = phases.reshape(-1, len(lines))
+        ends = (first, last, step)
+        own = _summed(turn, n, ends, driven.T @ driving) + p.at_once.T @ whole
+        mirrored = _summed(turn, n, tuple(map(np.conj, ends)), driven.conj().T @ driving) + p.at_once.conj().T @ whole
+        later = turn**self.still
+        motion = np.concatenate([(own + mirrored) / 2, (own - mirrored) / 2j])
+        return motion * later, whole[: p.channels] * later
+
+    def _step(self) -> tuple[Complex, Complex]:
+        """(kept,) what a sample leaves of the state, and (f every, kept) what each force of its steps adds to it."""
+        p = self.pushed
+        left = p.decay ** np.arange(self.every)[::-1, None]
+        return p.decay**self.every, (p.acts[:, None] * left).reshape(-1, len(p.decay))
+
+    def _in_band(self) -> Array:
+        """(f, (n - 1) every + 1) the forces at each step from the first sample to the last, filtered."""
+        from modallab.twin.nonlinear.sampling import filtered
+
+        count = (self.n - self.still - 1) * self.every + 1
+        out = np.empty((len(self.pushed.forces), count))
+        filtered(self._about_samples(self.pushed.forces), _taps(self.every), out)
+        return out
+
+    def _first_state(self, force: Array) -> Complex:
+        """(kept,) filtered state of the modes at the first sample, where the filtered forces are `force` (f,)."""
+        reach = _reach(self.every)
+        motion = self.pushed.motion(self.before + reach + 1)[:, max(self.before - reach, 0) :]
+        found, kept = motion @ _taps(self.every)[-motion.shape[1] :], len(motion) // 2
+        return found[:kept] + 1j * found[kept:] - force @ self.pushed.at_once
 
     def _samples(self, fine: Array) -> Array:
-        n = self.n - self.still
+        """(rows, n) of (rows, steps), without what would fold back."""
+        from modallab.twin.nonlinear.sampling import decimate
+
         found = np.zeros((len(fine), self.n))
-        found[:, self.still :] = _thinned(fine, self.every, self.before, n)
+        own = np.empty((len(fine), self.n - self.still))
+        decimate(self._about_samples(fine), _taps(self.every), self.every, own)
+        found[:, self.still :] = own
+        return found
+
+    def _about_samples(self, fine: Array) -> Array:
+        """(rows, ...) the steps that the filter reaches from the first sample and from the last, zeros before."""
+        reach, n = _reach(self.every), self.n - self.still
+        first, needed = reach - self.before, (n - 1) * self.every + 2 * reach + 1
+        if first <= 0:
+            return np.ascontiguousarray(fine[:, -first : needed - first])
+        found = np.zeros((len(fine), needed))
+        found[:, first:] = fine[:, : needed - first]
         return found
 
 
-def _thinned(fine: Array, every: int, before: int, n: int) -> Array:
-    """(rows, n) of (rows, steps) every so many steps, `before` steps on, without what would fold back."""
-    if every == 1:
-        return fine[:, before : before + n]
-    from modallab.twin.nonlinear.sampling import decimate
+def _summed(turn: Complex, n: int, ends: tuple[Complex, ...], driven: Complex) -> Complex:
+    """(kept, lines) DFT of states s[k + 1] = step s[k] + u[k].
 
-    first, needed = REACH * every - before, (n - 1 + 2 * REACH) * every + 1
-    some = min(fine.shape[1], needed - first)
-    padded = np.zeros((len(fine), needed))
-    padded[:, first : first + some] = fine[:, :some]
-    found = np.empty((len(fine), n))
-    decimate(padded, _taps(every), every, found)
-    return found
+    Args:
+        turn: (lines,) of a sample.
+        n: samples.
+        ends: (kept,) first state, last state, step.
+        driven: (kept, lines) DFT of u.
+    """
+    first, last, step = (each[:, None] for each in ends)
+    return (first - step * last * turn**n + turn * driven) / (1 - step * turn)
+
+
+def _dft(phases: Array, lines: Array, n: int) -> Complex:
+    """(f, every, lines) DFT, as of n samples, of each phase of (f, samples, every)."""
+    rows = np.moveaxis(phases, 1, 2)
+    if len(lines) > n // 16:
+        whole: Complex = np.fft.rfft(rows, n)[..., np.abs(lines).astype(int)]
+        return np.where(lines < 0, np.conj(whole), whole)
+    both = rows @ _turns(phases.shape[1], n, lines.tobytes())
+    return both[..., : len(lines)] + 1j * both[..., len(lines) :]
+
+
+# Up to 0.3 MB each: as many as a campaign has sines.
+@lru_cache(maxsize=160)
+def _turns(samples: int, n: int, lines: bytes) -> Array:
+    """(samples, 2 lines) by which samples add up to their DFT: real parts, then imaginary ones."""
+    turns: Complex = np.exp(-2j * np.pi / n * np.outer(np.arange(samples), np.frombuffer(lines)))
+    return np.concatenate([turns.real, turns.imag], axis=1)
+
+
+def _reach(every: int) -> int:
+    """Steps to either side of a sample that its filter reaches."""
+    return REACH * every if every > 1 else 0
 
 
 @lru_cache(maxsize=16)
 def _taps(every: int) -> Array:
+    if every == 1:
+        return np.ones(1)
     return np.asarray(firwin(2 * REACH * every + 1, 1 / every, window=("kaiser", 8.0)), dtype=np.float64)
-
-
-# Up to 2 MB each: as many as a campaign's sines need, in fine steps and in coarse ones.
-@lru_cache(maxsize=160)
-def _weights(every: int, before: int, steps: int, n: int, lines: bytes) -> Array:
-    """(steps, 2 lines) by which steps add up to the DFT of their samples: real parts, then imaginary ones."""
-    turns = np.exp(-2j * np.pi / n * np.outer(np.frombuffer(lines), np.arange(n)))
-    spread = np.zeros((len(turns), (n - 1) * every + 1), dtype=np.complex128)
-    spread[:, ::every] = turns
-    if every > 1:
-        spread = np.stack([np.convolve(row, _taps(every)) for row in spread])
-    first = before - (REACH * every if every > 1 else 0)
-    found = np.zeros((steps, len(turns)), dtype=np.complex128)
-    some = min(steps - max(first, 0), spread.shape[1] + min(first, 0))
-    found[max(first, 0) :][:some] = spread.T[max(-first, 0) :][:some]
-    return np.concatenate([found.real, found.imag], axis=1)

@@ -51,7 +51,7 @@ def in_hit(steps: Callable[[int], Steps], pulse: Array, first: int, n: int) -> F
     fine = np.asarray(np.fft.irfft(spectrum, n * HIT_STEPS) * HIT_STEPS, dtype=np.float64)
     still_after = np.zeros(REACH * HIT_STEPS)
     force = np.concatenate([fine[begin * HIT_STEPS :], still_after])
-    return Fine(*steps(HIT_STEPS).run(force, 0), HIT_STEPS, 0, n, begin)
+    return Fine(steps(HIT_STEPS).run(force, 0), HIT_STEPS, 0, n, begin)
 
 
 def in_sine(
@@ -84,7 +84,7 @@ def in_sine(
     )
     # Every step about the record is kept, and what rings above its band taken out as a converter does.
     before = min(skip, REACH * every)
-    return Fine(*steps(every).run(force, skip - before), every, before, n)
+    return Fine(steps(every).run(force, skip - before), every, before, n)
 
 
 def acceleration(modes: Modes, own: Coupling, psi: Complex, added: Fine, dt: float) -> Array:

@@ -9,6 +9,9 @@ from modallab.twin.nonlinear.compiled import compiled
 
 Array = NDArray[np.float64]
 
+BLOCK = 512
+"""Samples that are filtered at once."""
+
 
 @compiled
 def rising_sine(
@@ -43,3 +46,23 @@ def decimate(fine: Array, taps: Array, every: int, out: Array) -> None:
             for j in range(taps.shape[0]):
                 total += taps[j] * fine[row, k * every + j]
             out[row, k] = total
+
+
+@compiled
+def filtered(fine: Array, taps: Array, out: Array) -> None:
+    """Every sample of rows (r, steps), each the sum of the steps from there on by `taps`, into (r, n)."""
+    count, odd = out.shape[1], taps.shape[0] % 4
+    for row in range(out.shape[0]):
+        # As many at once as stay near the processor.
+        for begin in range(0, count, BLOCK):
+            own = out[row, begin : begin + BLOCK]
+            own[:] = 0.0
+            for j in range(odd):
+                f = fine[row, begin + j :]
+                for i in range(len(own)):
+                    own[i] += taps[j] * f[i]
+            for j in range(odd, taps.shape[0], 4):
+                a, b, c, d = taps[j], taps[j + 1], taps[j + 2], taps[j + 3]
+                f = fine[row, begin + j :]
+                for i in range(len(own)):
+                    own[i] += a * f[i] + b * f[i + 1] + c * f[i + 2] + d * f[i + 3]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from modallab.twin.elements import shape_rows
 from modallab.twin.nonlinear.element import Coupling, Law
+from modallab.twin.nonlinear.pushed import Pushed, padded
 from modallab.twin.structure import Modes
 
 Array = NDArray[np.float64]
@@ -17,7 +18,8 @@ SWIFT = 1.7
 """Radians in a step from which a mode follows the forces at once: an element that is stiff beside it would not settle
 where its own oscillation is stepped over."""
 OF_ONE_MOTION = (Law.CUBIC, Law.FRICTION, Law.PLAY)
-CHUNK = 256
+ROW = 16
+CHUNK = ROW**2
 """Steps that a known force is taken in."""
 
 
@@ -68,7 +70,8 @@ class Steps:
         swift = np.real(-2 * modes.columns[:, kept:] / modes.poles[kept:] @ modes.columns[:, kept:].T)
         at_once = modes.out_of_band + swift
         static, direct = own.rows[1:] @ at_once @ own.rows[1:].T, own.rows @ (at_once @ load)
-        left = np.exp(x * np.arange(CHUNK)[::-1, None])
+        few, many = (np.exp(x * every * np.arange(ROW)[:, None]) for every in (1, ROW))
+        left = (many[:, None] * few).reshape(CHUNK, kept)[::-1]
         chunk = np.concatenate([np.real(left), np.imag(left)], axis=1)
         pushes = after * shapes, late * shapes, after * drive, late * drive
         kick = h / 2 * (1 + decay) * shapes
@@ -76,35 +79,32 @@ class Steps:
 
     def state_after(self, force: Array) -> Complex:
         """(kept,) state in which a known force (steps,) from rest leaves the modes by itself."""
-        chunks = np.concatenate([np.zeros(-len(force) % CHUNK), force]).reshape(-1, CHUNK)
-        parts = chunks @ self.chunk
-        later = np.exp(CHUNK * np.log(self.decay) * np.arange(len(chunks))[::-1, None])
-        return self.drive * np.sum((parts[:, : self.kept] + 1j * parts[:, self.kept :]) * later, axis=0)
+        return self.drive * self.left(force[None])[0]
 
-    def run(self, force: Array, skip: int) -> tuple[Array, Array]:
+    def left(self, forces: Array) -> Complex:
+        """(f, kept) sum of the steps of forces (f, steps), each by what is left of it after the last."""
+        short = -forces.shape[1] % CHUNK
+        chunks = np.concatenate([np.zeros((len(forces), short)), forces], axis=1).reshape(len(forces), -1, CHUNK)
+        parts = chunks @ self.chunk
+        later = np.exp(CHUNK * np.log(self.decay) * np.arange(chunks.shape[1])[::-1, None])
+        return np.sum((parts[..., : self.kept] + 1j * parts[..., self.kept :]) * later, axis=1)
+
+    def run(self, force: Array, skip: int) -> Pushed:
         """Step the element under a known force.
 
         Args:
             force: (steps,) N.
             skip: steps before the first that is kept.
-
-        Returns:
-            (2 kept, steps kept) of the modes' motion that the element adds, real parts and then imaginary ones, and
-            (m, steps kept) of its force.
         """
-        # Loaded where it is needed: what is linear needs no compiled loop.
-        from modallab.twin.nonlinear.stepping import follow
-
-        width, count = self._padded(self.decay).shape[-1], len(self.own.shapes)
+        width, count = padded(self.decay).shape[-1], len(self.own.shapes)
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
-        bent, out = np.zeros_like(pushed), np.empty((len(pushed), 2, width))
+        bent = np.zeros_like(pushed)
         (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, bent)
-        begun = total - self._padded(self.state_after(force[:skip]))
-        push = np.concatenate([self.push, self.decay * self.kick])
-        late = np.concatenate([self.late, self.kick])
-        forces = np.concatenate([pushed, bent], axis=1)
-        follow(self._padded(self.decay), self._padded(push), self._padded(late), begun, forces, out)
-        return out[:, :, : self.kept].reshape(len(out), -1).T, pushed.T
+        state = total[0, : self.kept] + 1j * total[1, : self.kept] - self.state_after(force[:skip])
+        if not np.any(bent):
+            return Pushed(self.decay, self.push, self.late, state, pushed.T, count, self.left)
+        acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
+        return Pushed(self.decay, acts, at_once, state, np.concatenate([pushed, bent], axis=1).T, count, self.left)
 
     def _run_one(self, force: Array, skip: int, begun: Array, pushed: Array, bent: Array) -> None:
         from modallab.twin.nonlinear.stepping import step_one
@@ -117,11 +117,11 @@ class Steps:
         step_one(
             int(self.own.law),
             np.array((*self.own.numbers, 0.0, 0.0)[:3]),
-            self._padded(self.decay),
-            self._padded(push),
-            self._padded(self.drive),
-            self._padded(seen * self.decay),
-            self._padded(later),
+            padded(self.decay),
+            padded(push),
+            padded(self.drive),
+            padded(seen * self.decay),
+            padded(later),
             own,
             known,
             force,
@@ -141,9 +141,9 @@ class Steps:
             int(self.own.law),
             np.array(self.own.numbers),
             np.asarray(np.linalg.inv(whole) if cracked else whole, dtype=np.float64),
-            self._padded(self.decay),
-            self._padded(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
-            self._padded(felt),
+            padded(self.decay),
+            padded(np.concatenate([self.push, self.drive[None], self.decay * self.kick])),
+            padded(felt),
             (self.direct if cracked else 0.0) + np.real(felt @ self.drive_late),
             np.real(felt @ self.late.T),
             force,
@@ -152,11 +152,3 @@ class Steps:
             pushed,
             bent,
         )
-
-    def _padded(self, values: Complex) -> Array:
-        """(..., 2, p) real and imaginary parts, p a multiple of LANES."""
-        from modallab.twin.nonlinear.stepping import LANES
-
-        found = np.zeros((*values.shape[:-1], 2, -(-self.kept // LANES) * LANES))
-        found[..., 0, : self.kept], found[..., 1, : self.kept] = values.real, values.imag
-        return found

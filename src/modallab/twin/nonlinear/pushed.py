@@ -1,0 +1,58 @@
+"""What an element does to the modes, step by step: its forces, and the motion that follows from them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pushed:
+    """The forces of an element from a step on, and the modes they act on.
+
+    The state s of the modes goes on by s[i + 1] = decay s[i] + acts F[i], and their motion is s[i] + at_once F[i].
+
+    Attributes:
+        decay: (kept,) of a step.
+        acts: (f, kept) what a unit of each force adds to the state.
+        at_once: (f, kept) what it adds to the modes at once.
+        begun: (kept,) state before the first step.
+        forces: (f, steps) N of the element's channels, then, if there is any, what each has more than its straight
+            line.
+        channels: of the element.
+        left: see `Steps.left`.
+    """
+
+    decay: Complex
+    acts: Complex
+    at_once: Complex
+    begun: Complex
+    forces: Array
+    channels: int
+    left: Callable[[Array], Complex]
+
+    def motion(self, steps: int | None = None) -> Array:
+        """(2 kept, steps) of the modes that the element adds, real parts and then imaginary ones; all, or the first."""
+        # Loaded where it is needed: what is linear needs no compiled loop.
+        from modallab.twin.nonlinear.stepping import follow
+
+        forces, kept = np.ascontiguousarray(self.forces[:, :steps].T), len(self.decay)
+        acts, at_once = padded(self.acts), padded(self.at_once)
+        out = np.empty((len(forces), *acts.shape[1:]))
+        follow(padded(self.decay), acts, at_once, padded(self.begun), forces, out)
+        return out[:, :, :kept].reshape(len(out), -1).T
+
+
+def padded(values: Complex) -> Array:
+    """(..., 2, p) real and imaginary parts of (..., kept), p a multiple of LANES."""
+    from modallab.twin.nonlinear.stepping import LANES
+
+    kept = values.shape[-1]
+    found = np.zeros((*values.shape[:-1], 2, -(-kept // LANES) * LANES))
+    found[..., 0, :kept], found[..., 1, :kept] = values.real, values.imag
+    return found
