@@ -138,7 +138,7 @@ def _dft(phases: Array, lines: Array, n: int) -> Complex:
 def _turns(samples: int, n: int, lines: bytes) -> Array:
     """(samples, 2 lines) by which samples add up to their DFT: real parts, then imaginary ones."""
     turns: Complex = np.exp(-2j * np.pi / n * np.outer(np.arange(samples), np.frombuffer(lines)))
-    return np.concatenate([turns.real, turns.imag], axis=1)
+    return np.concatenate([turns.real, turns.imag], axis=1).astype(np.float64, copy=False)
 
 
 def _reach(every: int) -> int:
