@@ -65,6 +65,14 @@ def test_lines_of_a_hit_are_those_of_its_samples(element: Element, first: int) -
         assert found == pytest.approx(whole[:, lines.astype(int)], abs=1e-10 * np.abs(whole).max())
 
 
+@pytest.mark.parametrize("element", [Element(Law.CUBIC, 0.63, (-1e14,)), Element(Law.DRAG, 0.0, (-1e9, 5.0))])
+def test_motion_that_grows_without_bound_has_no_lines(element: Element) -> None:
+    modes = solve(BEAM)
+    steps = records.ready(modes, coupling(element, BEAM, modes), DT, SHAKER)
+    for fine in (records.in_hit(steps, 400 * np.hanning(7), 300, N), in_sine(element, 23.4)):
+        assert np.all(np.isnan(np.concatenate(fine.on_lines(np.array([23.0, 24.0])))))
+
+
 def test_the_state_that_a_known_force_leaves_is_that_of_all_its_steps() -> None:
     modes = solve(BEAM)
     steps = Steps.of(modes, coupling(SPRING, BEAM, modes), DT / 4, SHAKER)

@@ -48,10 +48,15 @@ class Fine:
     def on_lines(self, lines: Array) -> tuple[Complex, Complex]:
         """(2 kept, lines) and (m, lines) DFT of the record's samples, on lines that may be below zero.
 
-        The filter is linear: what it leaves of the modes is what the forces make of them that it leaves. The sum of all
-        samples follows from the first state and the last, as that of a geometric series does.
+        Not a number where the motion grows without bound. The filter is linear: what it leaves of the modes is what
+        the forces make of them that it leaves. The sum of all samples follows from the first state and the last, as
+        that of a geometric series does.
         """
         p, n = self.pushed, self.n - self.still
+        if not np.all(np.isfinite(p.forces)):
+            # Motion that grew without bound has no lines.
+            nothing = np.full((2 * len(p.decay) + p.channels, len(lines)), np.nan, dtype=complex)
+            return nothing[p.channels :], nothing[: p.channels]
         forces = self._in_band()
         turn: Complex = np.exp(-2j * np.pi / self.n * lines)
         phases = _dft(forces[:, :-1].reshape(len(forces), n - 1, self.every), lines, self.n)

@@ -100,7 +100,9 @@ class Steps:
         total, pushed = np.zeros((2, width)), np.zeros((len(force) - skip, count))
         bent = np.zeros_like(pushed)
         (self._run_one if self.own.law in OF_ONE_MOTION else self._run_many)(force, skip, total, pushed, bent)
-        state = total[0, : self.kept] + 1j * total[1, : self.kept] - self.state_after(force[:skip])
+        state = np.empty(self.kept, dtype=complex)
+        state.real, state.imag = total[:, : self.kept]
+        state -= self.state_after(force[:skip])
         if not np.any(bent):
             return Pushed(self.decay, self.push, self.late, state, pushed.T, count, self.left)
         acts, at_once = (np.concatenate(rows) for rows in ((self.push, self.decay * self.kick), (self.late, self.kick)))
