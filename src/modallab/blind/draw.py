@@ -128,13 +128,22 @@ def _exceeds(effect: Effect, rig: Rig) -> bool:
 def _pair(bench: TrialBench, rig: Rig, seed: int) -> tuple[Effect, Effect]:
     """Two effects of the catalogue, each of a size of its own."""
     rng = np.random.default_rng([seed, 78])
-    names = rng.choice(sorted(catalogue()), 2, replace=False)
+    names = _two_of(rng)
     low, high = PAIR_GAP
     sizes = np.exp(rng.uniform(np.log(low), np.log(high), 2))
     first, second = (
-        bench.draw_effect(rig, seed, str(name), float(size)).effect for name, size in zip(names, sizes, strict=True)
+        bench.draw_effect(rig, seed, name, float(size)).effect for name, size in zip(names, sizes, strict=True)
     )
     return first, second
+
+
+def pair_names(seed: int) -> list[str]:
+    """What two effects a pair of this seed has, without measuring them."""
+    return _two_of(np.random.default_rng([seed, 78]))
+
+
+def _two_of(rng: np.random.Generator) -> list[str]:
+    return [str(name) for name in rng.choice(sorted(catalogue()), 2, replace=False)]
 
 
 def drawn(request: BlindRequest) -> list[Draw]:
