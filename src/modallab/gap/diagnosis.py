@@ -36,6 +36,7 @@ from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squ
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
+from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.choose import Choice, choose, probabilities, stepped
 from modallab.gap.search.explain import explain, rounds
 from modallab.gap.search.faint import linear_or_faint
@@ -124,6 +125,8 @@ def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen:
     """What the search says: effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
     overtones = out_of_proportion(prepared)
+    if knows_element(base):
+        return beside_known(bench, base, matters)
     if base.gap <= bench.flat:
         return choose(bench, explain(bench, base), matters)
     if overtones is None:

@@ -37,6 +37,7 @@ class Nuisances:
         tolerance: relative deviation of a sensitivity.
         root: whether the root's spring is free.
         deviations: further tolerances that the rig file states.
+        stepped: whether an element that the rig's revisions know is in the twin; where not, the beam it acts on is.
     """
 
     rig: Rig
@@ -45,6 +46,7 @@ class Nuisances:
     tolerance: float = 0.0
     root: bool = False
     deviations: tuple[Deviation, ...] = ()
+    stepped: bool = True
 
     @property
     def size(self) -> int:
@@ -91,7 +93,8 @@ class Nuisances:
             u: (size,) the free numbers.
             replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
         """
-        return with_known(self.bare(u, replaced), self.rig)
+        twin = with_known(self.bare(u, replaced), self.rig)
+        return twin if self.stepped else replace(twin, element=None)
 
     def bare(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
         """The same without these either."""

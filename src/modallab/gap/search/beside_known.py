@@ -1,0 +1,55 @@
+"""What else is wrong with a bench of which the rig file knows an effect that is stepped in time.
+
+Each fit of a linear effect beside it would step the known element through all records again, some thousand times. What
+the element adds to them hardly depends on a small effect beside it: it is taken off the records as the bench without
+any further effect has it, what is left is searched as any linear bench is, and what was found is fitted with the
+element in its place (as in `beside_stepped`).
+"""
+
+from dataclasses import replace
+
+from modallab.gap.conditioning.reduce import Reduced, thinned
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.minimise import minimise
+from modallab.gap.search.beside_stepped import taken_off
+from modallab.gap.search.choose import Choice, choose
+from modallab.gap.search.explain import explain
+from modallab.gap.search.fitting import Bench
+from modallab.gap.search.round import Level
+
+TOGETHER = 2
+"""How often the slopes are evaluated where an effect and the element are fitted together."""
+
+
+def knows_element(base: Fit) -> bool:
+    """Whether the twin without further effects has an element that is stepped in time."""
+    return base.problem.twin(base.u).element is not None
+
+
+def beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
+    """Linear effects beside the element that the rig file knows.
+
+    Args:
+        bench: what to search.
+        base: the twin without further effects, which has such an element.
+        matters: see `choose`.
+    """
+    data = taken_off(bench.data, base.problem.twin(base.u))
+    free = replace(bench.free, stepped=False)
+    linear = replace(bench, data=data, thin=thinned(data, bench.poles), free=free)
+    levels = explain(linear, seen(Problem(data, free, ()), base.u, base.normal))
+    return choose(bench, _together(bench, base, levels), matters)
+
+
+def _together(bench: Bench, base: Fit, levels: list[Level]) -> list[Level]:
+    """The same rounds with the element in its place."""
+    found: list[Level] = []
+    for level in levels:
+        fits = sorted((_joined(bench, f) for f in level.fits), key=lambda f: f.cost)
+        found.append(Level(base, tuple(fits), level.screened))
+        base = fits[0] if fits else base
+    return found
+
+
+def _joined(bench: Bench, fit: Fit) -> Fit:
+    return minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, TOGETHER, 1e-2)

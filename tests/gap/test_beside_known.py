@@ -1,0 +1,74 @@
+"""What else is wrong with a bench of which the rig file knows an effect that is stepped in time."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import date
+
+import numpy as np
+import pytest
+from made_diagnosis import made_diagnosis
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.revisions.apply import with_diagnosis
+from modallab.gap.search import beside_known as room
+from modallab.gap.search.fitting import Bench, baseline
+from modallab.gap.search.round import Level
+from modallab.twin.effects import model_of
+
+DRAG = Effect(effect="air_drag", parameters={"c2_total": 20.0}, place={"x": "all"})
+GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4})
+
+
+@pytest.fixture(scope="module")
+def bench(make: Callable[..., Campaign], rig: Rig) -> Bench:
+    revised = with_diagnosis(rig, made_diagnosis(rig, DRAG), date(2026, 5, 4))
+    prepared = prepare(replace(make(DRAG, GAIN, tests=("sine",)), rig=revised))
+    return bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda name: name == "gain_error")
+
+
+@pytest.fixture(scope="module")
+def base(bench: Bench) -> Fit:
+    """The element on the beam that fits without it: near enough."""
+    beam = baseline(replace(bench, free=replace(bench.free, stepped=False)))
+    return seen(Problem(bench.data, bench.free, ()), beam.u)
+
+
+def test_a_beam_without_what_the_known_element_adds_leaves_the_same(
+    bench: Bench, base: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[Bench, Fit]] = []
+    assert room.knows_element(base)
+
+    def nothing(linear: Bench, begin: Fit) -> list[Level]:
+        asked.append((linear, begin))
+        return [Level(begin, (), ())]
+
+    monkeypatch.setattr(room, "explain", nothing)
+    choice = room.beside_known(bench, base, None)
+    assert (choice.base, choice.fit, choice.explained) == (base, base, False)
+    ((_, begin),) = asked
+    assert not room.knows_element(begin)
+    np.testing.assert_allclose(begin.residual, base.residual, atol=1e-6 * np.abs(base.residual).max())
+
+
+def test_what_explains_that_beam_is_fitted_beside_the_element(
+    bench: Bench, base: Fit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (gain,) = model_of("gain_error").candidates(bench.data.rig, (4,))
+
+    def near(linear: Bench, begin: Fit) -> list[Level]:
+        u = np.append(begin.u, gain.slots[0].coordinate(1.28))
+        return [Level(begin, (seen(Problem(linear.data, linear.free, (gain,)), u),), ())]
+
+    monkeypatch.setattr(room, "explain", near)
+    fit = room.beside_known(bench, base, None).fit
+    assert room.knows_element(fit)
+    assert [e.place for e in fit.effects] == [GAIN.place]
+    apart = seen(fit.problem, np.append(base.u, gain.slots[0].coordinate(1.28)))
+    assert fit.cost < 0.9 * apart.cost
+    assert fit.gap < base.gap
