@@ -26,6 +26,6 @@ MODEL = EffectModel(
     change=_change,
     moves_poles=False,
     once=True,
-    search=Search(rank=110, slots=lambda _: (Slot("corner_hz", "log", spread(0.01, 8.0, 7), low=1e-4, high=25.0),)),
+    search=Search(rank=110, slots=lambda _: (Slot("corner_hz", "log", spread(0.01, 8.0, 7), low=1e-4, high=200.0),)),
     experiment="Switch the inputs to DC and repeat the sines at low frequencies: only a high-pass changes their phase.",
 )
