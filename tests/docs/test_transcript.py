@@ -31,3 +31,9 @@ def test_what_is_missing_or_too_much_is_named() -> None:
 
 def test_durations_are_not_compared() -> None:
     assert difference(["24/24 0:00:01"], ["24/24 0:00:14"]) == ""
+
+
+def test_a_gap_may_differ_by_its_last_digit_and_a_count_not():
+    assert not difference(["The gap of 244 noise units"], ["The gap of 245 noise units"])
+    assert difference(["The gap of 244 noise units"], ["The gap of 246 noise units"])
+    assert difference(["all 244 tests"], ["all 245 tests"])
