@@ -8,10 +8,10 @@ element in its place (as in `beside_stepped`).
 
 from dataclasses import replace
 
-from modallab.gap.conditioning.reduce import Reduced, thinned
+from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
-from modallab.gap.search.beside_stepped import taken_off
+from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench
@@ -34,10 +34,8 @@ def beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
         base: the twin without further effects, which has such an element.
         matters: see `choose`.
     """
-    data = taken_off(bench.data, base.problem.twin(base.u))
-    free = replace(bench.free, stepped=False)
-    linear = replace(bench, data=data, thin=thinned(data, bench.poles), free=free)
-    levels = explain(linear, seen(Problem(data, free, ()), base.u, base.normal))
+    linear = replace(linear_part(bench, base), free=replace(bench.free, stepped=False))
+    levels = explain(linear, seen(Problem(linear.data, linear.free, ()), base.u, base.normal))
     return choose(bench, _together(bench, base, levels), matters)
 
 

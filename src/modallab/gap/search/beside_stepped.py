@@ -32,7 +32,7 @@ SOFT = {"clamp_friction": "k_slip", "clearance": "k_within"}
 
 def beside(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
-    without = _linear_part(bench, fit)
+    without = linear_part(bench, fit)
     with part(0.0, 0.6):
         level = round_of(without, on_all(without, bare(without, fit)), finished=1)
     if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
@@ -52,7 +52,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     return Level(fit, (joint,), level.screened)
 
 
-def _linear_part(bench: Bench, fit: Fit) -> Bench:
+def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
     data = taken_off(bench.data, fit.problem.twin(fit.u))
     return replace(bench, data=data, thin=thinned(data, bench.poles))

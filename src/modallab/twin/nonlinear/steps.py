@@ -19,6 +19,7 @@ SWIFT = 1.7
 where its own oscillation is stepped over."""
 OF_ONE_MOTION = (Law.CUBIC, Law.FRICTION, Law.PLAY)
 ROW = 16
+"""Powers of a step that the others are products of."""
 CHUNK = ROW**2
 """Steps that a known force is taken in."""
 
