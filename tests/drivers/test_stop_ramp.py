@@ -134,10 +134,13 @@ def test_a_stop_of_a_wave_at_a_random_moment_is_no_step(paced: NiServer, rig: Ri
         handle.close()
     else:
         getattr(bench, way)()
-    assert time.monotonic() - began < 1.0
     time.sleep(0.1)
+    took_s = time.monotonic() - began
+    assert took_s < wave.duration_s / 2, "the wave was not cut short"
+    # From the wave before the stop on, however busy the machine is, but without the wave's own steep beginning.
+    volts = np.array(paced.say(f"trace {took_s + 0.2} {RATE_HZ}")["volts"])
     # No stretch of the wave is steeper than a sine of its highest frequency at its peak.
-    found = seen(np.array(paced.say(f"trace 0.6 {RATE_HZ}")["volts"]), 61.0, LEVEL_V)
+    found = seen(volts, 61.0, LEVEL_V)
     bench.close()
     assert found.end_v == 0.0
     assert found.jump == 0.0

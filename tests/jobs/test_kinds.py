@@ -31,6 +31,8 @@ def _mass_later(inputs: tuple[str, ...]) -> Campaign:
 
 def _campaign(inputs: tuple[str, ...]) -> Campaign:
     (name,) = inputs
+    if name == "link":
+        return built(link(), tests=("impact",))
     if name != "hammer_5hits":
         raise StorageError(f"there is no run {name!r}", remedy="look at the list of runs")
     return read_campaign(DATA / "hammer_5hits.h5", read_rig(DATA / "hammer_rig.yaml"))
@@ -47,7 +49,7 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
             jobs.submit("identify", {"method": "magic"}, inputs),
             jobs.submit("identify", {}, ["nothing"]),
             jobs.submit("diagnose", {}, inputs),
-            jobs.submit("estimate", {}, inputs),
+            jobs.submit("estimate", {}, ["link"]),
             patience_s=120,
         )
     assert (identified.state, identified.error) == ("done", None)
@@ -59,9 +61,10 @@ def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp
     page = (tmp_path / reported.result["files"]["report.html"]).read_text(encoding="utf-8")
     assert "<h1>A heading of its own</h1>" in page
     so_far = estimated.result["document"]
-    assert so_far["blocks"] == 5
-    # This rig file has no points.
-    assert so_far["telling_point"] is None
+    assert so_far["blocks"] == 6
+    assert so_far["frequency_hz"][0] == pytest.approx(4.97, abs=0.01)
+    # At the tip no mode has a node.
+    assert so_far["telling_point"] == max(link().points, key=lambda point: point.x_m).id
     assert (wrong.state, absent.state) == ("failed", "failed")
     assert "allowed: 'circle', 'era', 'peak' or 'plscf'" in str(wrong.error)
     assert "there is no run 'nothing'" in str(absent.error)
