@@ -34,7 +34,7 @@ def as_built(rig: Rig, seed: int = 3, care: float = 0.8) -> Callable[[Twin], Twi
     gains = {c.index: float(np.exp(0.01 * rng.normal())) for c in rig.responses}
 
     def alter(twin: Twin) -> Twin:
-        off = applied(twin, rig, numbers)
+        off = applied(twin, rig, [(d, d.value(moved)) for d, moved in numbers])
         chain = replace(off.chain, gain={c: g * twin.chain.gain.get(c, 1.0) for c, g in gains.items()})
         # What effects have moved stays where they put it.
         return replace(off, chain=chain)

@@ -46,7 +46,7 @@ def test_a_beam_without_what_the_known_element_adds_leaves_the_same(
 
     def nothing(linear: Bench, begin: Fit) -> list[Level]:
         asked.append((linear, begin))
-        return [Level(begin, (), ())]
+        return [Level(begin, ())]
 
     monkeypatch.setattr(room, "explain", nothing)
     choice = room.beside_known(bench, base, None)
@@ -63,7 +63,7 @@ def test_what_explains_that_beam_is_fitted_beside_the_element(
 
     def near(linear: Bench, begin: Fit) -> list[Level]:
         u = np.append(begin.u, gain.slots[0].coordinate(1.28))
-        return [Level(begin, (seen(Problem(linear.data, linear.free, (gain,)), u),), ())]
+        return [Level(begin, (seen(Problem(linear.data, linear.free, (gain,)), u),))]
 
     monkeypatch.setattr(room, "explain", near)
     fit = room.beside_known(bench, base, None).fit

@@ -1,5 +1,6 @@
 """Effects that the assembly does as well, large effects, and wrong clocks that a beam could stand in for."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +11,15 @@ from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Problem, seen
+from modallab.gap.model.prefit import start
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.beside_hits import beside_the_hits, only_sines
 from modallab.gap.search.by_frequencies import next_smaller, round_by_frequencies
 from modallab.gap.search.by_relief import FORGIVEN
 from modallab.gap.search.clock import clock_shows, with_clock
 from modallab.gap.search.explain import from_one_test, rounds
-from modallab.gap.search.fitting import COARSE, baseline, ordinary, short
+from modallab.gap.search.fitting import COARSE, annealed, baseline, ordinary, short
+from modallab.gap.search.halving import annealed_together
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import Screen
 from modallab.gap.search.worth import worthwhile
@@ -41,6 +44,24 @@ def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     assert [e.effect for e in best.effects] == ["sensor_mass"]
     assert ordinary(best)
     np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
+
+
+def test_side_by_side_the_best_ends_where_it_does_alone(rig, make):
+    heavy = Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"})
+    listed = ("sensor_mass", "ground_spring")
+    bench = assembled(rig, make, heavy, lambda name: name in listed)
+    own = pool(bench, seen(Problem(bench.thin, bench.free, ()), np.zeros(bench.free.size)))
+    begins = [start((c,), [s.coordinate(s.starts[0]) for s in c.slots], bench.free, bench.poles).u for c in own]
+    fits = [short(bench, (c,), u, COARSE) for c, u in zip(own, begins, strict=True)]
+    with ThreadPoolExecutor(2) as workers:
+        best, other = annealed_together(bench, fits, COARSE / 6, workers, kept=1, most=1)
+    (own,) = best.effects
+    assert own.effect == "sensor_mass"
+    (alone,) = [annealed(bench, f, COARSE / 6) for f in fits if f.effects[0].effect == "sensor_mass"]
+    np.testing.assert_allclose(best.u, alone.u, atol=1e-9)
+    # What was let go on the way says what it leaves all the same, by fewer slopes than would bring it to its end.
+    assert other.cost == pytest.approx(seen(other.problem, other.u).cost)
+    assert other.cost > 1.5 * best.cost
 
 
 def test_the_gain_that_all_sensitivities_do_as_well_relieves_them_most(rig, make):

@@ -81,7 +81,7 @@ def test_a_law_is_named_for_its_overtones_alone_if_it_makes_them(
     nothing = Choice(base, base, (), explained=False, flat=False)
     small = fitted(on, share * LOSS)
     fit = seen(law.problem, np.concatenate([law.u[:-OWN], small.u[-OWN:]]))
-    said = heard(on, nothing, [Level(base, (fit,), ())], prepared, on.data)
+    said = heard(on, nothing, [Level(base, (fit,))], prepared, on.data)
     assert said.explained is named
     assert [c.effect for c in said.fit.problem.candidates] == (["breathing_crack"] if named else [])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.core.rig import Beam, Tolerance
-from modallab.gap.model.tolerances import Deviation, held
+from modallab.gap.model.tolerances import Deviation, Scales, held
 from modallab.twin.bench import Twin
 from modallab.twin.structure import Neighbours, Structure, solve
 
@@ -32,6 +32,17 @@ def test_a_root_is_never_stiffer_than_rigid() -> None:
     values = [root.value(u) for u in (-9.0, -2.0, 0.0, 2.0)]
     assert values[0] > 0
     assert values == sorted(values)
+
+
+@pytest.mark.parametrize("u", [0.5, -2.0, 7.0])
+def test_all_numbers_at_once_are_those_one_by_one(u: float) -> None:
+    listed = (
+        Deviation("position_m", 3.0, 1e-3),
+        Deviation("sensor_mass_kg", 3.0, 2e-3, 1),
+        Deviation("clamp_compliance", 0.0, 2e-3, 1),
+        Deviation("hit_position_m", 0.9, 1e-3, -1),
+    )
+    assert Scales.of_all(listed).values(np.full(4, u)) == [d.value(u) for d in listed]
 
 
 @pytest.mark.parametrize(

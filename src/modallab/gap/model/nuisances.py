@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from modallab.core.effects import Place
 from modallab.core.errors import RigError
 from modallab.core.rig import Beam, Rig
-from modallab.gap.model.tolerances import Deviation, applied, deviations, held, held_one, sensors_x_m
+from modallab.gap.model.tolerances import Deviation, Scales, applied, deviations, held, held_one, sensors_x_m
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import with_known
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
@@ -99,7 +99,7 @@ class Nuisances:
     def bare(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
         """The same without these either."""
         tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
-        nominal, chain, x_of = _nominal(self)
+        nominal, chain, x_of, scales = _nominal(self)
         # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
         stiffer, thicker, heavier = (held_one(v) for v in u[:3].tolist())
         # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
@@ -121,8 +121,8 @@ class Nuisances:
         twin = Twin(structure, chain, residual_compliance=0.5 + held_one(float(u[-1]) - 0.5, 0.6, 1.0))
         if not self.deviations:
             return twin
-        coordinates = u[self.first_deviation : self.first_deviation + len(self.deviations)].tolist()
-        numbers = zip(self.deviations, coordinates, strict=True)
+        values = scales.values(u[self.first_deviation : self.first_deviation + len(self.deviations)])
+        numbers = zip(self.deviations, values, strict=True)
         if replaced:
             gone = set(replaced)
             numbers = [(d, v) for d, v in numbers if not {(d.tolerance, None), (d.tolerance, d.at)} & gone]
@@ -135,10 +135,11 @@ class Nuisances:
 
 
 @lru_cache(maxsize=16)
-def _nominal(free: Nuisances) -> tuple[Structure, Chain, dict[float, float]]:
-    """The beam and the chain that the rig file believes in, and the places of its sensors: read once a search."""
+def _nominal(free: Nuisances) -> tuple[Structure, Chain, dict[float, float], Scales]:
+    """What the rig file says of beam, chain, places of the sensors and deviations: read once a search."""
     rig = free.rig
-    return Structure.of(beam_of(rig), rig.damping_ratio.guess), Chain.of(rig), sensors_x_m(rig)
+    structure = Structure.of(beam_of(rig), rig.damping_ratio.guess)
+    return structure, Chain.of(rig), sensors_x_m(rig), Scales.of_all(free.deviations)
 
 
 def beam_of(rig: Rig) -> Beam:

@@ -58,6 +58,37 @@ class Deviation:
         return self.sigma * (self.sign * (MEAN + SPREAD * deviations) if self.sign else deviations)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Scales:
+    """What makes numbers of coordinates, of many deviations at once: a fit asks for all of them at every step.
+
+    Attributes:
+        of: the deviations.
+        sigma: (deviations,) of each.
+        sign: (deviations,) as in `Deviation`.
+        roots: those whose numbers are quantiles.
+    """
+
+    of: tuple[Deviation, ...]
+    sigma: Array
+    sign: NDArray[np.int64]
+    roots: tuple[int, ...]
+
+    @classmethod
+    def of_all(cls, of: tuple[Deviation, ...]) -> "Scales":
+        """Of these deviations."""
+        roots = tuple(k for k, d in enumerate(of) if d.tolerance == "clamp_compliance")
+        return cls(of, np.array([d.sigma for d in of]), np.array([d.sign for d in of], dtype=np.int64), roots)
+
+    def values(self, u: Array) -> list[float]:
+        """(deviations,) the numbers at coordinates u, as `Deviation.value` has each."""
+        h = u if np.all(np.abs(u) < FREE) else held(u)
+        values: list[float] = (self.sigma * np.where(self.sign, self.sign * (MEAN + SPREAD * h), h)).tolist()
+        for k in self.roots:
+            values[k] = self.of[k].value(float(u[k]))
+        return values
+
+
 def held_one(u: float, free: float = FREE, most: float = MOST) -> float:
     """`held` of one number, which is next to always free."""
     return u if abs(u) < free else float(held(u, free, most))
@@ -118,10 +149,10 @@ def sensors_x_m(rig: Rig) -> dict[float, float]:
 def applied(
     twin: Twin, rig: Rig, numbers: Iterable[tuple[Deviation, float]], x_of: Mapping[float, float] | None = None
 ) -> Twin:
-    """The twin with these deviations, each with its coordinate; `x_of` is `sensors_x_m` where that is known."""
+    """The twin with these deviations, each with its number; `x_of` is `sensors_x_m` where that is known."""
     values: dict[str, dict[float, float]] = {}
-    for deviation, u in numbers:
-        values.setdefault(deviation.tolerance, {})[deviation.at] = deviation.value(u)
+    for deviation, value in numbers:
+        values.setdefault(deviation.tolerance, {})[deviation.at] = value
     nothing: dict[float, float] = {}
 
     def of(name: str) -> dict[float, float]:

@@ -99,4 +99,5 @@ def believed_twin(rig: Rig) -> Twin:
 
 
 def _departures(listed: Collection[Departure], left_out: Collection[str]) -> list[tuple[Deviation, float]]:
-    return [(Deviation(d.tolerance, d.at, d.sigma, d.sign), d.u) for d in listed if d.tolerance not in left_out]
+    own = [(Deviation(d.tolerance, d.at, d.sigma, d.sign), d.u) for d in listed if d.tolerance not in left_out]
+    return [(deviation, deviation.value(u)) for deviation, u in own]

@@ -44,7 +44,7 @@ def _together(bench: Bench, base: Fit, levels: list[Level]) -> list[Level]:
     found: list[Level] = []
     for level in levels:
         fits = sorted((_joined(bench, f) for f in level.fits), key=lambda f: f.cost)
-        found.append(Level(base, tuple(fits), level.screened))
+        found.append(Level(base, tuple(fits)))
         base = fits[0] if fits else base
     return found
 

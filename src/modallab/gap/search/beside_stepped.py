@@ -49,7 +49,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     joint = on_all_records(bench, joint)
     if excess(joint) > WORTH * excess(fit):
         return None
-    return Level(fit, (joint,), level.screened)
+    return Level(fit, (joint,))
 
 
 def linear_part(bench: Bench, fit: Fit) -> Bench:

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from modallab.core.progress import counted
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.prefit import start, starts
-from modallab.gap.search.fitting import COARSE, Bench, annealed, completed, short
+from modallab.gap.search.ending import is_sound
+from modallab.gap.search.fitting import COARSE, Bench, completed, on_all, short
+from modallab.gap.search.halving import annealed_together
 from modallab.gap.search.pool import pool
-from modallab.gap.search.round import WORKERS, Level
+from modallab.gap.search.round import WORKERS, Level, best_of_each
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
 
@@ -23,6 +25,8 @@ Array = NDArray[np.float64]
 
 BEGINS = 2
 """Places along the beam from which an effect with a place begins."""
+FOLLOWED = 8
+"""Fits that are followed where nothing is forgiven any more."""
 FINISHED = 2
 """Explanations that are fitted to the end."""
 
@@ -32,19 +36,22 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     listed = [c for c in pool(bench, base) if model_of(c.effect).moves_poles] if len(bench.poles) else []
     former = base.problem.candidates, base.u[bench.free.size :]
 
-    def look(candidate: Candidate) -> Fit:
+    def looks(candidate: Candidate) -> list[Fit]:
         candidates = (*former[0], candidate)
         begins = starts(candidates, bench.free, bench.poles, BEGINS if len(candidate.slots) > 1 else 1, former[1])
         less = next_smaller(candidate, begins[0].u[bench.free.size + len(former[1]) :])
         smaller = [] if less is None else [start(candidates, np.append(former[1], less), bench.free, bench.poles)]
-        looks = (annealed(bench, short(bench, candidates, b.u, COARSE), COARSE / 6) for b in (*begins, *smaller))
-        return min(looks, key=_cost)
+        return [short(bench, candidates, b.u, COARSE) for b in (*begins, *smaller)]
 
     with ThreadPoolExecutor(WORKERS) as workers:
-        looked = counted(workers.map(look, listed), len(listed), "explanations by the frequencies")
-        looks = sorted(looked, key=_cost)
-        best = sorted(workers.map(completed, repeat(bench), looks[:FINISHED]), key=_cost)
-    return Level(base, tuple(best), tuple((f.problem.candidates, f.cost) for f in looks))
+        looked = counted(workers.map(looks, listed), len(listed), "explanations by the frequencies")
+        fits = [fit for own in looked for fit in own]
+        likely = best_of_each(annealed_together(bench, fits, COARSE / 6, workers, len(fits), FOLLOWED))
+        first = [completed(bench, f) for f in likely[:1]]
+        # What led explains it by an ordinary bench: others need no last digits.
+        last = on_all if any(is_sound(bench, f) for f in first) else completed
+        best = sorted([*first, *workers.map(last, repeat(bench), likely[1:FINISHED])], key=_cost)
+    return Level(base, tuple(best))
 
 
 def next_smaller(candidate: Candidate, own: Array) -> float | None:

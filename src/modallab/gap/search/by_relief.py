@@ -35,9 +35,9 @@ def round_by_relief(bench: Bench, base: Fit) -> Level:
         begins = sorted((b[0] for b in screened), key=_left)[:LIKELY]
         looks = sorted(workers.map(partial(_looked, bench), begins), key=_cost)
         if not looks:
-            return Level(base, (), ())
+            return Level(base, ())
         first, *others = sorted(workers.map(partial(completed, bench), looks[:FINISHED]), key=_cost)
-    return Level(base, (settled(first), *others), tuple((f.problem.candidates, f.cost) for f in looks))
+    return Level(base, (settled(first), *others))
 
 
 def _looked(bench: Bench, begin: Begin) -> Fit:

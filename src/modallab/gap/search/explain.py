@@ -80,7 +80,7 @@ def first_rounds(bench: Bench, base: Fit, begun: Level | None = None) -> list[Le
     clocked = with_clock(bench, base)
     if clocked is None:
         return rounds(bench, base, MOST, begun)
-    return [Level(base, (clocked,), ()), *rounds(bench, clocked, MOST - 1)]
+    return [Level(base, (clocked,)), *rounds(bench, clocked, MOST - 1)]
 
 
 def rounds(bench: Bench, base: Fit, most: int, begun: Level | None = None) -> list[Level]:
@@ -101,7 +101,7 @@ def rounds(bench: Bench, base: Fit, most: int, begun: Level | None = None) -> li
         if not level.fits or excess(level.fits[0]) > worth * excess(base):
             break
         base = level.fits[0]
-    return levels or [Level(base, (), ())]
+    return levels or [Level(base, ())]
 
 
 def with_known(bench: Bench, level: Level) -> Level:
@@ -120,7 +120,7 @@ def _level(bench: Bench, base: Fit) -> Level:
     """One round from a fit; where a little bent too far hides all effects, once more from the assembly at rest."""
     beside = None if base.problem.candidates or ordinary(base) else beside_the_hits(bench)
     if beside is not None:
-        return Level(base, (beside,), ())
+        return Level(base, (beside,))
     begin = rested(bench, base)
     hidden = begin is base and _impossible(bench, base)
     found: list[Level] = []
@@ -155,7 +155,7 @@ def _from_one_test(bench: Bench, base: Fit, only: Bench) -> list[Level]:
     if started is None:
         return []
     later = rounds(bench, started, MOST - len(started.problem.candidates))
-    return [Level(base, (started,), ()), *later] if started.problem.candidates else later
+    return [Level(base, (started,)), *later] if started.problem.candidates else later
 
 
 def from_one_test(bench: Bench, only: Bench) -> Fit | None:

@@ -46,7 +46,7 @@ def _faint(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
         return bench.allowed(effect) and search_of(effect).drowns
 
     clocked = with_clock(bench, base)
-    before = [] if clocked is None else [Level(base, (clocked,), ())]
+    before = [] if clocked is None else [Level(base, (clocked,))]
     level = nonlinear_level(replace(bench, allowed=allowed), clocked or base, "odd")
     choice = choose(bench, [*before, level], matters)
     explained = choice.explained and choice.calm is None and stepped(choice.fit)

@@ -100,13 +100,28 @@ def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
 
 def annealed(bench: Bench, fit: Fit, floor: float) -> Fit:
     """A short fit with ever less forgiven, and nothing in the end, on thinned data."""
-    candidates = fit.problem.candidates
-    floor = min(floor, misfit(fit.problem, fit.u))
+    for level in forgiven(bench, min(floor, misfit(fit.problem, fit.u))):
+        fit = cooled(bench, fit, level)
+    return frozen(bench, fit)
+
+
+def forgiven(bench: Bench, floor: float) -> tuple[float, ...]:
+    """The relative model errors that are forgiven one after the other, the first the largest."""
     # Many numbers that do nearly the same settle while the valley is wide.
     later = (floor / 36, floor / 216) if bench.free.deviations else ()
-    for level in (floor, floor / 6, *later):
-        fit = minimise(Problem(bench.thin, bench.free, candidates, level, held=_beam(fit.u)), fit.u, 3, 3e-2)
-    return minimise(Problem(bench.thin, bench.free, candidates), bench.free.straightened(fit.u), 8, 1e-3)
+    return (floor, floor / 6, *later)
+
+
+def cooled(bench: Bench, fit: Fit, level: float) -> Fit:
+    """A short fit at one of these levels."""
+    problem = Problem(bench.thin, bench.free, fit.problem.candidates, level, held=_beam(fit.u))
+    return minimise(problem, fit.u, 3, 3e-2)
+
+
+def frozen(bench: Bench, fit: Fit) -> Fit:
+    """A fit with nothing forgiven any more, on thinned data."""
+    problem = Problem(bench.thin, bench.free, fit.problem.candidates)
+    return minimise(problem, bench.free.straightened(fit.u), 8, 1e-3)
 
 
 def completed(bench: Bench, fit: Fit) -> Fit:

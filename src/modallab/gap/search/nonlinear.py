@@ -47,7 +47,7 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     """One round of the effects that depend on the size of the motion and make such overtones, beside those of a fit."""
     listed = [c for c in of_motion(bench.data.rig, overtones) if bench.allowed(c.effect)]
     if not listed or bench.data.sines is None:
-        return Level(base, (), ())
+        return Level(base, ())
     few, fewest = (worst_blocks(bench.data, base, count) for count in (BLOCKS, FEWEST))
     even = looked_at(bench.data, bench.overtones, FREQUENCIES)
 
@@ -64,12 +64,11 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
     hopeful = [fit for group in groups for fit in _near_the_best(group, score_of, RIVAL)[:LONGER]]
     report(0.5, "the likeliest of them")
     looks = _best_forms(sorted(map(_fitted, hopeful), key=score_of), _by_sine)
-    left = tuple((f.problem.candidates, f.cost) for f in looks)
     if not looks or not _explains(bench, looks[0], base, score_of):
-        return Level(base, (), left)
+        return Level(base, ())
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
-    return Level(base, tuple(_best_forms(sorted(fits, key=_cost))), left[len(fits) :])
+    return Level(base, tuple(_best_forms(sorted(fits, key=_cost))))
 
 
 def _by_sine(fit: Fit) -> bool:

@@ -14,11 +14,11 @@ import numpy as np
 from modallab.core.progress import counted, part, report
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.search.ending import ended, is_sound
-from modallab.gap.search.fitting import Bench, annealed, misfit, on_all, short
+from modallab.gap.search.fitting import Bench, misfit, on_all, short
+from modallab.gap.search.halving import HOPELESS, annealed_together
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import SIZES, Begin, Screen
 from modallab.gap.search.worth import ABOVE
-from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of, search_of
 
 LIKELY = 14
@@ -27,8 +27,6 @@ BEGINS = 2
 """Places to begin from which a candidate is fitted."""
 MAY_PASS = 1.5
 """Times the least of a candidate that another size of it may leave at a glance and still be looked at."""
-HOPELESS = 5.0
-"""What leaves so many times more than the best after the longer look is no rival of one that explains the gap."""
 LONGER = 6
 """Candidates of a round that get a second look."""
 EXCUSED = 1.2
@@ -47,12 +45,10 @@ class Level:
     Attributes:
         base: the fit it began from.
         fits: the fits that were finished, best first.
-        screened: (candidates, cost) of the others after a short look.
     """
 
     base: Fit
     fits: tuple[Fit, ...]
-    screened: tuple[tuple[tuple[Candidate, ...], float], ...]
 
 
 def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
@@ -70,9 +66,6 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
     def longer(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
 
-    def nearer(f: Fit) -> Fit:
-        return annealed(bench, f, screen.floor / 12)
-
     def to_the_end(f: Fit) -> Fit:
         return ended(bench, f, screen.floor / 12, base.gap)
 
@@ -85,13 +78,13 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         hopeful = begins if screen.large else begins[:LIKELY]
         with part(0.2, 0.5):
             glanced = counted(workers.map(glance, hopeful), len(hopeful), f"explanations{beside}, at a glance")
-            likely, unlikely = _likely(list(glanced))
+            likely = _likely(list(glanced))
         with part(0.5, 0.8):
             looked = counted(workers.map(look, likely), len(likely), f"the likeliest{beside}")
-            looks = _best_of_each(looked)
+            looks = best_of_each(looked)
         better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
         if _excused(better[: finished + 1]):
-            better = sorted(workers.map(nearer, looks[:WITHOUT]), key=_cost)
+            better = annealed_together(bench, looks[:WITHOUT], screen.floor / 12, workers, finished)
         report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
         hopeful = [f for f in better[:finished] if f.cost < HOPELESS * better[0].cost]
         best = list(workers.map(to_the_end, hopeful))
@@ -100,20 +93,18 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         best += workers.map(last, better[len(hopeful) : finished])
         if not any(is_sound(bench, f) for f in best):
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
-    rest = (*better, *looks[LONGER:], *unlikely)
-    return Level(base, tuple(sorted(_own_right(best), key=_cost)), tuple((f.problem.candidates, f.cost) for f in rest))
+    return Level(base, tuple(sorted(_own_right(best), key=_cost)))
 
 
-def _likely(glances: list[list[Fit]]) -> tuple[list[Fit], list[Fit]]:
-    """The fits of the likeliest candidates, and the best of each other one.
+def _likely(glances: list[list[Fit]]) -> list[Fit]:
+    """The fits of the likeliest candidates, the likeliest first.
 
     Likely is what leaves least at a glance, and what left least when it was screened, in the order of which they are
     given: one step may not lead as far as a large effect is away.
     """
     order = sorted(range(len(glances)), key=lambda i: glances[i][0].cost)
     chosen = [*order[:LIKELY], *(i for i in order[LIKELY:] if i < LIKELY)]
-    rest = [i for i in order[LIKELY:] if i >= LIKELY]
-    return [f for i in chosen for f in glances[i]], [glances[i][0] for i in rest]
+    return [f for i in chosen for f in glances[i]]
 
 
 def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:
@@ -147,7 +138,7 @@ def _another_size(fit: Fit, other: Fit) -> bool:
     return not 0.5 * abs(two) < one * np.sign(two) < 2 * abs(two)
 
 
-def _best_of_each(fits: Iterable[Fit]) -> list[Fit]:
+def best_of_each(fits: Iterable[Fit]) -> list[Fit]:
     """The best of each candidate's fits, in the order of what they leave."""
     found: dict[tuple[str, object], Fit] = {}
     for fit in sorted(fits, key=_cost):

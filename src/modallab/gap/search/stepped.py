@@ -90,7 +90,7 @@ def search_stepped(
 def _alone(asked: _Asked) -> list[Level]:
     """The round of stepped effects; before it the clock, where the generator's lines show that it is wrong."""
     clocked = with_clock(asked.bench, asked.base)
-    levels = [] if clocked is None else [Level(asked.base, (clocked,), ())]
+    levels = [] if clocked is None else [Level(asked.base, (clocked,))]
     return [*levels, nonlinear_level(asked.bench, clocked or asked.base, asked.overtones)]
 
 
