@@ -14,6 +14,7 @@ from modallab.gap.model.candidates import of_bench, of_channel
 from modallab.gap.model.fit import Problem
 from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
+from modallab.gap.model.sensitivity import smooth_in
 from modallab.twin.candidate import Candidate
 from modallab.twin.structure import solve
 
@@ -43,6 +44,8 @@ MOVED = (
     "force_gain",
     "clock_error",
     "channel_skew",
+    "loose_mount",
+    "ac_coupling",
 )
 
 
@@ -57,6 +60,17 @@ def test_slopes_are_those_of_the_whole_prediction(rig: Rig, data: Reduced, effec
         step = STEP * np.eye(len(u))[k]
         slope = (problem.residual(u + step) - problem.residual(u - step)) / (2 * STEP)
         assert np.linalg.norm(J[:, k] - slope) < 5e-3 * np.linalg.norm(slope) + 1e-6
+
+
+@pytest.mark.parametrize("effect", MOVED)
+def test_beside_every_effect_the_beam_goes_through_poles_and_residues(rig: Rig, data: Reduced, effect: str) -> None:
+    """A prediction of all records for each free number would take several times as long."""
+    candidate = every(rig)[effect]
+    problem = Problem(data, nuisances(rig, 450.0), (candidate,))
+    u = np.concatenate([np.zeros(problem.free.size), [s.coordinate(s.starts[0]) for s in candidate.slots]])
+    softer = u.copy()
+    softer[0] -= STEP
+    assert smooth_in(problem.twin(u), problem.twin(softer))
 
 
 def test_a_drift_beside_leaves_the_slopes_right(rig: Rig, data: Reduced) -> None:

@@ -16,7 +16,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 S = TypeVar("S", Array, Complex)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, slots=True)
 class Mount:
     """A loose mount under one accelerometer."""
 
