@@ -140,6 +140,11 @@ class Fit:
         return self.problem.effects(self.u)
 
 
+def cost_of(fit: Fit) -> float:
+    """What the best of several fits has least of."""
+    return fit.cost
+
+
 def seen(problem: Problem, u: Array, normal: Array | None = None) -> Fit:
     """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
     r = problem.residual(u)

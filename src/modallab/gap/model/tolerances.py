@@ -55,7 +55,7 @@ class Deviation:
         deviations = held_one(u)
         if self.tolerance == "clamp_compliance":
             return self.sigma * float(-ndtri(ndtr(-max(deviations, LEAST)) / 2))
-        return self.sigma * (self.sign * (MEAN + SPREAD * deviations) if self.sign else deviations)
+        return float(_number(self.sigma, self.sign, deviations))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,10 +83,15 @@ class Scales:
     def values(self, u: Array) -> list[float]:
         """(deviations,) the numbers at coordinates u, as `Deviation.value` has each."""
         h = u if np.all(np.abs(u) < FREE) else held(u)
-        values: list[float] = (self.sigma * np.where(self.sign, self.sign * (MEAN + SPREAD * h), h)).tolist()
+        values: list[float] = _number(self.sigma, self.sign, h).tolist()
         for k in self.roots:
             values[k] = self.of[k].value(float(u[k]))
         return values
+
+
+def _number(sigma: Any, sign: Any, deviations: Any) -> Array:
+    """The number so many deviations off, half-normal where it has one sign only."""
+    return np.asarray(sigma * np.where(sign, sign * (MEAN + SPREAD * deviations), deviations))
 
 
 def held_one(u: float, free: float = FREE, most: float = MOST) -> float:

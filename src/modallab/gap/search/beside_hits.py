@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from modallab.core.effects import kind_of
 from modallab.core.progress import report
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.search.ending import is_sound
 from modallab.gap.search.fitting import COARSE, Bench, annealed, baseline, completed, on_all, short
 from modallab.gap.search.lows import lows
@@ -48,7 +48,7 @@ def beside_the_hits(bench: Bench) -> Fit | None:
         return None
     known = on_all(bench, hits)
     listed = [c for c in pool(bench, known) if kind_of(c.effect).tests == ("sine",)]
-    fits = sorted((f for c in listed for f in _fitted(bench, known, c)), key=_cost)
+    fits = sorted((f for c in listed for f in _fitted(bench, known, c)), key=cost_of)
     best = completed(bench, fits[0]) if fits else None
     return best if best is not None and is_sound(bench, best) else None
 
@@ -73,7 +73,3 @@ def _sized(bench: Bench, known: Fit, candidate: Candidate) -> list[Array]:
     tried = [np.append(known.u, v) for v in sizes]
     costs = [capped(problem, u) for u in tried]
     return [tried[i] for i in sorted(lows(costs), key=lambda i: costs[i])[:BEGINS]]
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import counted
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.ending import is_sound
 from modallab.gap.search.fitting import COARSE, Bench, completed, on_all, short
@@ -50,7 +50,7 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
         first = [completed(bench, f) for f in likely[:1]]
         # What led explains it by an ordinary bench: others need no last digits.
         last = on_all if any(is_sound(bench, f) for f in first) else completed
-        best = sorted([*first, *workers.map(last, repeat(bench), likely[1:FINISHED])], key=_cost)
+        best = sorted([*first, *workers.map(last, repeat(bench), likely[1:FINISHED])], key=cost_of)
     return Level(base, tuple(best))
 
 
@@ -69,7 +69,3 @@ def next_smaller(candidate: Candidate, own: Array) -> float | None:
     smaller = [v for v in same_side if size * abs(v - slot.none) < size * abs(value - slot.none)]
     nearest = max(smaller, key=lambda v: size * abs(v - slot.none), default=None)
     return None if nearest is None else slot.coordinate(nearest)
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost

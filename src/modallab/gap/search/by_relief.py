@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from modallab.core.progress import counted
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.search.fitting import Bench, annealed, completed, settled, short
 from modallab.gap.search.pool import pool
 from modallab.gap.search.round import WORKERS, Level
@@ -33,10 +33,10 @@ def round_by_relief(bench: Bench, base: Fit) -> Level:
     with ThreadPoolExecutor(WORKERS) as workers:
         screened = counted(workers.map(screen.begins, listed), len(listed), "explanations that would relieve the bench")
         begins = sorted((b[0] for b in screened), key=_left)[:LIKELY]
-        looks = sorted(workers.map(partial(_looked, bench), begins), key=_cost)
+        looks = sorted(workers.map(partial(_looked, bench), begins), key=cost_of)
         if not looks:
             return Level(base, ())
-        first, *others = sorted(workers.map(partial(completed, bench), looks[:FINISHED]), key=_cost)
+        first, *others = sorted(workers.map(partial(completed, bench), looks[:FINISHED]), key=cost_of)
     return Level(base, (settled(first), *others))
 
 
@@ -47,7 +47,3 @@ def _looked(bench: Bench, begin: Begin) -> Fit:
 
 def _left(begin: Begin) -> float:
     return begin.cost
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost

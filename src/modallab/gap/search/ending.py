@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.model.prefit import starts
 from modallab.gap.search.fitting import (
     COARSE,
@@ -41,14 +41,14 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
         there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
     if not is_sound(bench, there):
         rest = _from_rest(bench, there) if bench.free.deviations else []
-        there = min((there, *_from_frequencies(bench, there), *rest), key=_cost)
+        there = min((there, *_from_frequencies(bench, there), *rest), key=cost_of)
     strayed = bool(np.any(np.abs(there.u[:3]) >= STRAIGHT))
     if there.gap > bench.flat and strayed and len(bench.poles):
         begin = at_poles(bench, there.problem.candidates, there.u[bench.free.size :])
         there = min(there, annealed(bench, begin, COARSE / 6), key=lambda f: f.cost)
     there = completed(bench, there)
     if bench.flat < there.gap < PROMISING * before:
-        there = min(there, finish(bench, fit, floor), key=_cost)
+        there = min(there, finish(bench, fit, floor), key=cost_of)
     return there
 
 
@@ -87,7 +87,3 @@ def _from_rest(bench: Bench, fit: Fit) -> list[Fit]:
         if is_sound(bench, found[-1]):
             break
     return found
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost

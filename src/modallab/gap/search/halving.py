@@ -6,11 +6,10 @@ them along ever narrower valleys would take most of the time.
 """
 
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 from operator import itemgetter
 
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.search.fitting import Bench, cooled, forgiven, frozen, misfit
 
 HOPELESS = 5.0
@@ -35,14 +34,14 @@ def annealed_together(
     gone: list[Fit] = []
     for level in forgiven(bench, floor):
         cool = workers.map(partial(_cooled, bench, level), going)
-        ranked = sorted(((_left(bench, f, level), f, share) for f, share in cool), key=itemgetter(0))
+        ranked = sorted(((_seen_at(bench, level, f).cost, f, share) for f, share in cool), key=itemgetter(0))
         enough = max(HOPELESS * ranked[0][0], ranked[min(kept, len(ranked)) - 1][0]) if ranked else 0.0
         going = [(f, share) for left, f, share in ranked if left <= enough]
         gone += [f for left, f, _ in ranked if left > enough]
-    by_now = sorted((_with_nothing_forgiven(bench, f) for f, _ in going), key=_cost)
-    best = sorted(workers.map(partial(frozen, bench), by_now[:most]), key=_cost)
-    rest = [*by_now[len(best) :], *(_with_nothing_forgiven(bench, f) for f in gone)]
-    return [*best, *sorted(rest, key=_cost)]
+    by_now = sorted((_seen_at(bench, 0.0, f) for f, _ in going), key=cost_of)
+    best = sorted(workers.map(partial(frozen, bench), by_now[:most]), key=cost_of)
+    rest = [*by_now[len(best) :], *(_seen_at(bench, 0.0, f) for f in gone)]
+    return [*best, *sorted(rest, key=cost_of)]
 
 
 def _cooled(bench: Bench, level: float, going: tuple[Fit, float]) -> tuple[Fit, float]:
@@ -50,15 +49,8 @@ def _cooled(bench: Bench, level: float, going: tuple[Fit, float]) -> tuple[Fit, 
     return cooled(bench, fit, share * level), share
 
 
-def _left(bench: Bench, fit: Fit, level: float) -> float:
-    """What a fit leaves where as much is forgiven as to all others, the beam held nowhere."""
+def _seen_at(bench: Bench, level: float, fit: Fit) -> Fit:
+    """A fit as it is, where as much is forgiven as to all others and the beam is held nowhere else."""
     u = bench.free.straightened(fit.u)
-    return seen(replace(fit.problem, floor=level, held=(float(u[0]), float(u[1]), float(u[2]))), u).cost
-
-
-def _with_nothing_forgiven(bench: Bench, fit: Fit) -> Fit:
-    return seen(Problem(bench.thin, bench.free, fit.problem.candidates), bench.free.straightened(fit.u), fit.normal)
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost
+    held = (float(u[0]), float(u[1]), float(u[2]))
+    return seen(Problem(bench.thin, bench.free, fit.problem.candidates, level, held=held), u, fit.normal)

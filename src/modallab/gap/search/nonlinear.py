@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.progress import report
 from modallab.gap.model.candidates import of_motion
-from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.along_beam import along_the_beam
 from modallab.gap.search.few_blocks import looked_at, worst_blocks
@@ -68,7 +68,7 @@ def nonlinear_level(bench: Bench, base: Fit, overtones: Overtones) -> Level:
         return Level(base, ())
     report(0.7, f"{looks[0].problem.candidates[-1].effect.replace('_', ' ')}, on all records")
     fits = [on_all_records(bench, f) for f in _near_the_best(looks, score_of, CLOSE)[:ENDED]]
-    return Level(base, tuple(_best_forms(sorted(fits, key=_cost))))
+    return Level(base, tuple(_best_forms(sorted(fits, key=cost_of))))
 
 
 def _by_sine(fit: Fit) -> bool:
@@ -107,10 +107,6 @@ def _best_forms(fits: list[Fit], known: Callable[[Fit], bool] = lambda fit: True
     return best
 
 
-def _cost(fit: Fit) -> float:
-    return fit.cost
-
-
 def _fitted(fit: Fit) -> Fit:
     """The same with ever less forgiven."""
     if _by_sine(fit):
@@ -139,9 +135,9 @@ def on_all_records(bench: Bench, fit: Fit) -> Fit:
     sines = replace(exact, data=replace(bench.data, impacts=()))
     for floor in (LOOKED / 5, LOOKED / 50):
         fit = minimise(replace(sines, floor=floor, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-    best = min(first, seen(exact, fit.u), key=_cost)
+    best = min(first, seen(exact, fit.u), key=cost_of)
     fit = minimise(replace(exact, floor=LOOKED / 5, held=beam_at(fit.u)), fit.u, 2, 3e-2)
-    best = min(best, seen(exact, fit.u), key=_cost)
-    best = min(best, minimise(exact, best.u, 2, 1e-2), key=_cost)
+    best = min(best, seen(exact, fit.u), key=cost_of)
+    best = min(best, minimise(exact, best.u, 2, 1e-2), key=cost_of)
     # Where the law is exact, what is left to go lies along a valley: a place and a stiffness do nearly the same.
     return minimise(exact, best.u, 6, 1e-3) if best.gap < NEAR * bench.flat else best

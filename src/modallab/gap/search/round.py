@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from modallab.core.progress import counted, part, report
-from modallab.gap.model.fit import Fit, Problem
+from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.search.ending import ended, is_sound
 from modallab.gap.search.fitting import Bench, misfit, on_all, short
 from modallab.gap.search.halving import HOPELESS, annealed_together
@@ -58,7 +58,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
 
     def glance(begins: tuple[Begin, ...]) -> list[Fit]:
         fits = (short(bench, b.problem.candidates, b.u, screen.floor, 1) for b in begins[: BEGINS + SIZES])
-        return _by_size(sorted(fits, key=_cost))
+        return _by_size(sorted(fits, key=cost_of))
 
     def look(f: Fit) -> Fit:
         return short(bench, f.problem.candidates, f.u, screen.floor)
@@ -82,7 +82,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         with part(0.5, 0.8):
             looked = counted(workers.map(look, likely), len(likely), f"the likeliest{beside}")
             looks = best_of_each(looked)
-        better = sorted(workers.map(longer, looks[:LONGER]), key=_cost)
+        better = sorted(workers.map(longer, looks[:LONGER]), key=cost_of)
         if _excused(better[: finished + 1]):
             better = annealed_together(bench, looks[:WITHOUT], screen.floor / 12, workers, finished)
         report(0.8, f"the best{beside}: {', '.join(_names(f) for f in better[:finished])}")
@@ -93,7 +93,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         best += workers.map(last, better[len(hopeful) : finished])
         if not any(is_sound(bench, f) for f in best):
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
-    return Level(base, tuple(sorted(_own_right(best), key=_cost)))
+    return Level(base, tuple(sorted(_own_right(best), key=cost_of)))
 
 
 def _likely(glances: list[list[Fit]]) -> list[Fit]:
@@ -141,7 +141,7 @@ def _another_size(fit: Fit, other: Fit) -> bool:
 def best_of_each(fits: Iterable[Fit]) -> list[Fit]:
     """The best of each candidate's fits, in the order of what they leave."""
     found: dict[tuple[str, object], Fit] = {}
-    for fit in sorted(fits, key=_cost):
+    for fit in sorted(fits, key=cost_of):
         last = fit.problem.candidates[-1]
         found.setdefault((last.effect, last.place), fit)
     return list(found.values())
@@ -166,7 +166,3 @@ def _contains(fit: Fit, other: Fit) -> bool:
 
 def _names(fit: Fit) -> str:
     return " and ".join(c.effect.replace("_", " ") for c in fit.problem.candidates)
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost
