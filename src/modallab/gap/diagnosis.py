@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,22 +26,17 @@ from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.budget import budget
 from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.contradictions import contradictions
-from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.initial_gap import as_came, bench_of, free_of, weights_of
 from modallab.gap.report.inspected import harm, inspected, known_already, shown
-from modallab.gap.report.levels import levels_differ, some_levels_differ
 from modallab.gap.report.locate import locate
 from modallab.gap.report.measure import band_of, by_frequency, nearest_mode, squares
 from modallab.gap.report.next_step import next_experiment
 from modallab.gap.report.shrinkage import closed, shrink
 from modallab.gap.report.where import where
-from modallab.gap.search.beside_known import beside_known, knows_element
-from modallab.gap.search.choose import Choice, choose, probabilities, stepped
-from modallab.gap.search.explain import explain, rounds
-from modallab.gap.search.faint import linear_or_faint
-from modallab.gap.search.fitting import Bench, baseline, ordinary, settled
+from modallab.gap.search.choose import Choice, probabilities
+from modallab.gap.search.fitting import ordinary
 from modallab.gap.search.intervals import intervals
-from modallab.gap.search.stepped import search_stepped
+from modallab.gap.searched import searched
 from modallab.gap.unknown.describe import describe
 from modallab.twin.bench import Twin
 
@@ -90,7 +84,7 @@ def diagnose(
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None
     with part(0.06, 0.7, "search"):
-        choice = _settled(_searched(bench, prepared, matters, unseen))
+        choice = searched(bench, prepared, matters, unseen)
     report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
@@ -119,48 +113,6 @@ def diagnose(
         notes=_notes(prepared, choice, shows, stated, nonlinear),
         described=described,
     )
-
-
-def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
-    """What the search says: effects that depend on the size of the motion first, where there are overtones."""
-    base = baseline(bench)
-    overtones = out_of_proportion(prepared)
-    if knows_element(base):
-        return beside_known(bench, base, matters)
-    if base.gap <= bench.flat:
-        return choose(bench, explain(bench, base), matters)
-    if overtones is None:
-        return _by_levels(bench, prepared, base, matters, unseen)
-    return search_stepped(bench, prepared, base, overtones, matters, unseen)
-
-
-def _settled(choice: Choice) -> Choice:
-    """The same with the fit of linear effects that explain the gap at its very end: their numbers are what is said."""
-    if not choice.explained or not choice.fit.problem.candidates or stepped(choice.fit):
-        return choice
-    return replace(choice, fit=settled(choice.fit))
-
-
-def _by_levels(bench: Bench, prepared: Prepared, base: Fit, matters: Reduced | None, unseen: Reduced) -> Choice:
-    """Linear effects, and where none explains and the levels disagree, those that depend on the size of the motion.
-
-    Overtones drown where a slow mode still rings. Where many levels disagree, one round says whether a linear effect,
-    whose transients the twin has wrong, does so.
-    """
-    many = levels_differ(base)
-    if not (many or some_levels_differ(base)):
-        return linear_or_faint(bench, base, matters)
-    linear = rounds(bench, base, 1) if many else explain(bench, base)
-    choice = choose(bench, linear, matters)
-    if choice.explained and many:
-        # A round more where it leaves more than the last digit of a large gap.
-        further = choose(bench, explain(bench, base, linear[0]), matters)
-        return further if further.explained else choice
-    if choice.explained:
-        return choice
-    # What answers to the level, not only to the side, makes odd overtones.
-    known = partial(explain, bench, base, linear[0]) if many else lambda: linear
-    return search_stepped(bench, prepared, base, "odd", matters, unseen, known)
 
 
 def _notes(prepared: Prepared, choice: Choice, shows: list[Found], stated: bool, nonlinear: bool) -> list[str]:

@@ -2,7 +2,7 @@
 
 import re
 from collections import OrderedDict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import Any
 
@@ -12,6 +12,7 @@ from scipy.linalg import eigh
 
 from modallab.core.rig import Beam
 from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, slope_rows, weakened
+from modallab.twin.side_modes import SideModes, poles_and_columns
 
 MODES = 15
 """Modes kept: well past the band."""
@@ -50,6 +51,7 @@ class Structure:
         hung: (x, kg, N/m) of masses that hang on a spring, each with a freedom of its own.
         tension_n: axial force, N; negative where it pushes.
         bedding: stiffness per length to ground, N/m^2.
+        side: families of modes beside those of bending along the drive.
     """
 
     length_m: float
@@ -70,6 +72,7 @@ class Structure:
     hung: tuple[tuple[float, float, float], ...] = ()
     tension_n: float = 0.0
     bedding: float = 0.0
+    side: tuple[SideModes, ...] = ()
 
     @classmethod
     def of(cls, beam: Beam, damping_ratio: float) -> "Structure":
@@ -136,12 +139,23 @@ def believed_root(beam: Beam) -> float:
 
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    return _damped(structure, *_undamped(structure))
+    return _beside(structure, _damped(structure, *_undamped(structure)))
+
+
+def _beside(structure: Structure, bending: Modes) -> Modes:
+    """The modes of bending, and after them those of the families beside."""
+    if not structure.side:
+        return bending
+    families = [poles_and_columns(one, structure.length_m) for one in structure.side]
+    poles = np.concatenate([bending.poles, *(own for own, _ in families)])
+    return replace(bending, poles=poles, columns=np.hstack([bending.columns, *(own for _, own in families)]))
 
 
 def alike(structure: Structure, other: Structure) -> bool:
     """Whether two structures have the same modes."""
-    if structure.dampers != other.dampers or not np.array_equal(structure.zeta, other.zeta):
+    if (structure.dampers, structure.side) != (other.dampers, other.side):
+        return False
+    if not np.array_equal(structure.zeta, other.zeta):
         return False
     return undamped_key(structure) == undamped_key(other)
 
@@ -312,7 +326,8 @@ class Neighbours:
         else:
             return solve(structure)
         poles, mixing = self._coupled(structure, omega, phi)
-        return Modes(poles, phi[:OWN] @ mixing, structure.length_m, self._out_of_band[:OWN, :OWN])
+        bending = Modes(poles, phi[:OWN] @ mixing, structure.length_m, self._out_of_band[:OWN, :OWN])
+        return _beside(structure, bending)
 
     def _undamped(self, structure: Structure) -> tuple[Array, Array]:
         phi, squared = self._phi, self._omega**2

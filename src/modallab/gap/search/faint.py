@@ -8,7 +8,7 @@ from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.choose import Choice, choose, stepped
 from modallab.gap.search.clock import with_clock
-from modallab.gap.search.explain import explain, rounds
+from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, excess
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.gap.search.round import Level
@@ -18,15 +18,15 @@ LITTLE = 0.5
 """Share of the gap that a linear effect must leave for these laws to be tried before further linear ones."""
 
 
-def linear_or_faint(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
+def linear_or_faint(bench: Bench, begun: Level, matters: Reduced | None) -> Choice:
     """Linear effects, and such laws where none explains: first of all where the best linear one explains little.
 
     Args:
         bench: what to search.
-        base: the twin without effects.
+        begun: the first round of linear effects.
         matters: see `choose`.
     """
-    begun = rounds(bench, base, 1)[0]
+    base = begun.base
     little = min((excess(f) for f in begun.fits), default=np.inf) > LITTLE * excess(base)
     early = little and not choose(bench, [begun], matters).explained
     tried = _faint(bench, base, matters) if early else None

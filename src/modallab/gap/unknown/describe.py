@@ -19,7 +19,7 @@ from modallab.gap.report.locate import Location
 from modallab.gap.report.measure import squares
 from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.choose import Choice
-from modallab.gap.search.fitting import Bench, excess
+from modallab.gap.search.fitting import Bench, excess, rested
 from modallab.gap.search.pool import channel_share
 from modallab.gap.unknown.description import Description, of_fit, stage_of
 from modallab.gap.unknown.fitted import fitted, priced
@@ -75,7 +75,10 @@ def _tried(
     bench: Bench, prepared: Prepared, choice: Choice, location: Location, unseen: Reduced, held: Sequence[str]
 ) -> Iterator[Description]:
     """Descriptions fitted to the end: of the channels that stand out, then of the beam and of all channels."""
-    base, least = choice.base, np.inf
+    if choice.behaves:
+        yield from (of_fit(choice.base, fit, unseen, _rows_of(fit)) for fit in choice.behaves)
+        return
+    base, least = rested(bench, choice.base), np.inf
     rows = location.channels if len(location.channels) <= FEW else ()
     rows = tuple(r for r in rows if r in bench.data.channels)
     seen = [b.name for b in prepared.blocks if b.name not in set(held)]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import Place
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, cost_of
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
 from modallab.twin.candidate import Candidate
@@ -66,21 +66,26 @@ def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:
     if not own:
         begins += [np.concatenate([base.u[:size], [s.coordinate(s.starts[0]) for s in c.slots]])]
     floor = min(COARSE, max(misfit(base.problem, base.u), 0.003))
-    return min((short(bench, (c,), u, floor) for u in begins), key=_cost)
+    return min((short(bench, (c,), u, floor) for u in begins), key=cost_of)
+
+
+def likely(bench: Bench, base: Fit, trials: Sequence[Trial]) -> list[Fit]:
+    """A short look at each of some elements, best first."""
+    return sorted((looked_at(bench, base, t) for t in trials), key=cost_of)
+
+
+def finished(bench: Bench, base: Fit, looks: Sequence[Fit], best: int = BEST) -> list[Fit]:
+    """The best of these looks brought to their end on all data."""
+    floor = max(misfit(base.problem, base.u) / 6, 0.001)
+    return [finish(bench, f, floor) for f in looks[:best]]
 
 
 def fitted(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
     """The best of some elements brought to their end on all data, best first."""
-    looks = sorted((looked_at(bench, base, t) for t in trials), key=_cost)
-    floor = max(misfit(base.problem, base.u) / 6, 0.001)
-    return sorted((finish(bench, f, floor) for f in looks[:best]), key=priced)
+    return sorted(finished(bench, base, likely(bench, base, trials), best), key=priced)
 
 
 def priced(fit: Fit) -> float:
     """Cost of a fit with the price of its elements' numbers (Schwarz, Ann. Stat. 6, 1978, 461)."""
     numbers = sum(len(c.slots) for c in fit.problem.candidates)
     return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
-
-
-def _cost(fit: Fit) -> float:
-    return fit.cost

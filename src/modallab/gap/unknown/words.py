@@ -46,6 +46,11 @@ _BEAM = (
     ),
     _Phrase("bedding", "a stiffness of {value:.4g} N/m to ground on each metre of the beam"),
 )
+_SIDE = (
+    _Phrase("twist_hz", "modes of twisting, the lowest at {value:.4g} Hz"),
+    _Phrase("across_hz", "modes of bending across the drive, the lowest at {value:.4g} Hz"),
+    _Phrase("alone_hz", "one mode more at {value:.4g} Hz, largest at the tip"),
+)
 _FILTER = (
     _Phrase("gain", "a factor of {value:.4g}"),
     _Phrase("delay", "a delay of {value:.4g} ms", 1e3),
@@ -89,6 +94,7 @@ def _hold(law: Numbers) -> str:
 _SAID: dict[str, Callable[[Numbers], str]] = {
     "point_law": partial(_joined, _POINT),
     "beam_law": partial(_joined, _BEAM),
+    "side_modes": partial(_joined, _SIDE),
     "row_filter": partial(_joined, _FILTER),
     "row_curve": _curve,
     "row_hold": _hold,

@@ -1,0 +1,87 @@
+"""What the search says of a campaign: which of its ways are gone, and in which order."""
+
+from dataclasses import replace
+from functools import partial
+
+from modallab.core.progress import part
+from modallab.gap.conditioning.prepare import Prepared
+from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.model.fit import Fit
+from modallab.gap.report.harmonics import out_of_proportion
+from modallab.gap.report.levels import levels_differ, some_levels_differ
+from modallab.gap.search.beside_known import beside_known, knows_element
+from modallab.gap.search.choose import Choice, choose, stepped
+from modallab.gap.search.clock import clock_shows
+from modallab.gap.search.explain import explain, rounds
+from modallab.gap.search.faint import linear_or_faint
+from modallab.gap.search.fitting import Bench, baseline, settled
+from modallab.gap.search.round import Level
+from modallab.gap.search.stepped import search_stepped
+from modallab.gap.unknown.rival import rivals
+
+
+def searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """What explains the gap, its numbers settled.
+
+    Args:
+        bench: what to search.
+        prepared: the campaign.
+        matters: records that no fit has seen, where what does not matter there is no gap; None if all matters.
+        unseen: records that no fit has seen.
+    """
+    return _settled(_searched(bench, prepared, matters, unseen))
+
+
+def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """Effects that depend on the size of the motion first, where there are overtones."""
+    base = baseline(bench)
+    if knows_element(base):
+        return beside_known(bench, base, matters)
+    if base.gap <= bench.flat:
+        return choose(bench, explain(bench, base), matters)
+    overtones = out_of_proportion(prepared)
+    if overtones is not None:
+        return search_stepped(bench, prepared, base, overtones, matters, unseen)
+    with part(0.0, 0.3):
+        first = rounds(bench, base, 1)[0]
+    unnamed = _behaves(bench, base, first, matters)
+    return unnamed or _by_levels(bench, prepared, first, matters, unseen)
+
+
+def _behaves(bench: Bench, base: Fit, first: Level, matters: Reduced | None) -> Choice | None:
+    """That no effect explains the gap, where something that is none does; None where that is not so."""
+    # A clock that is off lies outside the first round.
+    if clock_shows(bench) or (choice := choose(bench, [first], matters)).flat:
+        return None
+    behaves = rivals(bench, base, first)
+    return Choice(choice.base, choice.base, first.fits, False, False, behaves=behaves) if behaves else None
+
+
+def _by_levels(bench: Bench, prepared: Prepared, first: Level, matters: Reduced | None, unseen: Reduced) -> Choice:
+    """Linear effects, and where none explains and the levels disagree, those that depend on the size of the motion.
+
+    Overtones drown where a slow mode still rings. Where many levels disagree, one round says whether a linear effect,
+    whose transients the twin has wrong, does so.
+    """
+    base = first.base
+    many = levels_differ(base)
+    if not (many or some_levels_differ(base)):
+        return linear_or_faint(bench, first, matters)
+    linear = [first] if many else explain(bench, base, first)
+    choice = choose(bench, linear, matters)
+    if choice.explained and many:
+        # A round more where it leaves more than the last digit of a large gap.
+        further = choose(bench, explain(bench, base, first), matters)
+        return further if further.explained else choice
+    if choice.explained:
+        return choice
+    # What answers to the level, not only to the side, makes odd overtones.
+    known = partial(explain, bench, base, first) if many else lambda: linear
+    return search_stepped(bench, prepared, base, "odd", matters, unseen, known)
+
+
+def _settled(choice: Choice) -> Choice:
+    """The same with the fit of linear effects that explain the gap at its very end: their numbers are what is said."""
+    if not choice.explained or not choice.fit.problem.candidates or stepped(choice.fit):
+        return choice
+    return replace(choice, fit=settled(choice.fit))
