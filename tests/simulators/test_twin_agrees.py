@@ -71,6 +71,14 @@ EFFECTS = (
     effect("shaker_mass", {"x": 0.4}, mass=0.12),
 )
 
+LEARNED = (
+    effect("side_modes", {"x": "all"}, twist_hz=171.0, kg=3.0, zeta=0.005),
+    effect("side_modes", {"x": "all"}, across_hz=61.0, kg=2.0, zeta=0.004),
+    effect("side_modes", {"x": "all"}, alone_hz=47.0, alone_power=1.4, kg=4.0, zeta=0.01),
+    effect("beam_law", {"x": "all"}, tension=-9.0),
+)
+"""What a rig's revisions may carry though it has no name."""
+
 
 @lru_cache(maxsize=1)
 def sound_twin() -> Twin:
@@ -141,3 +149,14 @@ def test_the_gap_an_effect_opens_closes(one: Effect, test: Test):
         assert size(found - predicted(twin, block)) < SHARE * gap + 1e-6 * size(y)
         gaps.append(gap / size(y))
     assert (max(gaps) > 0.01) is (test in kind_of(one.effect).tests)
+
+
+@pytest.mark.parametrize("test", ["impact", "sine"])
+@pytest.mark.parametrize("one", LEARNED, ids=lambda e: f"{e.effect}_{min(e.parameters)}")
+def test_the_bench_carries_what_was_learned_as_the_twin_does(one: Effect, test: Test):
+    twin = apply(sound_twin(), one, RIG)
+    for block, (y, expected) in zip(records(test, (one,)), sound(test), strict=True):
+        found = measured(block) - (y - expected)
+        gap = size(found - predicted(sound_twin(), block))
+        assert gap > 1e-5 * size(y)
+        assert size(found - predicted(twin, block)) < SHARE * gap + 1e-6 * size(y)

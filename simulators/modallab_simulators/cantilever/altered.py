@@ -20,6 +20,8 @@ Element = PointElement | CrackElement
 Rows = Mapping[int, float]
 Floats = NDArray[np.float64]
 
+SIDE_ZETA = 0.004
+"""Damping ratio of modes that are none of bending in the drive's direction, unless it is given."""
 DRIFT_S = 1800.0
 """Bench time over which a drift runs, unless it says otherwise."""
 
@@ -30,6 +32,21 @@ def _no_rows() -> Rows:
 
 def _no_curves() -> Mapping[int, Callable[[Floats], Floats]]:
     return {}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SideFamily:
+    """Modes beside those of bending in the drive's direction.
+
+    Attributes:
+        modes: of the true beam and its width.
+        share: in which loads drive and sensors see them.
+        zeta: their damping ratio.
+    """
+
+    modes: Callable[[TrueBeam, float], Modes]
+    share: float
+    zeta: float = SIDE_ZETA
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,7 +66,7 @@ class StructureChanges:
         dampers: to ground.
         elements: nonlinear ones, each made for the beam on its root.
         drag: of the air.
-        side_modes: modes beside those of bending, of the true beam and its width; and the share in which they are seen.
+        side_modes: families of modes beside those of bending.
         drift: relative change of EI over a campaign.
         drift_s: bench time over which it runs.
     """
@@ -66,7 +83,7 @@ class StructureChanges:
     dampers: tuple[Damper, ...] = ()
     elements: tuple[Callable[[CantileverBeam], Element], ...] = ()
     drag: Drag | None = None
-    side_modes: tuple[tuple[Callable[[TrueBeam, float], Modes], float], ...] = ()
+    side_modes: tuple[SideFamily, ...] = ()
     drift: float = 0.0
     drift_s: float = DRIFT_S
 

@@ -16,9 +16,6 @@ from modallab_simulators.cantilever.modes import Modes
 from modallab_simulators.cantilever.preloaded import PreloadedModes
 from modallab_simulators.cantilever.rotary import RotaryModes
 
-SIDE_ZETA = 0.004
-"""Damping ratio of modes that are none of bending in the drive's direction."""
-
 
 def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary_inertia_kg_m: float = 0.0) -> Modes:
     """The undamped modes of the structure in one test; the bare beam if nothing of it is changed.
@@ -42,14 +39,11 @@ def modes_of(beam: CantileverBeam, changes: StructureChanges, test: Test, rotary
 
 def beside(basis: Basis, true: TrueBeam, changes: StructureChanges, width_m: float, reach: float) -> Basis:
     """The basis with families of modes that are none of bending in the drive's direction, if sensors see any."""
-    for modes, share in changes.side_modes:
-        basis = JoinedBasis(basis, _family(modes(true, width_m), reach), share)
+    for family in changes.side_modes:
+        modes = family.modes(true, width_m)
+        count = modes.count_below(reach)
+        basis = JoinedBasis(basis, ModalBasis(modes, modes.omega(count), np.full(count, family.zeta)), family.share)
     return basis
-
-
-def _family(modes: Modes, reach: float) -> ModalBasis:
-    count = modes.count_below(reach)
-    return ModalBasis(modes, modes.omega(count), np.full(count, SIDE_ZETA))
 
 
 def on_root(beam: CantileverBeam, changes: StructureChanges) -> CantileverBeam:

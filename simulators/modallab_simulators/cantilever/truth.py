@@ -11,7 +11,8 @@ from modallab.core.errors import ConfigurationError
 from modallab.core.rig import Rig, Tolerance
 from modallab.core.units import Test
 from modallab_simulators.cantilever.address import Settings
-from modallab_simulators.cantilever.assembled import SIDE_ZETA, beside, modes_of
+from modallab_simulators.cantilever.altered import SIDE_ZETA
+from modallab_simulators.cantilever.assembled import beside, modes_of
 from modallab_simulators.cantilever.attached import KEPT, AttachedModes
 from modallab_simulators.cantilever.basis import Basis, ModalBasis
 from modallab_simulators.cantilever.beam import CantileverBeam

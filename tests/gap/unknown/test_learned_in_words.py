@@ -18,6 +18,13 @@ from modallab.gap.unknown.words import said
         ),
         ("point_law", {"m": -0.004}, "a mass of -4 g"),
         ("beam_law", {"tension": -30.0}, "a push of 30 N along the beam's axis"),
+        ("side_modes", {"twist_hz": 171.0, "kg": 3.0, "zeta": 0.005}, "modes of twisting, the lowest at 171 Hz"),
+        (
+            "side_modes",
+            {"across_hz": 61.0, "kg": 2.0, "zeta": 0.004},
+            "modes of bending across the drive, the lowest at 61 Hz",
+        ),
+        ("side_modes", {"alone_hz": 47.0, "kg": 4.0, "zeta": 0.01}, "one mode more at 47 Hz, largest at the tip"),
         ("row_filter", {"gain": 0.9, "delay": -0.0002}, "a factor of 0.9 and a delay of -0.2 ms"),
         ("row_curve", {"knee_v": 2.0, "power": 8.0}, "a saturation that levels off at 2 V, with a knee of power 8,"),
         ("row_curve", {"square": 0.02, "cubic": -0.1}, "a bent scale, u + 0.02 u^2 + -0.1 u^3 of u in V,"),

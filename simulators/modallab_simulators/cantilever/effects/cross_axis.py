@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from modallab.core.effects import Effect, EffectKind, Parameter
 from modallab.core.rig import Rig
-from modallab_simulators.cantilever.altered import Altered
+from modallab_simulators.cantilever.altered import Altered, SideFamily
 from modallab_simulators.cantilever.draw import TrueBeam
 from modallab_simulators.cantilever.effect_part import Drawn, EffectPart
 from modallab_simulators.cantilever.modes import Modes
@@ -17,7 +17,8 @@ def _modes(true: TrueBeam, width_m: float) -> Modes:
 
 def _change(altered: Altered, effect: Effect, rig: Rig) -> Altered:
     s = altered.structure
-    return replace(altered, structure=replace(s, side_modes=(*s.side_modes, (_modes, effect.parameters["share"]))))
+    family = SideFamily(_modes, effect.parameters["share"])
+    return replace(altered, structure=replace(s, side_modes=(*s.side_modes, family)))
 
 
 PART = EffectPart(
