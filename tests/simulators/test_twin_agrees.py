@@ -41,6 +41,8 @@ LINES = (6, 33)
 
 SHARE = 0.01
 """Of the gap an effect opens that may be left."""
+LEARNED_SHARE = 0.03
+"""The same of what was learned: far below its lowest mode a family gives way by modes beyond those kept as well."""
 
 
 def effect(name: str, place: dict[str, object] | None = None, **parameters: float) -> Effect:
@@ -159,4 +161,4 @@ def test_the_bench_carries_what_was_learned_as_the_twin_does(one: Effect, test: 
         found = measured(block) - (y - expected)
         gap = size(found - predicted(sound_twin(), block))
         assert gap > 1e-5 * size(y)
-        assert size(found - predicted(twin, block)) < SHARE * gap + 1e-6 * size(y)
+        assert size(found - predicted(twin, block)) < LEARNED_SHARE * gap + 1e-6 * size(y)
