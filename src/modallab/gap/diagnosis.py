@@ -84,7 +84,8 @@ def diagnose(
     unseen = reduce(campaign, held or fitted, weights)
     matters = unseen if campaign.rig.tolerance.of_assembly else None
     with part(0.06, 0.7, "search"):
-        choice = searched(bench, prepared, matters, unseen)
+        search = searched(bench, prepared, matters, unseen, [b.name for b in held])
+    choice = search.choice
     report(0.7, "where the gap lies and what it is made of")
     report(0.72, "location")
     location = None if choice.flat else locate(bench, prepared, choice.base)
@@ -97,7 +98,8 @@ def diagnose(
     found = [*_found(choice, ranked), *seen]
     verdict = _verdict(choice, seen, withheld)
     with part(0.8, 0.96, "what it behaves like"):
-        described = describe(bench, prepared, choice, location, everything, unseen, [b.name for b in held])
+        names = [b.name for b in held]
+        described = describe(bench, prepared, choice, location, everything, unseen, names, search.behaves)
     report(0.96, "budget")
     return Diagnosis(
         rig=campaign.rig.name,

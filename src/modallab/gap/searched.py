@@ -1,12 +1,12 @@
 """What the search says of a campaign: which of its ways are gone, and in which order."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 from modallab.core.progress import part
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.fit import Fit
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.levels import levels_differ, some_levels_differ
 from modallab.gap.search.beside_known import beside_known, knows_element
@@ -17,44 +17,58 @@ from modallab.gap.search.faint import linear_or_faint
 from modallab.gap.search.fitting import Bench, baseline, settled
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped import search_stepped
+from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.rival import rivals
 
 
-def searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
-    """What explains the gap, its numbers settled.
+@dataclass(frozen=True, eq=False, slots=True)
+class Searched:
+    """What a search has come to.
+
+    Attributes:
+        choice: what explains the gap, its numbers settled.
+        behaves: what the gap behaves like, best first, where that was seen before all effects were tried.
+    """
+
+    choice: Choice
+    behaves: tuple[Description, ...] = ()
+
+
+def searched(
+    bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
+) -> Searched:
+    """What explains the gap.
 
     Args:
         bench: what to search.
         prepared: the campaign.
         matters: records that no fit has seen, where what does not matter there is no gap; None if all matters.
         unseen: records that no fit has seen.
+        held: their names.
     """
-    return _settled(_searched(bench, prepared, matters, unseen))
-
-
-def _searched(bench: Bench, prepared: Prepared, matters: Reduced | None, unseen: Reduced) -> Choice:
-    """Effects that depend on the size of the motion first, where there are overtones."""
     base = baseline(bench)
     if knows_element(base):
-        return beside_known(bench, base, matters)
+        return Searched(_settled(beside_known(bench, base, matters)))
     if base.gap <= bench.flat:
-        return choose(bench, explain(bench, base), matters)
+        return Searched(_settled(choose(bench, explain(bench, base), matters)))
     overtones = out_of_proportion(prepared)
     if overtones is not None:
-        return search_stepped(bench, prepared, base, overtones, matters, unseen)
+        return Searched(_settled(search_stepped(bench, prepared, base, overtones, matters, unseen)))
     with part(0.0, 0.3):
         first = rounds(bench, base, 1)[0]
-    unnamed = _behaves(bench, base, first, matters)
-    return unnamed or _by_levels(bench, prepared, first, matters, unseen)
+    unnamed = _unnamed(bench, prepared, first, matters, unseen, held)
+    return unnamed or Searched(_settled(_by_levels(bench, prepared, first, matters, unseen)))
 
 
-def _behaves(bench: Bench, base: Fit, first: Level, matters: Reduced | None) -> Choice | None:
+def _unnamed(
+    bench: Bench, prepared: Prepared, first: Level, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
+) -> Searched | None:
     """That no effect explains the gap, where something that is none does; None where that is not so."""
     # A clock that is off lies outside the first round.
-    if clock_shows(bench) or (choice := choose(bench, [first], matters)).flat:
+    if clock_shows(bench) or choose(bench, [first], matters).flat:
         return None
-    behaves = rivals(bench, base, first)
-    return Choice(choice.base, choice.base, first.fits, False, False, behaves=behaves) if behaves else None
+    behaves = rivals(bench, prepared, first, unseen, held)
+    return Searched(Choice(first.base, first.base, first.fits, False, False), behaves) if behaves else None
 
 
 def _by_levels(bench: Bench, prepared: Prepared, first: Level, matters: Reduced | None, unseen: Reduced) -> Choice:

@@ -19,6 +19,7 @@ from modallab.gap.conditioning.ambient import (
 )
 from modallab.gap.conditioning.clipped import Clipped, find_clipped
 from modallab.gap.conditioning.hum import NO_DECAYS, Hum, find_hum, weak_hum, without_hum
+from modallab.gap.conditioning.lost import losing
 from modallab.gap.conditioning.noise import (
     believed_noise,
     lines_behind,
@@ -37,8 +38,6 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 ONE_LEVEL = "Only one level: whether the bench answers in proportion cannot be examined."
-REPEATS = 0.025
-"""Share of samples equal to the one before that no lively signal has."""
 NOISY = 1.3
 """A row this far above the others is noisy."""
 NOISY_AS_BUILT = 2.5
@@ -67,7 +66,7 @@ class Prepared:
         ringing: decays before the hits.
         floor: motion of the base.
         noisy: rows whose noise stands out.
-        repeated: rows whose samples repeat, as after drop-outs.
+        repeated: rows that lose samples, in whose place others are repeated or nothing is read.
         poles: of the ring-down.
         sine_ratio: frequency of the sines in the records over what the generator was set to.
         notes: plain sentences on what was left out or could not be examined.
@@ -111,7 +110,8 @@ def prepare(campaign: Campaign) -> Prepared:
     clipped = tuple(find_clipped(blocks, noise, _full_scale_v(blocks, campaign.rig), force))
     masked = at_full_scale | {(name, c.row) for c in clipped for name in c.records}
     noisy = _standing_out(measured, lines_behind(blocks), NOISY_AS_BUILT if as_built else NOISY)
-    repeated = _repeating(blocks, noise, force)
+    # Samples that are lost are noise to a spectrum, and would hide themselves.
+    repeated = losing(blocks, np.fmin(noise, measured), force)
     cleaned = tuple(without_hum(b, hum) for b in blocks) if hum is not None else blocks
     poles = _poles(campaign, cleaned, masked, noisy)
     if hum is not None:
@@ -176,19 +176,6 @@ def _standing_out(measured: Array, lines: int, least: float) -> tuple[int, ...]:
     limit = max(least, 1 + CHANCE / np.sqrt(max(lines, 1)))
     raised = np.flatnonzero(np.nan_to_num(measured) > limit * middle)
     return tuple(int(i) for i in raised) if len(raised) <= max(2, len(measured) // 4) else ()
-
-
-def _repeating(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ...]:
-    """Rows that hold a value over samples between which a signal of this size moves on."""
-    shares: list[Array] = []
-    for b in blocks:
-        volts = b.samples * b.scale[:, None]
-        lively = np.median(np.abs(np.diff(volts, axis=1)), axis=1) > 8 * noise_v
-        shares.append(np.where(lively, np.mean(np.diff(b.samples, axis=1) == 0, axis=1), np.nan))
-    stack = np.ma.masked_invalid(np.array(shares))
-    middle = np.ma.median(stack, axis=0).filled(0.0)
-    counted = stack.count(axis=0)
-    return tuple(int(i) for i in np.flatnonzero((middle > REPEATS) & (counted > 2)) if i != force)
 
 
 def _poles(campaign: Campaign, blocks: Sequence[Block], masked: set[tuple[str, int]], noisy: Sequence[int]) -> Complex:

@@ -56,7 +56,6 @@ class Choice:
         dismissed: effects that would explain something, but are not worth a name.
         calm: share of the response that no effect explains and that moves nothing that matters; None where all of the
             gap is explained, or where it matters.
-        behaves: what the gap behaves like, best first, where that was seen before all effects were tried.
     """
 
     base: Fit
@@ -66,7 +65,6 @@ class Choice:
     flat: bool
     dismissed: tuple[Dismissed, ...] = ()
     calm: float | None = None
-    behaves: tuple[Fit, ...] = ()
 
     @property
     def believed(self) -> Fit:

@@ -21,10 +21,10 @@ from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, rested
 from modallab.gap.search.pool import channel_share
-from modallab.gap.unknown.description import Description, of_fit, stage_of
-from modallab.gap.unknown.fitted import fitted, priced
+from modallab.gap.unknown.description import Description, of_fit, stage_of, worth
+from modallab.gap.unknown.fitted import fitted
 from modallab.gap.unknown.on_beam import on_all_rows, trials
-from modallab.gap.unknown.on_row import by_sample, linear
+from modallab.gap.unknown.on_row import by_sample, linear, without
 from modallab.gap.unknown.words import said
 
 SEED = 20240503
@@ -47,6 +47,7 @@ def describe(
     everything: Reduced,
     unseen: Reduced,
     held: Sequence[str],
+    behaves: Sequence[Description] = (),
 ) -> Described | None:
     """What the gap behaves like; None where it is explained, or where nothing closes it on records held out.
 
@@ -58,14 +59,15 @@ def describe(
         everything: all records.
         unseen: those that no fit has seen.
         held: their names.
+        behaves: what the search has found it to behave like, if it has; nothing else is looked for then.
     """
     if choice.explained or choice.flat or location is None:
         return None
-    found = sorted(_tried(bench, prepared, choice, location, unseen, held), key=_worth)
+    found = sorted(behaves or _tried(bench, prepared, choice, location, unseen, held), key=worth)
     if not found:
         return None
     best = found[0]
-    closes = _shrink(choice, unseen, best, held)
+    closes = _shrink(choice, best, held)
     if closes.closed is None or closes.interval is None or closes.closed < PAYS or closes.interval[0] <= 0:
         return None
     return _described(best, closes, found[1:], prepared.campaign.rig, everything)
@@ -75,13 +77,10 @@ def _tried(
     bench: Bench, prepared: Prepared, choice: Choice, location: Location, unseen: Reduced, held: Sequence[str]
 ) -> Iterator[Description]:
     """Descriptions fitted to the end: of the channels that stand out, then of the beam and of all channels."""
-    if choice.behaves:
-        yield from (of_fit(choice.base, fit, unseen, _rows_of(fit)) for fit in choice.behaves)
-        return
     base, least = rested(bench, choice.base), np.inf
     rows = location.channels if len(location.channels) <= FEW else ()
     rows = tuple(r for r in rows if r in bench.data.channels)
-    seen = [b.name for b in prepared.blocks if b.name not in set(held)]
+    seen = [b for b in prepared.blocks if b.name not in set(held)]
     for row in rows:
         report(0.0, f"what {bench.data.rig.channels[row].name} behaves like")
         for fit in fitted(bench, base, list(linear(bench, row)), 1):
@@ -89,7 +88,7 @@ def _tried(
             yield of_fit(base, fit, unseen, (row,))
         if least < SOLVED * excess(base):
             return
-        for one in by_sample(bench, prepared, seen, held, row):
+        for one in by_sample(bench, prepared, without(bench, prepared, seen, row), held, row):
             least = min(least, excess(one.fit))
             yield one
     if least < SOLVED * excess(base):
@@ -107,16 +106,8 @@ def _rows_of(fit: Fit) -> tuple[int, ...]:
     return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))
 
 
-def _worth(one: Description) -> float:
-    """What it leaves per number; a description of fewer numbers goes first where both leave about as little."""
-    count = max(np.count_nonzero(one.fit.residual), 1)
-    # Elements that act sample by sample have numbers too, though no fit of lines knows of them.
-    more = sum(len(e.parameters) for e in one.learned) if not one.fit.problem.candidates else 0
-    return (priced(one.fit) + more * float(np.log(count))) / count
-
-
-def _shrink(choice: Choice, unseen: Reduced, best: Description, held: Sequence[str]) -> Shrink:
-    before = squares(twin_of(choice.base, unseen), unseen)
+def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:
+    before = squares(twin_of(choice.base, best.raw), best.raw)
     after = squares(twin_of(best.fit, best.unseen), best.unseen)
     return shrink(list(held), before, after, {}, np.random.default_rng(SEED))
 

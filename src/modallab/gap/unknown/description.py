@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from modallab.core.described import Learned
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
+from modallab.gap.unknown.fitted import priced
 from modallab.twin.learned import elements
 
 
@@ -17,12 +20,14 @@ class Description:
     Attributes:
         fit: the twin, elements that it can hold included.
         unseen: records that no fit has seen, freed as those were.
+        raw: the same as they came.
         learned: the elements.
         rows: channels concerned.
     """
 
     fit: Fit
     unseen: Reduced
+    raw: Reduced
     learned: tuple[Learned, ...]
     rows: tuple[int, ...] = ()
 
@@ -45,7 +50,15 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
                 place=dict(place),
             )
         )
-    return Description(fit, unseen, tuple(found), rows)
+    return Description(fit, unseen, unseen, tuple(found), rows)
+
+
+def worth(one: Description) -> float:
+    """What it leaves per number; a description of fewer numbers goes first where both leave about as little."""
+    count = max(np.count_nonzero(one.fit.residual), 1)
+    # Elements that act sample by sample have numbers too, though no fit of lines knows of them.
+    more = sum(len(e.parameters) for e in one.learned) if not one.fit.problem.candidates else 0
+    return (priced(one.fit) + more * float(np.log(count))) / count
 
 
 def stage_of(description: Description) -> str:

@@ -40,21 +40,19 @@ def without(bench: Bench, prepared: Prepared, fitted: Sequence[Block], row: int)
     return baseline(bench_of(replace(prepared, masked=frozenset(masked)), fitted, bench.free, bench.allowed))
 
 
-def by_sample(
-    bench: Bench, prepared: Prepared, names: Iterable[str], held: Iterable[str], row: int
-) -> Iterator[Description]:
+def by_sample(bench: Bench, prepared: Prepared, alone: Fit, held: Iterable[str], row: int) -> Iterator[Description]:
     """Operators on one channel that must be looked at sample by sample.
 
     Args:
         bench: what is searched.
         prepared: the campaign.
-        names: records that may be fitted.
+        alone: the twin as the other channels have it.
         held: records that no fit may see.
         row: the channel.
     """
-    chosen = set(names)
-    fitted = [b for b in prepared.blocks if b.name in chosen]
-    alone = without(bench, prepared, fitted, row)
+    prepared = _as_it_reads(prepared, row)
+    unseen = set(held)
+    fitted = [b for b in prepared.blocks if b.name not in unseen]
     channel = channel_of(prepared, alone.problem.twin(alone.u), row)
     lost = hold_of(channel, float(prepared.noise_v[row]))
     if lost is not None:
@@ -65,10 +63,22 @@ def by_sample(
             interval={"share": (max(lost.share - spread, 0.0), lost.share + spread)},
             place={"channel": row},
         )
-        yield _again(bench, prepared, alone, channel, lost.made, learned, set(held) or chosen)
+        yield _again(bench, prepared, alone, channel, lost.made, learned, unseen)
     curve, interval = _curve(prepared, alone, channel, fitted)
     learned = Learned(element="row_curve", parameters=curve.law, interval=dict(interval), place={"channel": row})
-    yield _again(bench, prepared, alone, channel, curve.made(channel), learned, set(held) or chosen)
+    yield _again(bench, prepared, alone, channel, curve.made(channel), learned, unseen)
+
+
+def _as_it_reads(prepared: Prepared, row: int) -> Prepared:
+    """The campaign with one channel's sines in it even where they are flat, and with the noise it has at its calmest.
+
+    What an operator makes of the samples would count as noise, or be left out with what it has cut.
+    """
+    noise = prepared.noise_v.copy()
+    noise[row] = np.fmin(noise[row], prepared.measured_v[row])
+    cut = {name for c in prepared.clipped if c.row == row for name in c.records}
+    back = {(b.name, row) for b in prepared.blocks if b.test == "sine" and b.name in cut}
+    return replace(prepared, noise_v=noise, masked=prepared.masked - back)
 
 
 def _curve(
@@ -105,8 +115,9 @@ def _again(
     own = [b for b in clean.blocks if b.name not in held] or list(clean.blocks)
     again = bench_of(clean, own, bench.free, bench.allowed)
     fit = finish(again, alone, LEFT)
-    return Description(fit, _unseen(clean, held), (learned,), (channel.row,))
+    return Description(fit, _unseen(clean, held), _unseen(prepared, held), (learned,), (channel.row,))
 
 
 def _unseen(prepared: Prepared, held: set[str]) -> Reduced:
-    return reduce(prepared.campaign, [b for b in prepared.blocks if b.name in held], weights_of(prepared))
+    blocks = [b for b in prepared.blocks if b.name in held] or list(prepared.blocks)
+    return reduce(prepared.campaign, blocks, weights_of(prepared))

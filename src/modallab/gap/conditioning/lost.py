@@ -1,0 +1,47 @@
+"""Rows that lose samples: they hold a value where the signal moves on, or read nothing between two samples that do."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+
+Array = NDArray[np.float64]
+
+REPEATS = 0.025
+"""Share of samples equal to the one before that no lively signal has."""
+ZEROS = 0.01
+"""Share of samples at exactly 0 beside one far from it that no signal has that passes through 0."""
+LIVELY = 8.0
+"""Times the noise that a signal moves from sample to sample where it is lively."""
+RECORDS = 3
+"""Lively records that must show it."""
+
+
+def losing(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ...]:
+    """Rows that lose samples, as most of their lively records show.
+
+    Args:
+        blocks: the records.
+        noise_v: (rows,) V rms.
+        force: row of the force, which is 0 most of the time.
+    """
+    found = [_shares(b, noise_v) for b in blocks]
+    repeats, zeros = (np.ma.masked_invalid(np.array(shares)) for shares in zip(*found, strict=True))
+    lost = (_typical(repeats) > REPEATS) | (_typical(zeros) > ZEROS)
+    return tuple(int(i) for i in np.flatnonzero(lost & (repeats.count(axis=0) >= RECORDS)) if i != force)
+
+
+def _shares(block: Block, noise_v: Array) -> tuple[Array, Array]:
+    """(rows,) shares of one record's samples that repeat, and that are 0 beside others; NaN where little moves."""
+    volts = np.abs(block.samples * block.scale[:, None])
+    lively = np.median(np.abs(np.diff(block.samples * block.scale[:, None], axis=1)), axis=1) > LIVELY * noise_v
+    repeats = np.mean(np.diff(block.samples, axis=1) == 0, axis=1)
+    beside = np.minimum(volts[:, :-2], volts[:, 2:]) > LIVELY * noise_v[:, None]
+    zeros = np.mean(beside & (block.samples[:, 1:-1] == 0), axis=1)
+    return np.where(lively, repeats, np.nan), np.where(lively, zeros, np.nan)
+
+
+def _typical(shares: "np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]") -> Array:
+    return np.ma.median(shares, axis=0).filled(0.0)
