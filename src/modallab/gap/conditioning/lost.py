@@ -15,6 +15,8 @@ ZEROS = 0.01
 """Share of samples at exactly 0 beside one far from it that no signal has that passes through 0."""
 LIVELY = 8.0
 """Times the noise that a signal moves from sample to sample where it is lively."""
+COUNTS = 12.0
+"""Counts of the converter that are far, however little noise there is: a slow signal repeats its counts."""
 RECORDS = 3
 """Lively records that must show it."""
 
@@ -35,10 +37,11 @@ def losing(blocks: Sequence[Block], noise_v: Array, force: int) -> tuple[int, ..
 
 def _shares(block: Block, noise_v: Array) -> tuple[Array, Array]:
     """(rows,) shares of one record's samples that repeat, and that are 0 beside others; NaN where little moves."""
-    volts = np.abs(block.samples * block.scale[:, None])
-    lively = np.median(np.abs(np.diff(block.samples * block.scale[:, None], axis=1)), axis=1) > LIVELY * noise_v
+    volts = block.samples * block.scale[:, None]
+    far = np.maximum(LIVELY * noise_v, COUNTS * np.abs(block.scale))
+    lively = np.median(np.abs(np.diff(volts, axis=1)), axis=1) > far
     repeats = np.mean(np.diff(block.samples, axis=1) == 0, axis=1)
-    beside = np.minimum(volts[:, :-2], volts[:, 2:]) > LIVELY * noise_v[:, None]
+    beside = np.minimum(np.abs(volts[:, :-2]), np.abs(volts[:, 2:])) > far[:, None]
     zeros = np.mean(beside & (block.samples[:, 1:-1] == 0), axis=1)
     return np.where(lively, repeats, np.nan), np.where(lively, zeros, np.nan)
 

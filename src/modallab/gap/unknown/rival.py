@@ -5,11 +5,13 @@ put together approach it as polynomials approach a curve: the more of them, the 
 A channel that loses samples reads as one whose gain is too small, with noise on it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
+from modallab.gap.model.own_numbers import twin_of
+from modallab.gap.report.measure import squares
 from modallab.gap.search.explain import SOLVED
 from modallab.gap.search.fitting import COARSE, Bench, excess, misfit, ordinary, rested
 from modallab.gap.search.pool import channel_share
@@ -49,9 +51,16 @@ def rivals(
         return ()
     begin = rested(bench, base)
     for row in losing or _standing_out(begin):
-        found = sorted(_on_row(bench, prepared, begin, unseen, held, row), key=worth)
-        # Of a channel that loses samples the record itself says that no effect does it, however little one leaves.
-        if found and (_near(bench, found[0].fit) if losing else _explains(bench, base, best, found[0].fit)):
+        alone = without(bench, prepared, [b for b in prepared.blocks if b.name not in set(held)], row)
+        # Where all other channels agree with a sound bench, it is this one.
+        if not _near(bench, alone):
+            continue
+        found = sorted(by_sample(bench, prepared, alone, held, row), key=worth)
+        if losing and _closes(base, found[0]):
+            return tuple(found)
+        found += (of_fit(base, fit, unseen, (row,)) for fit in fitted(bench, begin, list(linear(bench, row)), 1))
+        found.sort(key=worth)
+        if _explains(bench, base, best, found[0].fit):
             return tuple(found)
     return () if sound else _on_beam(bench, begin, base, best, unseen)
 
@@ -59,17 +68,6 @@ def rivals(
 def _standing_out(base: Fit) -> list[int]:
     shares = channel_share(base)
     return [base.problem.data.channels[int(shares.argmax())]] if shares.max() > STANDS_OUT else []
-
-
-def _on_row(
-    bench: Bench, prepared: Prepared, base: Fit, unseen: Reduced, held: Sequence[str], row: int
-) -> Iterator[Description]:
-    """Operators on one channel, where all other channels agree with a sound bench."""
-    alone = without(bench, prepared, [b for b in prepared.blocks if b.name not in set(held)], row)
-    if not _near(bench, alone):
-        return
-    yield from (of_fit(base, fit, unseen, (row,)) for fit in fitted(bench, base, list(linear(bench, row)), 1))
-    yield from by_sample(bench, prepared, alone, held, row)
 
 
 def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) -> tuple[Description, ...]:
@@ -91,6 +89,16 @@ def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
 
 def _near(bench: Bench, fit: Fit) -> bool:
     return fit.gap <= SOLVED * bench.flat and ordinary(fit)
+
+
+def _closes(base: Fit, one: Description) -> bool:
+    """Whether a description closes the gap of records it has not seen, weighed as it weighs them.
+
+    Of a channel that loses samples the record itself says that no effect does it, however little one leaves where the
+    losses count as noise.
+    """
+    before = squares(twin_of(base, one.raw), one.raw).gap
+    return excess(one.fit) <= CLOSES * (before**2 - 1)
 
 
 def _explains(bench: Bench, base: Fit, best: Fit, fit: Fit) -> bool:
