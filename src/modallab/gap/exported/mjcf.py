@@ -36,7 +36,8 @@ def write_mjcf(path: Path, twin: Twin, rig: Rig, test: Test) -> None:
 
     Raises:
         MissingPackageError: MuJoCo is not installed.
-        DataError: a response channel is no accelerometer, or MuJoCo has no spring with a law of the twin.
+        DataError: a response channel is no accelerometer, MuJoCo has no spring with a law of the twin, or the twin has
+            modes beside those of bending.
         StorageError: the file cannot be written.
     """
     text = mjcf(twin, rig, test)
@@ -52,6 +53,13 @@ def mjcf(twin: Twin, rig: Rig, test: Test) -> str:
             f"{', '.join(others)} are no accelerometers, and MuJoCo senses accelerations only here",
             where=rig.name,
             remedy="export the state space",
+        )
+    if twin.structure.side:
+        raise DataError(
+            f"the link swings beside bending as well ({', '.join(one.family for one in twin.structure.side)}), and a "
+            "chain of hinges bends only",
+            where=rig.name,
+            remedy="export the state space or the modal model",
         )
     structure = twin.structure
     if test == "sine" and rig.shaker_point is not None:
