@@ -42,7 +42,8 @@ LINES = (6, 33)
 SHARE = 0.01
 """Of the gap an effect opens that may be left."""
 LEARNED_SHARE = 0.03
-"""The same of what was learned: far below its lowest mode a family gives way by modes beyond those kept as well."""
+"""The same of what was learned: far below its lowest mode a family gives way by modes beyond as well, of which the twin
+here counts none."""
 
 
 def effect(name: str, place: dict[str, object] | None = None, **parameters: float) -> Effect:

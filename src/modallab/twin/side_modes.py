@@ -16,7 +16,9 @@ from scipy.linalg import eigh
 from modallab.twin.elements import ELEMENTS, patterns
 
 MEMBERS = 4
-"""Modes of a family: those beyond lie far above the band, and are hardly seen."""
+"""Modes of a family that swing: those beyond lie far above the band, and give way as springs do."""
+BEYOND = 40
+"""Modes of a family in all."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -44,42 +46,52 @@ class SideModes:
 
 def multiples(family: Family) -> Array:
     """(members,) natural frequencies of a family over its lowest."""
-    if family == "alone":
-        return np.ones(1)
-    return np.arange(1.0, 2.0 * MEMBERS, 2.0) if family == "twist" else _across(1.0)[0]
+    return _all(family, 1.0, 1.0)[0][:MEMBERS]
 
 
 def poles_and_columns(side: SideModes, length_m: float) -> tuple[Complex, Complex]:
     """(members,) poles and (n, members) complex shapes over the beam's degrees of freedom, scaled as `Modes` are."""
-    omega = 2 * np.pi * side.hz * multiples(side.family)
+    ratios, shapes = _all(side.family, side.power, length_m)
+    omega = 2 * np.pi * side.hz * ratios[:MEMBERS]
     damped = omega * np.sqrt(max(1 - side.zeta**2, 1e-6))
-    columns = _shapes(side, length_m) / np.sqrt(side.kg) / np.sqrt(2j * damped)
+    columns = shapes[:, :MEMBERS] / np.sqrt(side.kg) / np.sqrt(2j * damped)
     return -side.zeta * omega + 1j * damped, columns.astype(np.complex128)
 
 
-def _shapes(side: SideModes, length_m: float) -> Array:
-    """(n, members) deflection and slope at the nodes, 1 at the tip."""
-    if side.family == "across":
-        return _across(length_m)[1]
+def given_way(side: SideModes, length_m: float) -> Array:
+    """(n, n) static compliance in m/N of the family's modes beyond those, over the same degrees of freedom."""
+    return _given_way(side.family, side.power, length_m) / side.kg / (2 * np.pi * side.hz) ** 2
+
+
+@lru_cache(maxsize=16)
+def _given_way(family: Family, power: float, length_m: float) -> Array:
+    ratios, shapes = _all(family, power, length_m)
+    over = shapes[:, MEMBERS:] / ratios[MEMBERS:]
+    return over @ over.T
+
+
+@lru_cache(maxsize=16)
+def _all(family: Family, power: float, length_m: float) -> tuple[Array, Array]:
+    """(modes,) frequencies over the lowest, and (n, modes) deflection and slope at the nodes, 1 at the tip."""
+    if family == "across":
+        return _across(length_m)
     x = np.linspace(0.0, 1.0, ELEMENTS + 1)[:, None]
-    if side.family == "twist":
-        wave = np.pi / 2 * multiples("twist")
+    if family == "twist":
+        ratios = np.arange(1.0, 2.0 * BEYOND, 2.0)
+        wave = np.pi / 2 * ratios
         deflection, slope = np.sin(wave * x) / np.sin(wave), wave * np.cos(wave * x) / np.sin(wave)
     else:
-        deflection, slope = x**side.power, side.power * x ** max(side.power - 1, 0.0)
+        ratios = np.ones(1)
+        deflection, slope = x**power, power * x ** max(power - 1, 0.0)
     nodal = np.stack([deflection, slope / length_m], axis=1)
-    return nodal.reshape(2 * len(x), -1)
+    return ratios, nodal.reshape(2 * len(x), -1)
 
 
-@lru_cache(maxsize=8)
 def _across(length_m: float) -> tuple[Array, Array]:
-    """Frequencies of the bare clamped beam over its lowest, and its shapes, 1 at the tip; not to be written to."""
+    """Of the bare clamped beam."""
     pattern = patterns(length_m)
     values, vectors = eigh(pattern.mass[0][2:, 2:], pattern.stiffness[0][2:, 2:], check_finite=False)
-    lowest = values[: -MEMBERS - 1 : -1]
-    shapes = np.zeros((2 * ELEMENTS + 2, MEMBERS))
-    shapes[2:] = vectors[:, : -MEMBERS - 1 : -1]
-    shapes /= shapes[-2]
-    ratios = np.sqrt(lowest[0] / lowest)
-    ratios.flags.writeable = shapes.flags.writeable = False
-    return ratios, shapes
+    lowest = values[: -BEYOND - 1 : -1]
+    shapes = np.zeros((2 * ELEMENTS + 2, BEYOND))
+    shapes[2:] = vectors[:, : -BEYOND - 1 : -1]
+    return np.sqrt(lowest[0] / lowest), shapes / shapes[-2]

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 
 from modallab.core.rig import Beam
 from modallab.twin.elements import ELEMENTS, FIELD_TERMS, patterns, shape_rows, slope_rows, weakened
-from modallab.twin.side_modes import SideModes, poles_and_columns
+from modallab.twin.side_modes import SideModes, given_way, poles_and_columns
 
 MODES = 15
 """Modes kept: well past the band."""
@@ -147,8 +147,13 @@ def _beside(structure: Structure, bending: Modes) -> Modes:
     if not structure.side:
         return bending
     families = [poles_and_columns(one, structure.length_m) for one in structure.side]
-    poles = np.concatenate([bending.poles, *(own for own, _ in families)])
-    return replace(bending, poles=poles, columns=np.hstack([bending.columns, *(own for _, own in families)]))
+    more = sum((given_way(one, structure.length_m) for one in structure.side), np.zeros_like(bending.out_of_band))
+    return replace(
+        bending,
+        poles=np.concatenate([bending.poles, *(own for own, _ in families)]),
+        columns=np.hstack([bending.columns, *(own for _, own in families)]),
+        out_of_band=bending.out_of_band + more,
+    )
 
 
 def alike(structure: Structure, other: Structure) -> bool:
