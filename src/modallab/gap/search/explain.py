@@ -41,8 +41,6 @@ SOLVED_SHARE = 0.003
 """Share of the first excess at which it is done as well."""
 LAST_DIGIT = 2.5e-4
 """Where thousands of noise units are explained, what is left of this share is the last digit of either model."""
-LAST_DIGIT_AS_BUILT = 2e-3
-"""The same where an assembly has tolerances: an effect that leaves no more is smaller than what they move."""
 YIELDS = 0.05
 """Share of the first excess below which the two tests together yield something: the hits alone would not part more."""
 AFTER = 0.4
@@ -115,9 +113,7 @@ def with_known(bench: Bench, level: Level) -> Level:
 
 def _ends(bench: Bench, first: float, levels: list[Level]) -> float:
     """Rms residual at which no further round is worth it: of a search that began with that of `first`."""
-    if not levels:
-        return bench.watched
-    return bench.flat + (LAST_DIGIT_AS_BUILT if bench.free.deviations else LAST_DIGIT) * first
+    return bench.flat + LAST_DIGIT * first if levels else bench.watched
 
 
 def _level(bench: Bench, base: Fit) -> Level:
