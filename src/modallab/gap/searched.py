@@ -1,4 +1,4 @@
-"""What the search says of a campaign: which of its ways are gone, and in which order."""
+"""What the search says of a campaign: which ways it goes, and in which order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -63,7 +63,7 @@ def searched(
 def _unnamed(
     bench: Bench, prepared: Prepared, first: Level, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
 ) -> Searched | None:
-    """That no effect explains the gap, where something that is none does; None where that is not so."""
+    """That nothing with a name explains the gap, where an element without one does; None where none does."""
     # A clock that is off lies outside the first round.
     if clock_shows(bench) or choose(bench, [first], matters).flat:
         return None

@@ -1,4 +1,4 @@
-"""Whether what is no effect of the catalogue explains what no single effect does: then no more of them are looked for.
+"""Whether an element without a name explains what no single effect does: then no further effects are looked for.
 
 A beam that is pulled, that carries a mass on a spring or that twists is far from any beam of the catalogue, and effects
 put together approach it as polynomials approach a curve: the more of them, the less is left, and none of them is there.
