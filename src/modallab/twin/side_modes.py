@@ -17,7 +17,7 @@ from modallab.twin.elements import ELEMENTS, patterns
 
 MEMBERS = 4
 """Modes of a family that swing: those beyond lie far above the band, and give way as springs do."""
-BEYOND = 40
+IN_ALL = 40
 """Modes of a family in all."""
 
 Array = NDArray[np.float64]
@@ -77,7 +77,7 @@ def _all(family: Family, power: float, length_m: float) -> tuple[Array, Array]:
         return _across(length_m)
     x = np.linspace(0.0, 1.0, ELEMENTS + 1)[:, None]
     if family == "twist":
-        ratios = np.arange(1.0, 2.0 * BEYOND, 2.0)
+        ratios = np.arange(1.0, 2.0 * IN_ALL, 2.0)
         wave = np.pi / 2 * ratios
         deflection, slope = np.sin(wave * x) / np.sin(wave), wave * np.cos(wave * x) / np.sin(wave)
     else:
@@ -91,7 +91,7 @@ def _across(length_m: float) -> tuple[Array, Array]:
     """Of the bare clamped beam."""
     pattern = patterns(length_m)
     values, vectors = eigh(pattern.mass[0][2:, 2:], pattern.stiffness[0][2:, 2:], check_finite=False)
-    lowest = values[: -BEYOND - 1 : -1]
-    shapes = np.zeros((2 * ELEMENTS + 2, BEYOND))
-    shapes[2:] = vectors[:, : -BEYOND - 1 : -1]
+    lowest = values[: -IN_ALL - 1 : -1]
+    shapes = np.zeros((2 * ELEMENTS + 2, IN_ALL))
+    shapes[2:] = vectors[:, : -IN_ALL - 1 : -1]
     return np.sqrt(lowest[0] / lowest), shapes / shapes[-2]
