@@ -15,10 +15,11 @@ from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.explain import explain, rounds
 from modallab.gap.search.faint import linear_or_faint
 from modallab.gap.search.fitting import Bench, baseline, settled
+from modallab.gap.search.one_channel import on_one_channel
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped import search_stepped
-from modallab.gap.unknown.description import Description
-from modallab.gap.unknown.rival import rivals
+from modallab.gap.unknown.description import Description, per_number, worth
+from modallab.gap.unknown.rival import channel_alone, near, rivals, unexplained
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,18 +57,25 @@ def searched(
         return Searched(_settled(search_stepped(bench, prepared, base, overtones, matters, unseen)))
     with part(0.0, 0.3):
         first = rounds(bench, base, 1)[0]
-    unnamed = _unnamed(bench, prepared, first, matters, unseen, held)
-    return unnamed or Searched(_settled(_by_levels(bench, prepared, first, matters, unseen)))
+    early = _early(bench, prepared, first, matters, unseen, held)
+    return early or Searched(_settled(_by_levels(bench, prepared, first, matters, unseen)))
 
 
-def _unnamed(
+def _early(
     bench: Bench, prepared: Prepared, first: Level, matters: Reduced | None, unseen: Reduced, held: Sequence[str]
 ) -> Searched | None:
-    """That nothing with a name explains the gap, where an element without one does; None where none does."""
-    # A clock that is off lies outside the first round.
-    if clock_shows(bench) or choose(bench, [first], matters).flat:
+    """What is seen before further rounds: two effects on one channel, or an element without a name; None if neither is.
+
+    A clock that is off lies outside the first round.
+    """
+    if clock_shows(bench) or not unexplained(bench, prepared, first) or choose(bench, [first], matters).flat:
         return None
-    behaves = rivals(bench, prepared, first, unseen, held)
+    alone = channel_alone(bench, prepared, first, held)
+    behaves = rivals(bench, prepared, first, alone, unseen, held)
+    if alone is not None and not alone.loses:
+        pairs = on_one_channel(bench, alone.fit, alone.row)
+        if pairs and near(bench, pairs[0]) and not (behaves and worth(behaves[0]) < per_number(pairs[0])):
+            return Searched(_settled(choose(bench, [replace(first, fits=(*pairs, *first.fits))], matters)))
     return Searched(Choice(first.base, first.base, first.fits, False, False), behaves) if behaves else None
 
 

@@ -145,6 +145,12 @@ def cost_of(fit: Fit) -> float:
     return fit.cost
 
 
+def priced(fit: Fit) -> float:
+    """Cost of a fit with the price of its effects' numbers (Schwarz, Ann. Stat. 6, 1978, 461)."""
+    numbers = sum(len(c.slots) for c in fit.problem.candidates)
+    return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))
+
+
 def seen(problem: Problem, u: Array, normal: Array | None = None) -> Fit:
     """These numbers as a fit of a problem; its curvature is that of priors alone where none is given."""
     r = problem.residual(u)

@@ -6,10 +6,9 @@ import numpy as np
 
 from modallab.core.described import Learned
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.model.fit import Fit
+from modallab.gap.model.fit import Fit, priced
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.intervals import intervals
-from modallab.gap.unknown.fitted import priced
 from modallab.twin.learned import elements
 
 
@@ -55,10 +54,15 @@ def of_fit(base: Fit, fit: Fit, unseen: Reduced, rows: tuple[int, ...] = ()) -> 
 
 def worth(one: Description) -> float:
     """What it leaves per number; a description of fewer numbers goes first where both leave about as little."""
-    count = max(np.count_nonzero(one.fit.residual), 1)
     # Elements that act sample by sample have numbers too, though no fit of lines knows of them.
     more = sum(len(e.parameters) for e in one.learned) if not one.fit.problem.candidates else 0
-    return (priced(one.fit) + more * float(np.log(count))) / count
+    return per_number(one.fit, more)
+
+
+def per_number(fit: Fit, more: int = 0) -> float:
+    """What a fit leaves for each number measured, at the price of its own numbers and so many more."""
+    count = max(np.count_nonzero(fit.residual), 1)
+    return (priced(fit) + more * float(np.log(count))) / count
 
 
 def stage_of(description: Description) -> str:

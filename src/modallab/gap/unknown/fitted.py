@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.effects import Place
-from modallab.gap.model.fit import Fit, cost_of
+from modallab.gap.model.fit import Fit, cost_of, priced
 from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.fitting import COARSE, Bench, finish, misfit, short
 from modallab.twin.candidate import Candidate
@@ -83,9 +83,3 @@ def finished(bench: Bench, base: Fit, looks: Sequence[Fit], best: int = BEST) ->
 def fitted(bench: Bench, base: Fit, trials: Sequence[Trial], best: int = BEST) -> list[Fit]:
     """The best of some elements brought to their end on all data, best first."""
     return sorted(finished(bench, base, likely(bench, base, trials), best), key=priced)
-
-
-def priced(fit: Fit) -> float:
-    """Cost of a fit with the price of its elements' numbers (Schwarz, Ann. Stat. 6, 1978, 461)."""
-    numbers = sum(len(c.slots) for c in fit.problem.candidates)
-    return fit.cost + numbers * float(np.log(max(np.count_nonzero(fit.residual), 1)))

@@ -6,6 +6,7 @@ A channel that loses samples reads as one whose gain is too small, with noise on
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
@@ -30,39 +31,78 @@ STANDS_OUT = 0.4
 """Share of the misfit from which a channel is looked at by itself."""
 
 
-def rivals(
-    bench: Bench, prepared: Prepared, first: Level, unseen: Reduced, held: Sequence[str]
-) -> tuple[Description, ...]:
-    """What explains the gap where no single effect does, best first; nothing where an effect does, or nothing does.
+@dataclass(frozen=True, eq=False, slots=True)
+class Alone:
+    """A channel that is off where all others agree with a sound bench.
+
+    Attributes:
+        row: the channel.
+        fit: the twin as the other channels have it.
+        loses: whether it loses samples, as its records show.
+    """
+
+    row: int
+    fit: Fit
+    loses: bool
+
+
+def unexplained(bench: Bench, prepared: Prepared, first: Level) -> bool:
+    """Whether no single effect brings the gap to its floor, or only one on a channel that loses samples."""
+    best = best_of(first)
+    return not near(bench, best) or any(row in _rows(best) for row in prepared.repeated)
+
+
+def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence[str]) -> Alone | None:
+    """The channel that is off alone, if there is one.
 
     Args:
         bench: what is searched.
         prepared: the campaign.
         first: the round of single effects.
+        held: records that no fit may see.
+    """
+    best = best_of(first)
+    losing = [row for row in prepared.repeated if row in _rows(best) or not near(bench, best)]
+    fitted = [b for b in prepared.blocks if b.name not in set(held)]
+    for row in losing or _standing_out(rested(bench, first.base)):
+        alone = without(bench, prepared, fitted, row)
+        if near(bench, alone):
+            return Alone(row, alone, bool(losing))
+    return None
+
+
+def rivals(
+    bench: Bench, prepared: Prepared, first: Level, alone: Alone | None, unseen: Reduced, held: Sequence[str]
+) -> tuple[Description, ...]:
+    """What explains the gap where no single effect does, best first; nothing where nothing does.
+
+    Args:
+        bench: what is searched.
+        prepared: the campaign.
+        first: the round of single effects, which is `unexplained`.
+        alone: the channel that is off alone, if there is one.
         unseen: records that no fit has seen.
         held: their names.
     """
-    base = first.base
-    best = min(first.fits, key=cost_of, default=base)
-    sound = _near(bench, best)
-    own = {e.place.get("channel") for e in best.effects}
-    losing = [row for row in prepared.repeated if row in own or not sound]
-    if sound and not losing:
-        return ()
+    base, best = first.base, best_of(first)
     begin = rested(bench, base)
-    for row in losing or _standing_out(begin):
-        alone = without(bench, prepared, [b for b in prepared.blocks if b.name not in set(held)], row)
-        # Where all other channels agree with a sound bench, it is this one.
-        if not _near(bench, alone):
-            continue
-        found = sorted(by_sample(bench, prepared, alone, held, row), key=worth)
-        if losing and _closes(base, found[0]):
-            return tuple(found)
-        found += (of_fit(base, fit, unseen, (row,)) for fit in fitted(bench, begin, list(linear(bench, row)), 1))
-        found.sort(key=worth)
-        if _explains(bench, base, best, found[0].fit):
-            return tuple(found)
-    return () if sound else _on_beam(bench, begin, base, best, unseen)
+    if alone is None:
+        return () if near(bench, best) else _on_beam(bench, begin, base, best, unseen)
+    found = sorted(by_sample(bench, prepared, alone.fit, held, alone.row), key=worth)
+    if alone.loses and _closes(base, found[0]):
+        return tuple(found)
+    operators = fitted(bench, begin, list(linear(bench, alone.row)), 1)
+    found = sorted([*found, *(of_fit(base, fit, unseen, (alone.row,)) for fit in operators)], key=worth)
+    return tuple(found) if _explains(bench, base, best, found[0].fit) else ()
+
+
+def best_of(first: Level) -> Fit:
+    """The best single effect, or the twin without any."""
+    return min(first.fits, key=cost_of, default=first.base)
+
+
+def _rows(fit: Fit) -> set[object]:
+    return {e.place.get("channel") for e in fit.effects}
 
 
 def _standing_out(base: Fit) -> list[int]:
@@ -87,7 +127,8 @@ def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
     return seen(Problem(bench.thin, bench.free, best.problem.candidates, floor, held=held), best.u).cost
 
 
-def _near(bench: Bench, fit: Fit) -> bool:
+def near(bench: Bench, fit: Fit) -> bool:
+    """Whether a fit leaves no more than noise, on a bench that is put together as benches are."""
     return fit.gap <= SOLVED * bench.flat and ordinary(fit)
 
 
@@ -102,4 +143,4 @@ def _closes(base: Fit, one: Description) -> bool:
 
 
 def _explains(bench: Bench, base: Fit, best: Fit, fit: Fit) -> bool:
-    return (_near(bench, fit) or excess(fit) <= CLOSES * excess(base)) and excess(fit) <= LEAVES * excess(best)
+    return (near(bench, fit) or excess(fit) <= CLOSES * excess(base)) and excess(fit) <= LEAVES * excess(best)
