@@ -72,7 +72,7 @@ def drain(process: RigProcess, ended_by: list[ModallabError] | None = None) -> N
 def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiServer, rig: Rig, tmp_path: Path):
     process, runner = started(paced, rig, tmp_path)
     process.process.kill()
-    # Sooner than a missing sign of life would: it is the death that is seen. How soon, benchmarks/kill_shaker.py measures.
+    # Sooner than a missing sign of life would: the death is seen. benchmarks/kill_shaker.py measures how soon.
     assert wait_for_volts(paced, on=False) < TIMEOUT_S
     runner.join()
     process.close()
