@@ -65,8 +65,13 @@ def looked_at(bench: Bench, base: Fit, trial: Trial) -> Fit:
         begins += [] if own else [s.u for s in starts((c,), bench.free, bench.poles, BEGINS)]
     if not own:
         begins += [np.concatenate([base.u[:size], [s.coordinate(s.starts[0]) for s in c.slots]])]
-    floor = min(COARSE, max(misfit(base.problem, base.u), 0.003))
+    floor = at_a_look(base)
     return min((short(bench, (c,), u, floor) for u in begins), key=cost_of)
+
+
+def at_a_look(base: Fit) -> float:
+    """Relative model error that is forgiven while elements are looked at from a fit without any."""
+    return min(COARSE, max(misfit(base.problem, base.u), 0.003))
 
 
 def likely(bench: Bench, base: Fit, trials: Sequence[Trial]) -> list[Fit]:

@@ -14,11 +14,11 @@ from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.measure import squares
 from modallab.gap.search.explain import SOLVED
-from modallab.gap.search.fitting import COARSE, Bench, excess, misfit, ordinary, rested
+from modallab.gap.search.fitting import Bench, excess, ordinary, rested
 from modallab.gap.search.pool import channel_share
 from modallab.gap.search.round import Level
 from modallab.gap.unknown.description import Description, of_fit, worth
-from modallab.gap.unknown.fitted import finished, fitted, likely
+from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
 from modallab.gap.unknown.on_beam import along, on_all_rows
 from modallab.gap.unknown.on_row import by_sample, linear, without
 from modallab.gap.unknown.spare_poles import of_spare_poles
@@ -122,9 +122,8 @@ def _on_beam(bench: Bench, begin: Fit, base: Fit, best: Fit, unseen: Reduced) ->
 
 def _at_a_look(bench: Bench, begin: Fit, best: Fit) -> float:
     """What the best effect leaves where as much is forgiven as at a look at an element."""
-    floor = min(COARSE, max(misfit(begin.problem, begin.u), 0.003))
     held = (float(best.u[0]), float(best.u[1]), float(best.u[2]))
-    return seen(Problem(bench.thin, bench.free, best.problem.candidates, floor, held=held), best.u).cost
+    return seen(Problem(bench.thin, bench.free, best.problem.candidates, at_a_look(begin), held=held), best.u).cost
 
 
 def near(bench: Bench, fit: Fit) -> bool:
