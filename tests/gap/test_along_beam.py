@@ -16,7 +16,7 @@ from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.along_beam import along_the_beam
 from modallab.twin.bench import Twin
 from modallab.twin.effects import model_of
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 PLACE, ELSEWHERE, K3 = 0.82, 0.65, 2e6
 

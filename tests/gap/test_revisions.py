@@ -21,7 +21,7 @@ from modallab.gap.report.inspected import known_already
 from modallab.gap.revisions.apply import at_revision, with_diagnosis
 from modallab.gap.revisions.history import history
 from modallab.reporting.revisions_report import revisions_section
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 from modallab_simulators.cantilever import open_bench
 
 Make = Callable[..., Campaign]

@@ -16,7 +16,7 @@ from modallab.gap.model.minimise import jacobian
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.sensitivity import smooth_in
 from modallab.twin.candidate import Candidate
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 STEP = 1e-3
 

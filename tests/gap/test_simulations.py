@@ -31,7 +31,7 @@ from modallab.gap.simulations.held_against import held_against
 from modallab.gap.simulations.played import played
 from modallab.gap.simulations.said import sentence_of
 from modallab.reporting.simulation_report import write_simulation_report
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 MASS = Effect(effect="added_mass", parameters={"mass": 0.05}, place={"x": 0.8})

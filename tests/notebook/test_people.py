@@ -45,7 +45,7 @@ def test_arrays_give_the_modes_within_their_sigmas(model: ml.Model, twin: ml.Dia
 
 
 def ml_modes(twin: ml.DiagnosedTwin) -> np.ndarray:
-    from modallab.twin.structure import solve
+    from modallab.twin.modes import solve
 
     return solve(twin.twin.structure).frequency_hz[:3]
 

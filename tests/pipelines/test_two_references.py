@@ -39,7 +39,8 @@ from modallab.pipelines.identify import Identified, identify_campaign
 from modallab.signals.signals import Signals, to_signals, to_signals_of
 from modallab.storage import Store
 from modallab.storage.imported import keep_campaign
-from modallab.twin.structure import MODES, Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import MODES, Structure
 from modallab_simulators.cantilever.bench import CantileverBench
 from modallab_simulators.cantilever.draw import draw_damping
 

@@ -6,7 +6,7 @@ from twin_campaign import bench, link
 
 from modallab.core.effects import Effect
 from modallab.twin.effects import apply
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 RIG = link()
 

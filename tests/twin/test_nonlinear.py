@@ -7,10 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Twin
+from modallab.twin.modes import solve
 from modallab.twin.nonlinear import stepping
 from modallab.twin.nonlinear.element import Element, Law, coupling
 from modallab.twin.predict import predict_hit, predict_sine
-from modallab.twin.structure import Structure, solve
+from modallab.twin.structure import Structure
 
 RATE = 2000.0
 CHANNELS = (1, 2)

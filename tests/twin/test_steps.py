@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from modallab.twin.modes import solve
 from modallab.twin.nonlinear import records
 from modallab.twin.nonlinear.element import Element, Law, coupling
 from modallab.twin.nonlinear.in_band import Fine
 from modallab.twin.nonlinear.sampling import rising_sine
 from modallab.twin.nonlinear.steps import Steps
-from modallab.twin.structure import Structure, solve
+from modallab.twin.structure import Structure
 
 BEAM = Structure(0.9, 0.05, 0.006, 2.05e11, 7850.0, np.full(15, 0.006))
 UNIT = BEAM.bending_stiffness / BEAM.length_m

@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 
 from modallab.core.rig import Beam
 from modallab.twin.base_motion import base_transmission
-from modallab.twin.structure import Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.002, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
 RIGID = Structure.of(BEAM, 0.006)

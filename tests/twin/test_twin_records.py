@@ -8,9 +8,10 @@ from scipy.signal import cont2discrete, lfilter
 
 from modallab.core.rig import Beam
 from modallab.twin.bench import Chain, Mount, Twin, transfer
+from modallab.twin.modes import solve
 from modallab.twin.predict import predict_hit, predict_sine
 from modallab.twin.response import Rise
-from modallab.twin.structure import Structure, solve
+from modallab.twin.structure import Structure
 
 BEAM = Beam(length_m=1.0, width_m=0.05, thickness_m=0.006, youngs_modulus_pa=2.05e11, density_kg_m3=7850.0)
 TWIN = Twin(Structure.of(BEAM, 0.006))

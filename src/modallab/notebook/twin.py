@@ -11,7 +11,7 @@ from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Rig
 from modallab.notebook.measured import MeasuredFrf, frf
 from modallab.twin.bench import Twin
-from modallab.twin.structure import Modes, solve
+from modallab.twin.modes import Modes, solve
 
 Real = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from modallab.acquisition.procedures.struck_point.expected import ExpectedModes
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE
-from modallab.twin.structure import Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 
 def expected_modes(rig: Rig) -> ExpectedModes | None:

@@ -14,7 +14,8 @@ from modallab.core.frozen import Frozen
 from modallab.core.plan import BLOCK_S
 from modallab.core.rig import Beam
 from modallab.reporting.figures.resolution import readings
-from modallab.twin.structure import Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 

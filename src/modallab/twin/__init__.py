@@ -8,9 +8,10 @@ if TYPE_CHECKING:
     from modallab.twin.base_motion import base_transmission
     from modallab.twin.bench import Chain, Mount, Twin, transfer
     from modallab.twin.effects import apply
+    from modallab.twin.modes import Modes, solve
     from modallab.twin.predict import predict_hit, predict_sine
     from modallab.twin.response import Hits, Rise, Sines
-    from modallab.twin.structure import Modes, Structure, believed_root, solve
+    from modallab.twin.structure import Structure, believed_root
 
 __all__ = [
     "Chain",

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.twin.structure import OWN, Structure, matrices, solve
+from modallab.twin.matrices import OWN, matrices
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from modallab.core.rig import Rig
 from modallab.core.units import DERIVATIVE, Test
+from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Element
-from modallab.twin.structure import Modes, Structure
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.bench import Chain, Twin, exchanged, transfer
+from modallab.twin.modes import Modes, solve
 from modallab.twin.nonlinear.element import coupling
 from modallab.twin.nonlinear.records import acceleration, in_hit, in_sine, ready
 from modallab.twin.response import Hits, Rise, Sines
-from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from modallab.twin.structure import Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,9 @@ from modallab.core.errors import DataError
 from modallab.gap.exported.chain import Chain, orthonormal
 from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
+from modallab.twin.modes import solve
 from modallab.twin.nonlinear.element import Element, Law
-from modallab.twin.structure import Structure, solve
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,8 @@ from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.gap.exported.state_space import StateSpace, modal
 from modallab.signals.conversion import sign_of
 from modallab.twin.bench import Twin
-from modallab.twin.structure import Structure, solve
+from modallab.twin.modes import solve
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 

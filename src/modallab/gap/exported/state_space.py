@@ -18,8 +18,8 @@ from modallab.core.rig import Rig
 from modallab.core.units import Test
 from modallab.gap.exported.mjcf_laws import require_proportion
 from modallab.twin.bench import Chain, Twin
+from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

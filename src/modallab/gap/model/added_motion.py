@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.twin.bench import Twin
+from modallab.twin.modes import Modes, undamped_key
 from modallab.twin.nonlinear.element import Coupling, coupling
 from modallab.twin.nonlinear.records import in_hit, in_sine, ready
 from modallab.twin.predict import drifted, sensor_positions
 from modallab.twin.response import Hits, Sines
-from modallab.twin.structure import Modes, undamped_key
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

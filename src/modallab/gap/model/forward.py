@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
 from modallab.gap.model.added_motion import added_to_hits, added_to_sines
 from modallab.twin.bench import Chain, Twin, exchanged, transfer
+from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Hits, Sines
-from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -17,7 +17,7 @@ from scipy.optimize import minimize
 from modallab.gap.model.nuisances import Nuisances
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import apply
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

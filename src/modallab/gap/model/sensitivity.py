@@ -17,24 +17,19 @@ from numpy.typing import NDArray
 
 from modallab.core.units import Test
 from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
-from modallab.gap.model.forward import (
-    hit_ratios,
-    impact_residual,
-    impact_residue,
-    on_clock,
-    sine_drift,
-    sine_residual,
-    sine_residue,
-)
+from modallab.gap.model.forward import hit_ratios, on_clock, sine_drift
+from modallab.gap.model.many_modes import ManyModes, Numbers, of_hits, of_sines, sensor_rows
 from modallab.twin.bench import Chain, Twin, exchanged, is_flat, transfer
-from modallab.twin.structure import Modes, Neighbours, Structure, alike, solve
+from modallab.twin.modes import Modes, alike, solve
+from modallab.twin.neighbours import Neighbours
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 Kernel = Callable[[Complex], Complex]
 """From (p,) poles to (channels or 1, p, rows), the answers per unit residue at gain 1."""
-Numbers = Callable[[Twin, Modes], tuple[Complex, Complex, Array]]
-"""From a twin and its modes to (p,) poles, (channels, p) residues and (channels,) static remainder."""
+Follow = Callable[[Sequence[Twin], ManyModes], Numbers]
+"""From twins and their modes to what their answers follow from."""
 
 SLOPE = 1e-6
 """Relative step of a pole for the slopes of the kernels."""
@@ -46,10 +41,11 @@ class Tangent:
     def __init__(self, twin: Twin, data: Reduced) -> None:
         """Evaluate the kernels of `twin` on `data`."""
         self.data, self.twin = data, twin
-        modes = self._modes = solve(twin.structure)
+        modes = self._modes = self._hung = solve(twin.structure)
         self._parts = [_of_hits(twin, modes, d, data) for d in data.impacts]
         if data.sines is not None:
-            self._parts.append(_of_sines(twin, _hung(twin, modes, data), data.sines, data))
+            self._hung = _hung(twin, modes, data)
+            self._parts.append(_of_sines(twin, self._hung, data.sines, data))
 
     def changes(self, twins: Sequence[Twin], near: int = 0) -> list[Complex]:
         """(twins, channels, rows) each: what twins of nearly the same structure, places and gains add.
@@ -61,30 +57,30 @@ class Tangent:
         Returns:
             NaN for a twin of which a mode swings that does not here, or the other way round: there no slope leads.
         """
-        first = len(twins) - near
-        beside = Neighbours(self.twin.structure) if near else None
-        modes = [self._solved(t.structure, beside if i >= first else None) for i, t in enumerate(twins)]
-        found: list[Complex] = []
-        for part in self._parts:
-            own = modes if part.test == "impact" else self._all_hung(twins, modes, first)
-            found.append(exchanged(self.twin.chain, self.data.channels, part.test, part.changes(twins, own, self.data)))
-        return found
+        first, usual = len(twins) - near, len(self._modes.poles)
+        modes = _next_to(self._modes, self.twin.structure, [t.structure for t in twins], first)
+        sensors = sensor_rows([self.twin, *twins], self._modes, self.data)[1:]
+        own = {"impact": ManyModes.of(modes, sensors, usual)}
+        if self.data.sines is not None:
+            hung = self._all_hung(twins, modes, self.data.sines.pieces[0].drive_x_m, first)
+            own["sine"] = own["impact"] if hung is modes else ManyModes.of(hung, sensors, len(self._hung.poles))
+        chain, channels = self.twin.chain, self.data.channels
+        return [exchanged(chain, channels, p.test, p.changes(twins, own[p.test], self.data)) for p in self._parts]
 
-    def _solved(self, structure: Structure, beside: Neighbours | None) -> Modes:
-        if beside is None:
-            return solve(structure)
-        return self._modes if alike(structure, self.twin.structure) else beside.solve(structure)
+    def _all_hung(self, twins: Sequence[Twin], modes: list[Modes], x_m: float, first: int) -> list[Modes]:
+        """The modes while the shaker hangs on them."""
+        here, hung = self.twin.in_sine(x_m), [t.in_sine(x_m) for t in twins]
+        if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins, strict=True)):
+            return modes
+        return _next_to(self._hung, here, hung, first)
 
-    def _all_hung(self, twins: Sequence[Twin], modes: Sequence[Modes], first: int) -> list[Modes]:
-        assert self.data.sines is not None
-        x = self.data.sines.pieces[0].drive_x_m
-        here, hung = self.twin.in_sine(x), [t.in_sine(x) for t in twins[first:]]
-        if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins[first:], strict=True)):
-            near = list(modes[first:])
-        else:
-            same, beside = solve(here), Neighbours(here)
-            near = [same if alike(s, here) else beside.solve(s) for s in hung]
-        return [*(_hung(t, m, self.data) for t, m in zip(twins[:first], modes[:first], strict=True)), *near]
+
+def _next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
+    """The modes of structures next to one whose modes are known; those of the first of them exactly."""
+    found = [solve(s) for s in there[:first]]
+    moved = [k for k in range(first, len(there)) if not alike(there[k], here)]
+    near = dict(zip(moved, Neighbours(here).solve([there[k] for k in moved]), strict=True)) if moved else {}
+    return [*found, *(near.get(k, modes) for k in range(first, len(there)))]
 
 
 def _hung(twin: Twin, modes: Modes, data: Reduced) -> Modes:
@@ -113,30 +109,23 @@ class _Part:
     """
 
     test: Test
-    numbers: Numbers
+    numbers: Follow
     kernels: Array
     poles: Complex
     residue: Complex
     residual: Array
     gains: Array
 
-    def changes(self, twins: Sequence[Twin], modes: Sequence[Modes], data: Reduced) -> Complex:
+    def changes(self, twins: Sequence[Twin], modes: ManyModes, data: Reduced) -> Complex:
         """(twins, channels, rows) what the twins with these modes add."""
-        there = [self._alike(self.numbers(t, m)) for t, m in zip(twins, modes, strict=True)]
-        dp = np.array([p for p, _, _ in there]) - self.poles
-        dr = np.array([r for _, r, _ in there]) - self.residue
-        ds = np.array([s for _, _, s in there]) - self.residual
+        poles, residue, residual = self.numbers(twins, modes)
+        dp, dr, ds = poles - self.poles, residue - self.residue, residual - self.residual
         louder = (np.array([_gains(t.chain, data) for t in twins]) / self.gains - 1)[:, :, None]
         moved = dr + louder * self.residue
         turned = self.residue * dp[:, None]
         static = ds[:, :, None] + louder * self.residual[:, None]
         weights = np.concatenate([moved.real, moved.imag, turned.real, turned.imag, static], axis=2)
         return self._summed(weights * self.gains[:, None])
-
-    def _alike(self, numbers: tuple[Complex, Complex, Array]) -> tuple[Complex, Complex, Array]:
-        if len(numbers[0]) == len(self.poles):
-            return numbers
-        return np.full_like(self.poles, np.nan), np.full_like(self.residue, np.nan), numbers[2]
 
     def _summed(self, weights: Array) -> Complex:
         if len(self.kernels) == 1:
@@ -147,14 +136,16 @@ class _Part:
 
 
 def _part(
-    test: Test, numbers: Numbers, kernel: Kernel, static: Complex, middle: tuple[Twin, Modes], data: Reduced
+    test: Test, numbers: Follow, kernel: Kernel, static: Complex, middle: tuple[Twin, Modes], data: Reduced
 ) -> _Part:
-    poles, residue, residual = numbers(*middle)
+    twin, modes = middle
+    many = ManyModes.of([modes], sensor_rows([twin], modes, data), len(modes.poles))
+    poles, residue, residual = (own[0] for own in numbers([twin], many))
     up, up_slope = _with_slope(kernel, poles)
     down, down_slope = _with_slope(kernel, poles.conj())
     parts = (up + down, 1j * (up - down), up_slope + down_slope, 1j * (up_slope - down_slope), static[:, None])
     kernels = np.ascontiguousarray(np.concatenate(parts, axis=1)).view(np.float64)
-    return _Part(test, numbers, kernels, poles, residue, residual, _gains(middle[0].chain, data))
+    return _Part(test, numbers, kernels, poles, residue, residual, _gains(twin.chain, data))
 
 
 def _with_slope(kernel: Kernel, poles: Complex) -> tuple[Complex, Complex]:
@@ -178,8 +169,8 @@ def _of_hits(twin: Twin, modes: Modes, d: ImpactData, data: Reduced) -> _Part:
         forced, tail = source.kernel(poles, ratios)
         return on_lines[:, None] * forced + unit(poles)[:, :, None] * tail
 
-    def numbers(t: Twin, m: Modes) -> tuple[Complex, Complex, Array]:
-        return (*impact_residue(t, m, d, data), impact_residual(t, m, d, data))
+    def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
+        return of_hits(twins, m, d, data)
 
     return _part("impact", numbers, kernel, on_lines * source.s**2, (twin, modes), data)
 
@@ -198,8 +189,8 @@ def _of_sines(twin: Twin, modes: Modes, d: SineData, data: Reduced) -> _Part:
         total += (decay * at)[..., None] * source.decay_shape(p)
         return total.reshape(len(total), len(poles), -1)
 
-    def numbers(t: Twin, m: Modes) -> tuple[Complex, Complex, Array]:
-        return (*sine_residue(t, m, d, data, None), sine_residual(t, m, d, data, None)[:, 0])
+    def numbers(twins: Sequence[Twin], m: ManyModes) -> Numbers:
+        return of_sines(twins, m, d)
 
     static = (up + down) * (source.drive**2 / scale**2)[:, None]
     return _part("sine", numbers, kernel, static.reshape(len(static), -1), (twin, modes), data)
@@ -209,7 +200,6 @@ def smooth_in(twin: Twin, other: Twin) -> bool:
     """Whether two twins differ in no more than structure, places and gains, and answer in proportion."""
     if twin.element is not None or other.element is not None:
         return False
-    chain = replace(other.chain, gain=twin.chain.gain, shift=twin.chain.shift, force_gain=twin.chain.force_gain)
     fields = ("corner_hz", "mounts", "delay_s", "skew_s", "swap", "lag_s", "own_corner_hz", "low_pass_hz")
-    alike = all(getattr(chain, f) == getattr(twin.chain, f) for f in fields)
-    return alike and all(getattr(twin, f) == getattr(other, f) for f in ("ei_drift", "drift_curve", "clock"))
+    same_chain = all(getattr(other.chain, f) == getattr(twin.chain, f) for f in fields)
+    return same_chain and all(getattr(twin, f) == getattr(other, f) for f in ("ei_drift", "drift_curve", "clock"))

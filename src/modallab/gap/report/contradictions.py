@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.search.choose import Choice
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -22,7 +22,7 @@ from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.report.levels import levels_differ
 from modallab.gap.search.fitting import COARSE, Bench, excess
 from modallab.gap.search.pool import channel_share
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

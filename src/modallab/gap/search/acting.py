@@ -22,8 +22,8 @@ from modallab.twin.candidate import Candidate
 from modallab.twin.effect_model import Acts
 from modallab.twin.effects import search_of
 from modallab.twin.elements import curvature_rows, shape_rows
+from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
-from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import WORKERS, jacobian
 from modallab.twin.effects import search_of
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ simulation as many as it was given.
 from modallab.gap.model.fit import Fit
 from modallab.twin.bench import Twin
 from modallab.twin.elements import slope_rows
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 HIDDEN = "a joint this stiff does not show beside what the higher modes of the beam give way"
 

@@ -19,7 +19,7 @@ from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import excess, ordinary
 from modallab.twin.candidate import Slot
 from modallab.twin.effects import search_of
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 

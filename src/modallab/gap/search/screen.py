@@ -18,7 +18,7 @@ from modallab.gap.model.prefit import start, starts
 from modallab.gap.search.lows import lows
 from modallab.twin.candidate import Candidate, Slot
 from modallab.twin.effects import model_of, search_of
-from modallab.twin.structure import solve
+from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

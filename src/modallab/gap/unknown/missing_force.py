@@ -19,9 +19,9 @@ from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward, hit_ratios, on_clock
 from modallab.gap.model.minimise import jacobian
 from modallab.twin.bench import Twin, transfer
+from modallab.twin.modes import Modes, solve
 from modallab.twin.predict import sensor_positions
 from modallab.twin.response import Hits
-from modallab.twin.structure import Modes, solve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from modallab.core.quadrature import gauss_legendre
 from modallab.twin.elements import ELEMENTS, curvature_rows, flexibility, shape_rows, slope_rows, weakened
-from modallab.twin.structure import Modes, Structure
+from modallab.twin.modes import Modes
+from modallab.twin.structure import Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Coupling, Law
 from modallab.twin.nonlinear.in_band import REACH, Fine
 from modallab.twin.nonlinear.steps import Steps
-from modallab.twin.structure import Modes
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.elements import shape_rows
+from modallab.twin.modes import Modes
 from modallab.twin.nonlinear.element import Coupling, Law
 from modallab.twin.nonlinear.pushed import Pushed, padded
-from modallab.twin.structure import Modes
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]

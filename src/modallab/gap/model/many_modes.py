@@ -1,0 +1,89 @@
+"""What the answers of many twins follow from, at once: their poles, residues and what the modes left out add.
+
+As `modallab.gap.model.forward` has it of one twin; the slopes of a fit ask for all its numbers at every step.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.conditioning.reduce import ImpactData, Reduced, SineData
+from modallab.gap.model.forward import drift_scale
+from modallab.twin.bench import Twin
+from modallab.twin.elements import shape_rows
+from modallab.twin.modes import Modes
+from modallab.twin.predict import sensor_positions
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+Numbers = tuple[Complex, Complex, Array]
+"""(twins, p) poles, (twins, channels, p) residues and (twins, channels) static remainder."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ManyModes:
+    """The modes of many twins, and where their accelerometers sit.
+
+    Attributes:
+        poles: (twins, p); NaN for a twin with other modes.
+        columns: (twins, n, p) as in `Modes`; NaN too.
+        out_of_band: of each twin, as in `Modes`.
+        sensors: (twins, channels, n) rows that take a shape at the accelerometers.
+        length_m: of the beam.
+    """
+
+    poles: Complex
+    columns: Complex
+    out_of_band: tuple[Array, ...]
+    sensors: Array
+    length_m: float
+
+    @classmethod
+    def of(cls, modes: Sequence[Modes], sensors: Array, count: int) -> Self:
+        """Of twins whose accelerometers sit there, with so many modes as a rule."""
+        poles = np.full((len(modes), count), np.nan, dtype=np.complex128)
+        columns = np.full((len(modes), sensors.shape[2], count), np.nan, dtype=np.complex128)
+        for k, own in enumerate(modes):
+            if len(own.poles) == count:
+                poles[k], columns[k] = own.poles, own.columns
+        return cls(poles, columns, tuple(m.out_of_band for m in modes), sensors, modes[0].length_m)
+
+    def at(self, x_m: Sequence[float]) -> tuple[Complex, Array]:
+        """(twins, p) shapes at one place on each twin, and (twins, channels) static m per N that others add there."""
+        rows = np.array([shape_rows(x, self.length_m)[0] for x in x_m])
+        pushed = np.array([given @ row for given, row in zip(self.out_of_band, rows, strict=True)])
+        return (rows[:, None] @ self.columns)[:, 0], (self.sensors @ pushed[:, :, None])[:, :, 0]
+
+
+def sensor_rows(twins: Sequence[Twin], modes: Modes, data: Reduced) -> Array:
+    """(twins, channels, n) rows that take a shape at the accelerometers of each twin."""
+    first, *others = twins
+    usual = shape_rows(sensor_positions(first.chain, modes, data.channels, data.x_m), modes.length_m)
+    rows = [usual]
+    for twin in others:
+        moved = twin.chain.shift != first.chain.shift
+        x = sensor_positions(twin.chain, modes, data.channels, data.x_m) if moved else None
+        rows.append(usual if x is None else shape_rows(x, modes.length_m))
+    return np.array(rows)
+
+
+def of_hits(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduced) -> Numbers:
+    """The numbers of hits at one point, on twins that drift alike."""
+    x, scale = d.piece.drive_x_m, float(drift_scale(twins[0], d.piece.order, data))
+    drive, static = modes.at([t.struck_x_m(x) for t in twins])
+    gain = np.array([[t.hit_gain(x)] for t in twins])
+    residue = modes.sensors @ modes.columns * (drive * gain / scale)[:, None]
+    return modes.poles * scale, residue, static * gain * _shares(twins) / scale**2
+
+
+def of_sines(twins: Sequence[Twin], modes: ManyModes, d: SineData) -> Numbers:
+    """The numbers of the sine test, without drift."""
+    drive, static = modes.at([d.pieces[0].drive_x_m] * len(twins))
+    return modes.poles, modes.sensors @ modes.columns * drive[:, None], static * _shares(twins)
+
+
+def _shares(twins: Sequence[Twin]) -> Array:
+    return np.array([[t.residual_compliance] for t in twins])

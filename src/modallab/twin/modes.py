@@ -1,0 +1,158 @@
+"""The modes that follow from a structure."""
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from modallab.twin.elements import shape_rows
+from modallab.twin.matrices import OWN, RIGID, matrices
+from modallab.twin.side_modes import given_way, poles_and_columns
+from modallab.twin.structure import MODES, Structure
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Modes:
+    """Poles and shapes: displacement at a by force at b is sum_p psi_ap psi_bp / (s - pole_p) and its conjugate.
+
+    Attributes:
+        poles: (p,) rad/s, imaginary part >= 0.
+        columns: (n, p) complex shapes over the elements' degrees of freedom, scaled so that the formula holds.
+        length_m: length of the beam.
+        beyond: (n, n) static compliance in m/N that all other modes add, over the same degrees of freedom.
+    """
+
+    poles: Complex
+    columns: Complex
+    length_m: float
+    out_of_band: Array
+
+    def at(self, x_m: float | Array) -> Complex:
+        """(points, p) shapes at places on the beam."""
+        return shape_rows(x_m, self.length_m) @ self.columns
+
+    def remainder(self, x_m: Array, drive_x_m: float) -> Array:
+        """(points,) static displacement in m per N at `drive_x_m` that the modes left out add."""
+        return shape_rows(x_m, self.length_m) @ (self.out_of_band @ shape_rows(drive_x_m, self.length_m)[0])
+
+    @property
+    def frequency_hz(self) -> Array:
+        """(p,) undamped natural frequencies."""
+        return np.abs(self.poles) / (2 * np.pi)
+
+
+def solve(structure: Structure) -> Modes:
+    """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
+    return beside(structure, _damped(structure, *undamped(structure)))
+
+
+def beside(structure: Structure, bending: Modes) -> Modes:
+    """The modes of bending, and after them those of the families beside."""
+    if not structure.side:
+        return bending
+    families = [poles_and_columns(one, structure.length_m) for one in structure.side]
+    more = sum((given_way(one, structure.length_m) for one in structure.side), np.zeros_like(bending.out_of_band))
+    return replace(
+        bending,
+        poles=np.concatenate([bending.poles, *(own for own, _ in families)]),
+        columns=np.hstack([bending.columns, *(own for _, own in families)]),
+        out_of_band=bending.out_of_band + more,
+    )
+
+
+def alike(structure: Structure, other: Structure) -> bool:
+    """Whether two structures have the same modes."""
+    if (structure.dampers, structure.side) != (other.dampers, other.side):
+        return False
+    if not np.array_equal(structure.zeta, other.zeta):
+        return False
+    return undamped_key(structure) == undamped_key(other)
+
+
+def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) -> Modes:
+    if structure.dampers:
+        poles, mixing = coupled(structure, omega, phi)
+        return Modes(poles, phi[:OWN] @ mixing, structure.length_m, out_of_band[:OWN, :OWN])
+    zeta = structure.zeta
+    damped = omega * np.sqrt(np.maximum(1 - zeta**2, 1e-6))
+    columns = (phi[:OWN] / np.sqrt(2j * damped)).astype(np.complex128)
+    return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band[:OWN, :OWN])
+
+
+_LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array, Array]] = OrderedDict()
+_KEPT = 48
+_LOCK = Lock()
+
+
+def undamped(structure: Structure) -> tuple[Array, Array, Array]:
+    """(MODES,) rad/s, (n, MODES) shapes and (n, n) compliance beyond them, n with what hangs on the beam.
+
+    Remembered, as damping, chain and clock leave them as they are.
+    """
+    key = undamped_key(structure)
+    with _LOCK:
+        if key in _LATEST:
+            _LATEST.move_to_end(key)
+            return _LATEST[key]
+    stiffness, mass = matrices(structure)
+    free = _free(structure)
+    held = np.ix_(free, free)
+    # The low modes are the large eigenvalues of this pencil, exact to the last digits; of the other they are the small.
+    values, vectors = eigh(mass[held], stiffness[held], check_finite=False, overwrite_a=True, overwrite_b=True)
+    omega, phi = 1 / np.sqrt(values[: -MODES - 1 : -1]), np.zeros((len(stiffness), MODES))
+    phi[free] = vectors[:, : -MODES - 1 : -1] * omega
+    # The vectors have unit strain energy: summed over all of them their squares are the compliance.
+    others, out_of_band = vectors[:, :-MODES], np.zeros(stiffness.shape)
+    out_of_band[held] = others @ others.T
+    with _LOCK:
+        _LATEST[key] = omega, phi, out_of_band
+        while len(_LATEST) > _KEPT:
+            _LATEST.popitem(last=False)
+    return omega, phi, out_of_band
+
+
+def undamped_key(s: Structure) -> tuple[object, ...]:
+    """What the undamped modes depend on; to remember them by."""
+    size = s.length_m, s.width_m, s.thickness_m, s.youngs_modulus_pa, s.density_kg_m3
+    fields = s.ei_field.tobytes(), s.mass_field.tobytes()
+    attached = s.masses, s.springs, s.rotation_springs, s.losses, s.hung, s.tension_n, s.bedding
+    return (*size, *fields, s.root_rotation, s.root_translation, *attached)
+
+
+def _free(structure: Structure) -> NDArray[np.int64]:
+    held = {i for i, c in enumerate((structure.root_translation, structure.root_rotation)) if c <= RIGID}
+    return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
+
+
+def damping_of(structure: Structure, omega: Array, phi: Array) -> Array:
+    """(n, n) damping matrix over modes."""
+    damping = np.diag(2 * structure.zeta * omega)
+    if structure.dampers:
+        places, values = np.array(structure.dampers).T
+        own = shape_rows(np.ascontiguousarray(places), structure.length_m) @ phi[:OWN]
+        damping += own.T @ (values[:, None] * own)
+    return damping
+
+
+def coupled(structure: Structure, omega: Array, phi: Array) -> tuple[Complex, Complex]:
+    """(p,) poles, and (MODES, p) weights of the undamped shapes in their shapes, coupled by dampers."""
+    n = len(omega)
+    damping = damping_of(structure, omega, phi)
+    state = np.zeros((2 * n, 2 * n))
+    state[:n, n:], state[n:, :n], state[n:, n:] = np.eye(n), -np.diag(omega**2), -damping
+    poles, vectors = (v.astype(np.complex128) for v in np.linalg.eig(state))
+    # Of a conjugate pair one half is kept; a real pole counts half, as the conjugate doubles it.
+    keep = poles.imag >= 0
+    poles, shapes = poles[keep], vectors[:n, keep]
+    norm = np.sum(shapes * (damping @ shapes), axis=0) + 2 * poles * np.sum(shapes**2, axis=0)
+    weight = np.where(poles.imag == 0, 0.5, 1.0)
+    order = np.argsort(np.abs(poles))
+    scaled = shapes * np.sqrt(weight / norm)
+    return poles[order].astype(np.complex128), scaled[:, order].astype(np.complex128)

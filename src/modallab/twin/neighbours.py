@@ -1,0 +1,120 @@
+"""The modes of structures next to one, to first order in what differs, many at once.
+
+Without dampers Fox and Kapoor, AIAA J. 6 (1968), 2426, eqs. 4 and 16, the modes beyond those kept by their static
+compliance; what damping then couples by the same expansion over the complex modes (Adhikari, AIAA J. 37, 1999, 1452).
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.twin.elements import patterns, shape_rows
+from modallab.twin.matrices import OWN, RIGID, Terms, at_places, mass_terms, stiffness_terms, term_matrix, term_rows
+from modallab.twin.modes import Modes, beside, coupled, damping_of, solve, undamped
+from modallab.twin.structure import MODES, Structure
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+class Neighbours:
+    """The modes of structures next to one."""
+
+    def __init__(self, structure: Structure) -> None:
+        """Solve the structure in the middle."""
+        self._middle = structure
+        self._omega, self._phi, self._out_of_band = undamped(structure)
+        if structure.dampers:
+            self._poles, self._mixing = coupled(structure, self._omega, self._phi)
+        else:
+            damped = self._omega * np.sqrt(np.maximum(1 - structure.zeta**2, 1e-6))
+            self._poles = -structure.zeta * self._omega + 1j * damped
+            self._mixing = np.diag(1 / np.sqrt(2j * damped)).astype(np.complex128)
+        self._damping = damping_of(structure, self._omega, self._phi)
+        whole = np.concatenate([self._poles, self._poles.conj()])
+        apart = self._poles - whole[:, None]
+        self._near = np.where(apart == 0, 0.0, 1 / np.where(apart == 0, 1.0, apart))
+        self._whole = np.concatenate([self._mixing, self._mixing.conj()], axis=1)
+
+    def solve(self, structures: Sequence[Structure]) -> list[Modes]:
+        """The modes of each; exactly where no first order leads there."""
+        followed = len(self._poles) == MODES and not np.any(self._poles.imag == 0)
+        near = [k for k, s in enumerate(structures) if followed and self._same_freedoms(s)]
+        found = dict(zip(near, self._first_order([structures[k] for k in near]), strict=True))
+        return [beside(s, found[k]) if k in found else solve(s) for k, s in enumerate(structures)]
+
+    def _same_freedoms(self, s: Structure) -> bool:
+        here = self._middle
+        return (s.length_m, s.hung, _held(s)) == (here.length_m, here.hung, _held(here))
+
+    def _first_order(self, structures: list[Structure]) -> list[Modes]:
+        """The modes of bending of each."""
+        if not structures:
+            return []
+        omega, phi = self._undamped(structures)
+        poles, mixing = self._coupled(structures, omega, phi)
+        columns, beyond = phi[:, :OWN] @ mixing, self._out_of_band[:OWN, :OWN]
+        return [Modes(p, c, self._middle.length_m, beyond) for p, c in zip(poles, columns, strict=True)]
+
+    def _undamped(self, structures: list[Structure]) -> tuple[Array, Array]:
+        """(structures, MODES) rad/s and (structures, n, MODES) shapes."""
+        phi, squared = self._phi, self._omega**2
+        pattern = patterns(self._middle.length_m)
+        heavier = self._changed(mass_terms, structures, pattern.mass)
+        # Columns: what the change does on each mode.
+        pushed = self._changed(stiffness_terms, structures, pattern.stiffness) - heavier * squared
+        coupling = phi.T @ pushed
+        apart = squared - squared[:, None]
+        mixing = coupling / np.where(apart == 0, np.inf, apart)
+        own = np.arange(MODES)
+        mixing[:, own, own] -= 0.5 * np.sum(phi * heavier, axis=1)
+        moved = phi + phi @ mixing - self._out_of_band @ pushed
+        return np.sqrt(np.maximum(squared + coupling[:, own, own], 1e-12)), moved
+
+    def _changed(self, terms_of: Callable[[Structure], Terms], structures: list[Structure], fields: Array) -> Array:
+        """(structures, n, MODES) what their change of stiffness or of inertia does on each mode."""
+        here, there = terms_of(self._middle), [terms_of(s) for s in structures]
+        differ = list(dict.fromkeys(t for own in there for t in {**own, **here} if own.get(t, 0.0) != here.get(t, 0.0)))
+        placed = at_places(differ)
+        others = [t for t in differ if t not in set(placed)]
+        change = np.array([[own.get(t, 0.0) - here.get(t, 0.0) for t in (*placed, *others)] for own in there])
+        length, phi = self._middle.length_m, self._phi[:OWN]
+        rows = term_rows(placed, length)
+        products = np.zeros((len(differ), *self._phi.shape))
+        products[: len(placed), :OWN] = rows[:, :, None] * (rows @ phi)[:, None, :]
+        for k, term in enumerate(others, len(placed)):
+            products[k, :OWN] = term_matrix(term, fields, length) @ phi
+        return np.tensordot(change.reshape(len(there), -1), products, 1)
+
+    def _coupled(self, structures: list[Structure], omega: Array, phi: Array) -> tuple[Complex, Complex]:
+        """(structures, MODES) poles and (structures, MODES, MODES) weights of the undamped shapes in their shapes."""
+        more = self._damped(structures, omega, phi) - self._damping
+        on_mixing = more @ self._mixing
+        pushed = (omega**2 - self._omega**2)[:, :, None] * self._mixing + on_mixing * self._poles
+        coupling = -self._whole.T @ pushed
+        own = np.arange(MODES)
+        kept = self._mixing * (1 - 0.5 * np.sum(self._mixing * on_mixing, axis=1))[:, None, :]
+        return self._poles + coupling[:, own, own], kept + self._whole @ (coupling * self._near)
+
+    def _damped(self, structures: list[Structure], omega: Array, phi: Array) -> Array:
+        """(structures, MODES, MODES) damping over modes."""
+        damping = np.zeros((len(structures), MODES, MODES))
+        own = np.arange(MODES)
+        damping[:, own, own] = 2 * np.array([s.zeta for s in structures]) * omega
+        places = sorted({x for s in structures for x, _ in s.dampers})
+        if places:
+            at = {x: k for k, x in enumerate(places)}
+            values = np.zeros((len(structures), len(places), 1))
+            for i, s in enumerate(structures):
+                for x, c in s.dampers:
+                    values[i, at[x], 0] += c
+            felt = shape_rows(np.array(places), self._middle.length_m) @ phi[:, :OWN]
+            damping += felt.transpose(0, 2, 1) @ (values * felt)
+        return damping
+
+
+def _held(structure: Structure) -> tuple[bool, bool]:
+    """Which freedoms the root takes."""
+    return structure.root_translation <= RIGID, structure.root_rotation <= RIGID
