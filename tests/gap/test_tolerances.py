@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.core.rig import Beam, Tolerance
-from modallab.gap.model.tolerances import Deviation, Scales, held
+from modallab.gap.model.tolerances import Deviation, Scales, by_tolerance, held
 from modallab.twin.bench import Twin
 from modallab.twin.modes import solve
 from modallab.twin.neighbours import Neighbours
@@ -44,7 +44,9 @@ def test_all_numbers_at_once_are_those_one_by_one(u: float) -> None:
         Deviation("clamp_compliance", 0.0, 2e-3, 1),
         Deviation("hit_position_m", 0.9, 1e-3, -1),
     )
-    assert Scales.of_all(listed).values(np.full(4, u)) == [d.value(u) for d in listed]
+    scales, one_by_one = Scales.of_all(listed), [d.value(u) for d in listed]
+    assert scales.values(np.full(4, u)).tolist() == one_by_one
+    assert scales.by_tolerance(one_by_one) == by_tolerance(zip(listed, one_by_one, strict=True))
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,8 @@ Terms = dict[Term, float]
 def stiffness_terms(s: Structure) -> Terms:
     """How much of each stiffness a structure has; what hangs on it is left out."""
     ei, length = s.bending_stiffness, s.length_m
-    found: Terms = {(FIELD, 0): ei} | {(FIELD, j): ei * a for j, a in enumerate(s.ei_field.tolist(), 1) if a}
+    found: Terms = {(FIELD, 0): ei}
+    found |= {(FIELD, j): ei * a for j, a in enumerate(s.ei_field.tolist(), 1) if a}
     if s.root_translation > RIGID:
         found[FREEDOM, 0] = ei / length**3 / s.root_translation
     if s.root_rotation > RIGID:

@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.twin.elements import patterns, shape_rows
-from modallab.twin.matrices import OWN, RIGID, Terms, at_places, mass_terms, stiffness_terms, term_matrix, term_rows
+from modallab.twin.matrices import (
+    OWN,
+    RIGID,
+    Term,
+    Terms,
+    at_places,
+    mass_terms,
+    stiffness_terms,
+    term_matrix,
+    term_rows,
+)
 from modallab.twin.modes import Modes, beside, coupled, damping_of, solve, undamped
 from modallab.twin.structure import MODES, Structure
 
@@ -75,18 +85,20 @@ class Neighbours:
 
     def _changed(self, terms_of: Callable[[Structure], Terms], structures: list[Structure], fields: Array) -> Array:
         """(structures, n, MODES) what their change of stiffness or of inertia does on each mode."""
-        here, there = terms_of(self._middle), [terms_of(s) for s in structures]
-        differ = list(dict.fromkeys(t for own in there for t in {**own, **here} if own.get(t, 0.0) != here.get(t, 0.0)))
-        placed = at_places(differ)
-        others = [t for t in differ if t not in set(placed)]
-        change = np.array([[own.get(t, 0.0) - here.get(t, 0.0) for t in (*placed, *others)] for own in there])
+        change = _differences(terms_of(self._middle), [terms_of(s) for s in structures])
+        placed = at_places(change)
+        others = [t for t in change if t not in set(placed)]
         length, phi = self._middle.length_m, self._phi[:OWN]
         rows = term_rows(placed, length)
-        products = np.zeros((len(differ), *self._phi.shape))
+        products = np.zeros((len(change), *self._phi.shape))
         products[: len(placed), :OWN] = rows[:, :, None] * (rows @ phi)[:, None, :]
         for k, term in enumerate(others, len(placed)):
             products[k, :OWN] = term_matrix(term, fields, length) @ phi
-        return np.tensordot(change.reshape(len(there), -1), products, 1)
+        numbers = np.zeros((len(structures), len(change)))
+        for k, term in enumerate((*placed, *others)):
+            for i, more in change[term].items():
+                numbers[i, k] = more
+        return np.tensordot(numbers, products, 1)
 
     def _coupled(self, structures: list[Structure], omega: Array, phi: Array) -> tuple[Complex, Complex]:
         """(structures, MODES) poles and (structures, MODES, MODES) weights of the undamped shapes in their shapes."""
@@ -113,6 +125,17 @@ class Neighbours:
             felt = shape_rows(np.array(places), self._middle.length_m) @ phi[:, :OWN]
             damping += felt.transpose(0, 2, 1) @ (values * felt)
         return damping
+
+
+def _differences(here: Terms, there: Sequence[Terms]) -> dict[Term, dict[int, float]]:
+    """What others have more of each term than the one here, by term and by which of them; the alike are left out."""
+    change: dict[Term, dict[int, float]] = {}
+    for i, own in enumerate(there):
+        for term in own.keys() | here.keys():
+            more = own.get(term, 0.0) - here.get(term, 0.0)
+            if more:
+                change.setdefault(term, {})[i] = more
+    return change
 
 
 def _held(structure: Structure) -> tuple[bool, bool]:

@@ -86,9 +86,16 @@ class Problem:
 
     def twin(self, u: Array) -> Twin:
         """The twin at u."""
+        return self.twins(u[None])[0]
+
+    def twins(self, u: Array) -> list[Twin]:
+        """The twins at many u (twins, u)."""
         # An effect on the gain of a channel takes the place of its tolerance: two numbers for one gain never settle.
         held = [c.place[0][1] for c in self.candidates if search_of(c.effect).replaces_gain]
-        twin = self.free.build(self.free.without_gains(u[: self.free.size], held), self.replaced)
+        bare = self.free.builds(self.free.without_gains(u[:, : self.free.size], held), self.replaced)
+        return [self._with_effects(twin, own) for twin, own in zip(bare, u, strict=True)]
+
+    def _with_effects(self, twin: Twin, u: Array) -> Twin:
         for effect in self.effects(u):
             twin = apply(twin, effect, self.data.rig)
         return replace(twin, drift_curve=self.drift_curve) if self.drift_curve else twin

@@ -122,7 +122,7 @@ def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array
     deviations = range(first, first + len(problem.free.deviations))
     # While more is forgiven than the deviations can do, they stay where their priors want them.
     used = [k for k in range(len(u)) if k not in deviations or problem.floor < FELT]
-    twins = {k: problem.twin(moved[k]) for k in used}
+    twins = dict(zip(used, problem.twins(moved[used]), strict=True))
     if here.element is not None and not whole:
         # They are many and small: what the element makes of them is left to further steps.
         here = replace(here, element=None)

@@ -4,10 +4,11 @@ Priors are log-normal for what is positive: u deviations multiply a number by ex
 cantilever by Blevins, Formulas for Dynamics, Acoustics and Vibration, 2016.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import exp, log
+from math import log
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from modallab.core.effects import Place
 from modallab.core.errors import RigError
 from modallab.core.rig import Beam, Rig
-from modallab.gap.model.tolerances import Deviation, Scales, applied, deviations, held, held_one, sensors_x_m
+from modallab.gap.model.tolerances import Departed, Deviation, Scales, applied, deviations, held, sensors_x_m
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import with_known
 from modallab.twin.structure import MODES, ROOT, Structure, believed_root
@@ -77,13 +78,12 @@ class Nuisances:
         return straight
 
     def without_gains(self, u: Array, channels: Sequence[object]) -> Array:
-        """The same numbers with the sensitivities of some channels at what the rig file says."""
-        if not any(c in channels for c in self.gains):
+        """The same numbers (..., size) with the sensitivities of some channels at what the rig file says."""
+        gone = [3 + self.modes + i for i, channel in enumerate(self.gains) if channel in channels]
+        if not gone:
             return u
         u = u.copy()
-        for i, channel in enumerate(self.gains):
-            if channel in channels:
-                u[3 + self.modes + i] = 0.0
+        u[..., gone] = 0.0
         return u
 
     def build(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
@@ -93,45 +93,64 @@ class Nuisances:
             u: (size,) the free numbers.
             replaced: (tolerance, channel or None) that effects stand for: one quantity is one number.
         """
-        twin = with_known(self.bare(u, replaced), self.rig)
-        return twin if self.stepped else replace(twin, element=None)
+        return self.builds(u[None], replaced)[0]
+
+    def builds(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> list[Twin]:
+        """The twins of many numbers (twins, size) at once."""
+        twins = [with_known(twin, self.rig) for twin in self._bare(u, replaced)]
+        return twins if self.stepped else [replace(twin, element=None) for twin in twins]
 
     def bare(self, u: Array, replaced: Collection[tuple[str, Place | None]] = ()) -> Twin:
-        """The same without these either."""
-        tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
-        nominal, chain, x_of, scales = _nominal(self)
-        # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
-        stiffer, thicker, heavier = (held_one(v) for v in u[:3].tolist())
-        # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
-        root = self.root and ("clamp_compliance", None) not in replaced
-        softer = exp(held_one(float(u[-2])) * ROOT) if root else 1.0
-        zeta = nominal.zeta.copy()
-        zeta[: self.modes] *= np.exp(np.clip(u[3 : 3 + self.modes], -20, 8) * log(damping.factor))
-        structure = replace(
-            nominal,
-            youngs_modulus_pa=nominal.youngs_modulus_pa * exp(stiffer * tolerance.youngs_modulus),
-            thickness_m=nominal.thickness_m * exp(thicker * tolerance.thickness),
-            density_kg_m3=nominal.density_kg_m3 * exp(heavier * tolerance.density),
-            zeta=np.minimum(zeta, 0.95),
-            root_rotation=nominal.root_rotation * softer,
-        )
-        if self.gains:
-            chain = replace(chain, gain=self._gains(u))
-        # Between none of the modes left out and all of them, with some room for what else is stiff and light.
-        twin = Twin(structure, chain, residual_compliance=0.5 + held_one(float(u[-1]) - 0.5, 0.6, 1.0))
-        if not self.deviations:
-            return twin
-        values = scales.values(u[self.first_deviation : self.first_deviation + len(self.deviations)])
-        numbers = zip(self.deviations, values, strict=True)
-        if replaced:
-            gone = set(replaced)
-            numbers = [(d, v) for d, v in numbers if not {(d.tolerance, None), (d.tolerance, d.at)} & gone]
-        return applied(twin, self.rig, numbers, x_of)
+        """The twin of numbers (size,) without these either."""
+        return next(self._bare(u[None], replaced))
 
-    def _gains(self, u: Array) -> dict[int, float]:
+    def _bare(self, u: Array, replaced: Collection[tuple[str, Place | None]]) -> Iterator[Twin]:
+        nominal, chain, x_of, scales = _nominal(self)
+        beams = self._beams(u, ("clamp_compliance", None) not in replaced)
         first = 3 + self.modes
-        factors = np.exp(held(u[first : first + len(self.gains)]) * self.tolerance)
-        return dict(zip(self.gains, factors.tolist(), strict=True))
+        gains = np.exp(held(u[:, first : first + len(self.gains)]) * self.tolerance).tolist()
+        # Between none of the modes left out and all of them, with some room for what else is stiff and light.
+        shares = (0.5 + held(u[:, -1] - 0.5, 0.6, 1.0)).tolist()
+        first = self.first_deviation
+        values = scales.values(u[:, first : first + len(self.deviations)]).tolist()
+        for beam, own_gains, share, numbers in zip(beams, gains, shares, values, strict=True):
+            own = replace(chain, gain=dict(zip(self.gains, own_gains, strict=True))) if self.gains else chain
+            twin = Twin(replace(nominal, **beam), own, residual_compliance=share)
+            if self.deviations:
+                twin = applied(twin, self.rig, _without(scales.by_tolerance(numbers), replaced), x_of)
+            yield twin
+
+    def _beams(self, u: Array, softer: bool) -> Iterator[dict[str, Any]]:
+        """What the first numbers (twins, size) make of the beam, by the names of `Structure`; `softer` of its root."""
+        tolerance, damping = self.rig.tolerance, self.rig.damping_ratio
+        nominal = _nominal(self)[0]
+        believed = np.array([nominal.youngs_modulus_pa, nominal.thickness_m, nominal.density_kg_m3])
+        # What lies far outside its tolerance is a gap, and must not hide in a nuisance.
+        deviations = np.array([tolerance.youngs_modulus, tolerance.thickness, tolerance.density])
+        sizes = believed * np.exp(held(u[:, :3]) * deviations)
+        zeta = np.tile(nominal.zeta, (len(u), 1))
+        zeta[:, : self.modes] *= np.exp(np.clip(u[:, 3 : 3 + self.modes], -20, 8) * log(damping.factor))
+        zeta = np.minimum(zeta, 0.95)
+        # What is soft at the root is one number: an effect that stands for it leaves the spring as it is believed.
+        roots = nominal.root_rotation * (np.exp(held(u[:, -2]) * ROOT) if self.root and softer else np.ones(len(u)))
+        for (youngs_modulus, thickness, density), own, root in zip(sizes.tolist(), zeta, roots.tolist(), strict=True):
+            yield {
+                "youngs_modulus_pa": youngs_modulus,
+                "thickness_m": thickness,
+                "density_kg_m3": density,
+                "zeta": own,
+                "root_rotation": root,
+            }
+
+
+def _without(values: Departed, replaced: Collection[tuple[str, Place | None]]) -> Departed:
+    """Numbers of tolerances, those left out that an effect stands for."""
+    for name, at in replaced:
+        if at is None:
+            values.pop(name, None)
+        elif name in values and isinstance(at, int | float):
+            values[name].pop(at, None)
+    return values
 
 
 @lru_cache(maxsize=16)

@@ -8,6 +8,7 @@ quantile transform keeps the sign.
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,8 @@ LEAST = -5.0
 MEAN, SPREAD = float(np.sqrt(2 / np.pi)), float(np.sqrt(1 - 2 / np.pi))
 """Of a half-normal number, in its tolerance."""
 
+Departed = dict[str, dict[float, float]]
+"""Numbers by the tolerance's name and by channel, place in m or term."""
 DAMPERS = 12
 """Places at which dampers stand for one that may be anywhere: two for each half wave of the products of two modes."""
 
@@ -54,7 +57,7 @@ class Deviation:
         """The number at coordinate u."""
         deviations = held_one(u)
         if self.tolerance == "clamp_compliance":
-            return self.sigma * float(-ndtri(ndtr(-max(deviations, LEAST)) / 2))
+            return float(_root(self.sigma, deviations))
         return float(_number(self.sigma, self.sign, deviations))
 
 
@@ -67,26 +70,51 @@ class Scales:
         sigma: (deviations,) of each.
         sign: (deviations,) as in `Deviation`.
         roots: those whose numbers are quantiles.
+        named: (tolerance, where its deviations are, their places): those of a tolerance follow one another.
     """
 
     of: tuple[Deviation, ...]
     sigma: Array
     sign: NDArray[np.int64]
     roots: tuple[int, ...]
+    named: tuple[tuple[str, slice, tuple[float, ...]], ...]
 
     @classmethod
     def of_all(cls, of: tuple[Deviation, ...]) -> "Scales":
         """Of these deviations."""
         roots = tuple(k for k, d in enumerate(of) if d.tolerance == "clamp_compliance")
-        return cls(of, np.array([d.sigma for d in of]), np.array([d.sign for d in of], dtype=np.int64), roots)
+        signs = np.array([d.sign for d in of], dtype=np.int64)
+        named: list[tuple[str, slice, tuple[float, ...]]] = []
+        for name, own in groupby(of, lambda d: d.tolerance):
+            at = tuple(d.at for d in own)
+            begin = named[-1][1].stop if named else 0
+            named.append((name, slice(begin, begin + len(at)), at))
+        return cls(of, np.array([d.sigma for d in of]), signs, roots, tuple(named))
 
-    def values(self, u: Array) -> list[float]:
-        """(deviations,) the numbers at coordinates u, as `Deviation.value` has each."""
+    def values(self, u: Array) -> Array:
+        """(..., deviations) the numbers at coordinates u, as `Deviation.value` has each."""
         h = u if np.all(np.abs(u) < FREE) else held(u)
-        values: list[float] = _number(self.sigma, self.sign, h).tolist()
+        values = _number(self.sigma, self.sign, h)
         for k in self.roots:
-            values[k] = self.of[k].value(float(u[k]))
+            values[..., k] = _root(self.sigma[k], h[..., k])
         return values
+
+    def by_tolerance(self, values: list[float]) -> Departed:
+        """These numbers (deviations,) by tolerance and place."""
+        return {name: dict(zip(at, values[own], strict=True)) for name, own, at in self.named}
+
+
+def by_tolerance(numbers: Iterable[tuple[Deviation, float]]) -> Departed:
+    """Deviations, each with its number, by tolerance and place."""
+    values: Departed = {}
+    for deviation, value in numbers:
+        values.setdefault(deviation.tolerance, {})[deviation.at] = value
+    return values
+
+
+def _root(sigma: Any, deviations: Any) -> Array:
+    """The compliance of a root so many deviations off: of a half-normal number the quantile."""
+    return np.asarray(sigma * -ndtri(ndtr(-np.maximum(deviations, LEAST)) / 2))
 
 
 def _number(sigma: Any, sign: Any, deviations: Any) -> Array:
@@ -151,13 +179,8 @@ def sensors_x_m(rig: Rig) -> dict[float, float]:
     return {float(c.index): rig.x_of(c.point) for c in rig.responses if c.point is not None}
 
 
-def applied(
-    twin: Twin, rig: Rig, numbers: Iterable[tuple[Deviation, float]], x_of: Mapping[float, float] | None = None
-) -> Twin:
-    """The twin with these deviations, each with its number; `x_of` is `sensors_x_m` where that is known."""
-    values: dict[str, dict[float, float]] = {}
-    for deviation, value in numbers:
-        values.setdefault(deviation.tolerance, {})[deviation.at] = value
+def applied(twin: Twin, rig: Rig, values: Departed, x_of: Mapping[float, float] | None = None) -> Twin:
+    """The twin with these numbers of its tolerances; `x_of` is `sensors_x_m` where that is known."""
     nothing: dict[float, float] = {}
 
     def of(name: str) -> dict[float, float]:

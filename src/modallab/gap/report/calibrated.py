@@ -13,7 +13,7 @@ from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import OF_HITS, with_own_hits
-from modallab.gap.model.tolerances import Deviation, applied, with_tolerances
+from modallab.gap.model.tolerances import Deviation, applied, by_tolerance, with_tolerances
 from modallab.twin.bench import Chain, Twin
 from modallab.twin.effects import apply, with_known
 from modallab.twin.structure import MODES, Structure
@@ -74,7 +74,7 @@ def diagnosed_twin(diagnosis: Diagnosis, rig: Rig, of_others: bool = True) -> Tw
     )
     twin = Twin(structure, Chain.of(rig), residual_compliance=numbers.residual_compliance)
     if numbers.departures:
-        twin = applied(twin, rig, _departures(numbers.departures, OF_HITS if of_others else ()))
+        twin = applied(twin, rig, by_tolerance(_departures(numbers.departures, OF_HITS if of_others else ())))
     twin = replace(twin, chain=replace(twin.chain, gain=dict(numbers.gains)))
     twin = with_known(twin, rig)
     for effect in carried(diagnosis):
