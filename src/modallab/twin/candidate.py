@@ -1,6 +1,7 @@
 """An effect with its numbers free, as coordinates for a fit."""
 
 from dataclasses import dataclass, replace
+from math import log
 from typing import Literal
 
 import numpy as np
@@ -11,6 +12,12 @@ from modallab.twin.elements import ELEMENTS
 
 Array = NDArray[np.float64]
 Transform = Literal["log", "plain", "share"]
+
+
+NEAR_AN_END = 0.28
+"""Natural logarithm from an end of a number's range where it goes on more slowly."""
+FARTHEST = 1000.0
+"""Times that room which an end is away, as a coordinate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +48,7 @@ class Slot:
     def value(self, u: float) -> float:
         """The number at coordinate u, held within its range."""
         if self.transform == "log":
-            free = float(np.exp(np.clip(u, -60, 60)))
+            free = float(np.exp(np.clip(self._bent(u), -60, 60)))
         elif self.transform == "share":
             free = float(1 / (1 + np.exp(-np.clip(u, -30, 30))))
         else:
@@ -51,10 +58,38 @@ class Slot:
     def coordinate(self, value: float) -> float:
         """The coordinate of a number."""
         if self.transform == "log":
-            return float(np.log(value))
+            return self._straight(float(np.log(value)))
         if self.transform == "share":
             return float(np.log(value / (1 - value)))
         return value / self.scale
+
+    @property
+    def _ends(self) -> tuple[float, float, float]:
+        """Between which logarithms a number runs freely, and how far its range goes on; no room where it has no two
+        ends."""
+        if not 0 < self.low < self.high < np.inf:
+            return -np.inf, np.inf, 0.0
+        low, high = log(self.low), log(self.high)
+        room = min(NEAR_AN_END, (high - low) / 4)
+        return low + room, high - room, room
+
+    def _bent(self, u: float) -> float:
+        """The logarithm at coordinate u: ever slower towards an end, so that a fit that ran there finds back."""
+        low, high, room = self._ends
+        beyond = max(u - high, low - u)
+        if beyond <= 0 or not room:
+            return u
+        least = room * beyond / (room + beyond)
+        return high + least if u > high else low - least
+
+    def _straight(self, bent: float) -> float:
+        """The coordinate at which the logarithm is this."""
+        low, high, room = self._ends
+        beyond = max(bent - high, low - bent)
+        if beyond <= 0 or not room:
+            return bent
+        most = room * beyond / max(room - beyond, room / FARTHEST)
+        return high + most if bent > high else low - most
 
 
 @dataclass(frozen=True, slots=True)

@@ -131,9 +131,9 @@ def _level(bench: Bench, base: Fit) -> Level:
     # Where nothing is left to see, the assembly has done all of the work, and no first order says more.
     if found and base.gap <= bench.watched:
         return min(found, key=_least)
-    found.append(replace(round_of(bench, begin), base=base))
+    found.append(replace(round_of(bench, begin, before=base.gap), base=base))
     if hidden and not any(map(ordinary, found[-1].fits)):
-        found.append(replace(round_of(bench, unbent(bench, base)), base=base))
+        found.append(replace(round_of(bench, unbent(bench, base), before=base.gap), base=base))
     return min(found, key=_least)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from modallab.core.progress import counted, part, report
 from modallab.gap.model.fit import Fit, Problem, cost_of
 from modallab.gap.search.ending import ended, is_sound
-from modallab.gap.search.fitting import Bench, misfit, on_all, short
+from modallab.gap.search.fitting import Bench, excess, misfit, on_all, short
 from modallab.gap.search.halving import HOPELESS, annealed_together
 from modallab.gap.search.pool import pool
 from modallab.gap.search.screen import SIZES, Begin, Screen
@@ -35,6 +35,10 @@ WITHOUT = 8
 """Candidates of a round that get a second look with nothing forgiven, where all are excused."""
 ALIKE = 1.1
 """Times what a fit leaves that another may leave whose effect it is but for tolerances: both stop a little short."""
+LITTLE = 0.5
+"""Share of the gap that the finished must leave for others to be followed."""
+FOLLOWED = 4
+"""Of these so many are followed where nothing is forgiven any more."""
 WORKERS = 2
 
 
@@ -51,8 +55,16 @@ class Level:
     fits: tuple[Fit, ...]
 
 
-def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
-    """One round: all are screened, the likely fitted in short, the better for longer, the best to the end."""
+def round_of(bench: Bench, base: Fit, finished: int = 2, before: float | None = None) -> Level:
+    """One round: all are screened, the likely fitted in short, the better for longer, the best to the end.
+
+    Args:
+        bench: what to search.
+        base: the fit to begin from.
+        finished: so many are fitted to the end.
+        before: the gap that the round should shrink, where that is not what `base` leaves.
+    """
+    before = base.gap if before is None else before
     floor = misfit(base.problem, base.u)
     screen = Screen(Problem(bench.thin, bench.free, base.problem.candidates, floor), base.u, bench.poles)
 
@@ -67,7 +79,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         return short(bench, f.problem.candidates, f.u, screen.floor / 6)
 
     def to_the_end(f: Fit) -> Fit:
-        return ended(bench, f, screen.floor / 12, base.gap)
+        return ended(bench, f, screen.floor / 12, before)
 
     listed = pool(bench, base)
     beside = "".join(f" beside {c.effect.replace('_', ' ')}" for c in base.problem.candidates[-1:])
@@ -93,6 +105,12 @@ def round_of(bench: Bench, base: Fit, finished: int = 2) -> Level:
         best += workers.map(last, better[len(hopeful) : finished])
         if not any(is_sound(bench, f) for f in best):
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
+            least = min((excess(f) for f in best), default=np.inf)
+            if least > LITTLE * (before**2 - 1):
+                # What is large in shares of the response may be little in noise units, and the other way round.
+                others = [f for f in looks if not any(_same(f, g) for g in better[:finished])]
+                others = annealed_together(bench, others, screen.floor / 12, workers, finished, FOLLOWED)
+                best += workers.map(to_the_end, [f for f in others[:finished] if excess(f) < least])
     return Level(base, tuple(sorted(_own_right(best), key=cost_of)))
 
 
@@ -115,6 +133,12 @@ def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fi
     last = [(f, f.problem.candidates[-1]) for f in looks]
     alike = [(f, c) for f, c in last if len(c.slots) == 1 and model_of(c.effect).moves_poles]
     return [f for f, c in alike if (c.effect, c.place) not in own]
+
+
+def _same(fit: Fit, other: Fit) -> bool:
+    """Whether the last effect of two fits is the same at the same place."""
+    one, two = fit.problem.candidates[-1], other.problem.candidates[-1]
+    return (one.effect, one.place) == (two.effect, two.place)
 
 
 def _excused(fits: list[Fit]) -> bool:
