@@ -14,12 +14,15 @@ from modallab.gap.search.choose import Choice, choose, stepped
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.explain import explain, rounds
 from modallab.gap.search.faint import linear_or_faint
-from modallab.gap.search.fitting import Bench, baseline, settled
+from modallab.gap.search.fitting import Bench, baseline, excess, settled
 from modallab.gap.search.one_channel import on_one_channel
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, per_number, worth
-from modallab.gap.unknown.rival import channel_alone, near, rivals, unexplained
+from modallab.gap.unknown.rival import best_of, channel_alone, near, rivals, unexplained
+
+LITTLE = 0.05
+"""Share of the gap that a linear effect may leave for linear ones to be looked for first where levels disagree."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,22 +86,23 @@ def _by_levels(bench: Bench, prepared: Prepared, first: Level, matters: Reduced 
     """Linear effects, and where none explains and the levels disagree, those that depend on the size of the motion.
 
     Overtones drown where a slow mode still rings. Where many levels disagree, one round says whether a linear effect,
-    whose transients the twin has wrong, does so.
+    whose transients the twin has wrong, does so; where it does so all but for little, another one may do the rest.
     """
     base = first.base
     many = levels_differ(base)
     if not (many or some_levels_differ(base)):
         return linear_or_faint(bench, first, matters)
-    linear = [first] if many else explain(bench, base, first)
+    one_round = many and excess(best_of(first)) > LITTLE * excess(base)
+    linear = [first] if one_round else explain(bench, base, first)
     choice = choose(bench, linear, matters)
-    if choice.explained and many:
+    if choice.explained and one_round:
         # A round more where it leaves more than the last digit of a large gap.
         further = choose(bench, explain(bench, base, first), matters)
         return further if further.explained else choice
     if choice.explained:
         return choice
     # What answers to the level, not only to the side, makes odd overtones.
-    known = partial(explain, bench, base, first) if many else lambda: linear
+    known = partial(explain, bench, base, first) if one_round else lambda: linear
     return search_stepped(bench, prepared, base, "odd", matters, unseen, known)
 
 

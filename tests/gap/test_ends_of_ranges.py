@@ -1,0 +1,29 @@
+"""A fit whose number ran to an end of its range finds back to where the data want it."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.effects import Effect
+from modallab.core.rig import Rig
+from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.model.candidates import of_channel
+from modallab.gap.report.initial_gap import bench_of, free_of
+from modallab.gap.search.fitting import finish, short
+
+
+@pytest.mark.parametrize("hz", [300.0, 430.0])
+def test_a_mount_with_too_much_damping_becomes_a_resonance_again(
+    rig: Rig, make: Callable[..., Campaign], hz: float
+) -> None:
+    mount = Effect(effect="loose_mount", parameters={"hz": 382.0, "zeta": 0.075}, place={"channel": 6})
+    prepared = prepare(make(mount))
+    bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    (candidate,) = (c for c in of_channel(rig, 6) if c.effect == "loose_mount")
+    own = [slot.coordinate(value) for slot, value in zip(candidate.slots, (hz, 0.399), strict=True)]
+    begun = short(bench, (candidate,), np.array([*np.zeros(bench.free.size), *own]), 0.1)
+    found = finish(bench, begun, 0.01)
+    assert found.gap < 1.1
+    assert found.effects[0].parameters["hz"] == pytest.approx(382.0, rel=1e-3)
