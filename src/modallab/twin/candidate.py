@@ -76,19 +76,19 @@ class Slot:
     def _bent(self, u: float) -> float:
         """The logarithm at coordinate u: ever slower towards an end, so that a fit that ran there finds back."""
         low, high, room = self._ends
-        beyond = max(u - high, low - u)
-        if beyond <= 0 or not room:
+        past = max(u - high, low - u)
+        if past <= 0 or not room:
             return u
-        least = room * beyond / (room + beyond)
+        least = room * past / (room + past)
         return high + least if u > high else low - least
 
     def _straight(self, bent: float) -> float:
         """The coordinate at which the logarithm is this."""
         low, high, room = self._ends
-        beyond = max(bent - high, low - bent)
-        if beyond <= 0 or not room:
+        past = max(bent - high, low - bent)
+        if past <= 0 or not room:
             return bent
-        most = room * beyond / max(room - beyond, room / FARTHEST)
+        most = room * past / max(room - past, room / FARTHEST)
         return high + most if bent > high else low - most
 
 

@@ -65,8 +65,8 @@ class Neighbours:
             return []
         omega, phi = self._undamped(structures)
         poles, mixing = self._coupled(structures, omega, phi)
-        columns, beyond = phi[:, :OWN] @ mixing, self._out_of_band[:OWN, :OWN]
-        return [Modes(p, c, self._middle.length_m, beyond) for p, c in zip(poles, columns, strict=True)]
+        columns, rest = phi[:, :OWN] @ mixing, self._out_of_band[:OWN, :OWN]
+        return [Modes(p, c, self._middle.length_m, rest) for p, c in zip(poles, columns, strict=True)]
 
     def _undamped(self, structures: list[Structure]) -> tuple[Array, Array]:
         """(structures, MODES) rad/s and (structures, n, MODES) shapes."""
