@@ -26,7 +26,7 @@ class Modes:
         poles: (p,) rad/s, imaginary part >= 0.
         columns: (n, p) complex shapes over the elements' degrees of freedom, scaled so that the formula holds.
         length_m: length of the beam.
-        beyond: (n, n) static compliance in m/N that all other modes add, over the same degrees of freedom.
+        out_of_band: (n, n) static compliance in m/N that all other modes add, over the same degrees of freedom.
     """
 
     poles: Complex

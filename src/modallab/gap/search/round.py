@@ -5,7 +5,7 @@ AISTATS 2016, 240).
 """
 
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
@@ -107,10 +107,8 @@ def round_of(bench: Bench, base: Fit, finished: int = 2, before: float | None = 
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
             least = min((excess(f) for f in best), default=np.inf)
             if least > LITTLE * (before**2 - 1):
-                # What is large in shares of the response may be little in noise units, and the other way round.
                 others = [f for f in looks if not any(_same(f, g) for g in better[:finished])]
-                others = annealed_together(bench, others, screen.floor / 12, workers, finished, FOLLOWED)
-                best += workers.map(to_the_end, [f for f in others[:finished] if excess(f) < least])
+                best += workers.map(to_the_end, _leaving(bench, others, screen.floor / 12, workers, finished, least))
     return Level(base, tuple(sorted(_own_right(best), key=cost_of)))
 
 
@@ -123,6 +121,15 @@ def _likely(glances: list[list[Fit]]) -> list[Fit]:
     order = sorted(range(len(glances)), key=lambda i: glances[i][0].cost)
     chosen = [*order[:LIKELY], *(i for i in order[LIKELY:] if i < LIKELY)]
     return [f for i in chosen for f in glances[i]]
+
+
+def _leaving(bench: Bench, looks: list[Fit], floor: float, workers: Executor, finished: int, least: float) -> list[Fit]:
+    """The best of these once nothing is forgiven, as far as they leave less than `least`.
+
+    What is large in shares of the response may be little in noise units, and the other way round.
+    """
+    annealed = annealed_together(bench, looks, floor, workers, finished, FOLLOWED)
+    return [f for f in annealed[:finished] if excess(f) < least]
 
 
 def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:
