@@ -21,7 +21,7 @@ from modallab.gap.report.shrinkage import shrink
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, rested
 from modallab.gap.search.pool import channel_share
-from modallab.gap.unknown.description import Description, of_fit, stage_of, worth
+from modallab.gap.unknown.description import Description, of_fit, rows_of, stage_of, worth
 from modallab.gap.unknown.fitted import fitted
 from modallab.gap.unknown.on_beam import on_all_rows, trials
 from modallab.gap.unknown.on_row import by_sample, linear, without
@@ -98,12 +98,7 @@ def _tried(
     loudest = bench.data.channels[int(np.argmax(channel_share(base)))]
     alone = [] if rows else list(linear(bench, loudest))
     for fit in fitted(bench, base, [*trials(bench, base), *on_all_rows(bench), *alone]):
-        yield of_fit(base, fit, unseen, _rows_of(fit))
-
-
-def _rows_of(fit: Fit) -> tuple[int, ...]:
-    """The channels on which the elements of a fit act alone."""
-    return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))
+        yield of_fit(base, fit, unseen, rows_of(fit))
 
 
 def _shrink(choice: Choice, best: Description, held: Sequence[str]) -> Shrink:

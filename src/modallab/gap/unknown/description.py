@@ -68,3 +68,8 @@ def per_number(fit: Fit, more: int = 0) -> float:
 def stage_of(description: Description) -> str:
     """Where its elements act."""
     return elements()[description.learned[0].element].kind.stage
+
+
+def rows_of(fit: Fit) -> tuple[int, ...]:
+    """The channels on which the effects and elements of a fit act alone."""
+    return tuple(row for e in fit.effects if isinstance(row := e.place.get("channel"), int))

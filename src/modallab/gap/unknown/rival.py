@@ -17,7 +17,7 @@ from modallab.gap.search.explain import SOLVED
 from modallab.gap.search.fitting import Bench, excess, ordinary, rested
 from modallab.gap.search.pool import channel_share
 from modallab.gap.search.round import Level
-from modallab.gap.unknown.description import Description, of_fit, worth
+from modallab.gap.unknown.description import Description, of_fit, rows_of, worth
 from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
 from modallab.gap.unknown.on_beam import along, on_all_rows
 from modallab.gap.unknown.on_row import by_sample, linear, without
@@ -49,7 +49,7 @@ class Alone:
 def unexplained(bench: Bench, prepared: Prepared, first: Level) -> bool:
     """Whether no single effect brings the gap to its floor, or only one on a channel that loses samples."""
     best = best_of(first)
-    return not near(bench, best) or any(row in _rows(best) for row in prepared.repeated)
+    return not near(bench, best) or any(row in rows_of(best) for row in prepared.repeated)
 
 
 def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence[str]) -> Alone | None:
@@ -62,7 +62,7 @@ def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence
         held: records that no fit may see.
     """
     best = best_of(first)
-    losing = [row for row in prepared.repeated if row in _rows(best) or not near(bench, best)]
+    losing = [row for row in prepared.repeated if row in rows_of(best) or not near(bench, best)]
     fitted = [b for b in prepared.blocks if b.name not in set(held)]
     for row in losing or _standing_out(rested(bench, first.base)):
         alone = without(bench, prepared, fitted, row)
@@ -99,10 +99,6 @@ def rivals(
 def best_of(first: Level) -> Fit:
     """The best single effect, or the twin without any."""
     return min(first.fits, key=cost_of, default=first.base)
-
-
-def _rows(fit: Fit) -> set[object]:
-    return {e.place.get("channel") for e in fit.effects}
 
 
 def _standing_out(base: Fit) -> list[int]:
