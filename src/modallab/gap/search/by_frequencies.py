@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 BEGINS = 2
 """Places along the beam from which an effect with a place begins."""
+SMALLER = 2
+"""Smaller sizes from which an effect of one number begins as well."""
 FOLLOWED = 8
 """Fits that are followed where nothing is forgiven any more."""
 FINISHED = 2
@@ -39,9 +41,9 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     def looks(candidate: Candidate) -> list[Fit]:
         candidates = (*former[0], candidate)
         begins = starts(candidates, bench.free, bench.poles, BEGINS if len(candidate.slots) > 1 else 1, former[1])
-        less = next_smaller(candidate, begins[0].u[bench.free.size + len(former[1]) :])
-        smaller = [] if less is None else [start(candidates, np.append(former[1], less), bench.free, bench.poles)]
-        return [short(bench, candidates, b.u, COARSE) for b in (*begins, *smaller)]
+        less = smaller(candidate, begins[0].u[bench.free.size + len(former[1]) :])
+        begins = [*begins, *(start(candidates, np.append(former[1], u), bench.free, bench.poles) for u in less)]
+        return [short(bench, candidates, b.u, COARSE) for b in begins]
 
     with ThreadPoolExecutor(WORKERS) as workers:
         looked = counted(workers.map(looks, listed), len(listed), "explanations by the frequencies")
@@ -54,18 +56,18 @@ def round_by_frequencies(bench: Bench, base: Fit) -> Level:
     return Level(base, tuple(best))
 
 
-def next_smaller(candidate: Candidate, own: Array) -> float | None:
-    """The coordinate of the first value of an effect of one number that is next smaller as an effect.
+def smaller(candidate: Candidate, own: Array) -> list[float]:
+    """The coordinates of the next smaller first values of an effect of one number, the larger first.
 
     What sits at every sensor moves all frequencies as the beam's own numbers do, which hardly tell its size: from too
     large a size the assembly bends and the fit creeps, from a smaller one it grows.
     """
     if len(candidate.slots) != 1:
-        return None
+        return []
     (slot,) = candidate.slots
     value = slot.value(float(own[0]))
     size = -1.0 if slot.power < 0 else 1.0
     same_side = [v for v in slot.starts if (v - slot.none) * (value - slot.none) > 0]
-    smaller = [v for v in same_side if size * abs(v - slot.none) < size * abs(value - slot.none)]
-    nearest = max(smaller, key=lambda v: size * abs(v - slot.none), default=None)
-    return None if nearest is None else slot.coordinate(nearest)
+    less = [v for v in same_side if size * abs(v - slot.none) < size * abs(value - slot.none)]
+    nearest = sorted(less, key=lambda v: -size * abs(v - slot.none))
+    return [slot.coordinate(v) for v in nearest[:SMALLER]]
