@@ -78,3 +78,20 @@ def test_a_twin_takes_its_hits_where_they_land() -> None:
     assert twin.struck_x_m(0.54) == 0.54
     assert twin.hit_gain(0.36) == 1.01
     assert twin.hit_gain(0.54) == 1.0
+
+
+def test_neighbours_are_the_same_one_by_one_and_together() -> None:
+    here = replace(Structure.of(BEAM, 0.006), dampers=((0.6, 0.5),), losses=((0.3, 0.2, 0.01),), masses=((0.45, 0.01),))
+    there = [
+        replace(here, youngs_modulus_pa=1.00001 * here.youngs_modulus_pa),
+        replace(here, masses=((0.45, 0.01001),)),
+        replace(here, dampers=((0.6, 0.501),)),
+        replace(here, hung=((0.5, 0.1, 1e4),)),
+    ]
+    together = Neighbours(here).solve(there)
+    for structure, own in zip(there, together, strict=True):
+        (alone,) = Neighbours(here).solve([structure])
+        np.testing.assert_allclose(own.poles, alone.poles, rtol=1e-12)
+        np.testing.assert_allclose(own.columns, alone.columns, atol=1e-9 * float(np.max(np.abs(alone.columns))))
+    assert len(together[3].poles) == len(solve(there[3]).poles)
+    np.testing.assert_allclose(together[3].poles, solve(there[3]).poles)
