@@ -37,8 +37,9 @@ __getattr__ = lazily(
         "base_motion": ("base_transmission",),
         "bench": ("Chain", "Mount", "Twin", "transfer"),
         "effects": ("apply",),
+        "modes": ("Modes", "solve"),
         "predict": ("predict_hit", "predict_sine"),
         "response": ("Hits", "Rise", "Sines"),
-        "structure": ("Modes", "Structure", "believed_root", "solve"),
+        "structure": ("Structure", "believed_root"),
     },
 )
