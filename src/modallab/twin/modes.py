@@ -126,8 +126,13 @@ def undamped_key(s: Structure) -> tuple[object, ...]:
     return (*size, *fields, s.root_rotation, s.root_translation, *attached)
 
 
+def held_at_root(structure: Structure) -> tuple[bool, bool]:
+    """Whether the root takes the deflection and the slope there."""
+    return structure.root_translation <= RIGID, structure.root_rotation <= RIGID
+
+
 def _free(structure: Structure) -> NDArray[np.int64]:
-    held = {i for i, c in enumerate((structure.root_translation, structure.root_rotation)) if c <= RIGID}
+    held = {i for i, taken in enumerate(held_at_root(structure)) if taken}
     return np.array([i for i in range(OWN + len(structure.hung)) if i not in held])
 
 

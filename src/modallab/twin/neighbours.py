@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from modallab.twin.elements import patterns, shape_rows
 from modallab.twin.matrices import (
     OWN,
-    RIGID,
     Term,
     Terms,
     at_places,
@@ -22,7 +21,7 @@ from modallab.twin.matrices import (
     term_matrix,
     term_rows,
 )
-from modallab.twin.modes import Modes, beside, coupled, damping_of, solve, undamped
+from modallab.twin.modes import Modes, beside, coupled, damping_of, held_at_root, solve, undamped
 from modallab.twin.structure import MODES, Structure
 
 Array = NDArray[np.float64]
@@ -57,7 +56,7 @@ class Neighbours:
 
     def _same_freedoms(self, s: Structure) -> bool:
         here = self._middle
-        return (s.length_m, s.hung, _held(s)) == (here.length_m, here.hung, _held(here))
+        return (s.length_m, s.hung, held_at_root(s)) == (here.length_m, here.hung, held_at_root(here))
 
     def _first_order(self, structures: list[Structure]) -> list[Modes]:
         """The modes of bending of each."""
@@ -136,8 +135,3 @@ def _differences(here: Terms, there: Sequence[Terms]) -> dict[Term, dict[int, fl
             if more:
                 change.setdefault(term, {})[i] = more
     return change
-
-
-def _held(structure: Structure) -> tuple[bool, bool]:
-    """Which freedoms the root takes."""
-    return structure.root_translation <= RIGID, structure.root_rotation <= RIGID

@@ -32,6 +32,7 @@ class ManyModes:
         columns: (twins, n, p) as in `Modes`; NaN too.
         out_of_band: of each twin, as in `Modes`.
         sensors: (twins, channels, n) rows that take a shape at the accelerometers.
+        outputs: (twins, channels, p) shapes there, which all drive points share.
         length_m: of the beam.
     """
 
@@ -39,6 +40,7 @@ class ManyModes:
     columns: Complex
     out_of_band: tuple[Array, ...]
     sensors: Array
+    outputs: Complex
     length_m: float
 
     @classmethod
@@ -49,7 +51,8 @@ class ManyModes:
         for k, own in enumerate(modes):
             if len(own.poles) == count:
                 poles[k], columns[k] = own.poles, own.columns
-        return cls(poles, columns, tuple(m.out_of_band for m in modes), sensors, modes[0].length_m)
+        out_of_band = tuple(m.out_of_band for m in modes)
+        return cls(poles, columns, out_of_band, sensors, sensors @ columns, modes[0].length_m)
 
     def at(self, x_m: Sequence[float]) -> tuple[Complex, Array]:
         """(twins, p) shapes at one place on each twin, and (twins, channels) static m per N that others add there."""
@@ -75,14 +78,14 @@ def of_hits(twins: Sequence[Twin], modes: ManyModes, d: ImpactData, data: Reduce
     x, scale = d.piece.drive_x_m, float(drift_scale(twins[0], d.piece.order, data))
     drive, static = modes.at([t.struck_x_m(x) for t in twins])
     gain = np.array([[t.hit_gain(x)] for t in twins])
-    residue = modes.sensors @ modes.columns * (drive * gain / scale)[:, None]
+    residue = modes.outputs * (drive * gain / scale)[:, None]
     return modes.poles * scale, residue, static * gain * _shares(twins) / scale**2
 
 
 def of_sines(twins: Sequence[Twin], modes: ManyModes, d: SineData) -> Numbers:
     """The numbers of the sine test, without drift."""
     drive, static = modes.at([d.pieces[0].drive_x_m] * len(twins))
-    return modes.poles, modes.sensors @ modes.columns * drive[:, None], static * _shares(twins)
+    return modes.poles, modes.outputs * drive[:, None], static * _shares(twins)
 
 
 def _shares(twins: Sequence[Twin]) -> Array:
