@@ -21,7 +21,7 @@ from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, per_number, worth
 from modallab.gap.unknown.rival import best_of, channel_alone, near, rivals, unexplained
 
-LITTLE = 0.05
+LITTLE = 0.5
 """Share of the gap that a linear effect may leave for linear ones to be looked for first where levels disagree."""
 
 
@@ -86,7 +86,7 @@ def _by_levels(bench: Bench, prepared: Prepared, first: Level, matters: Reduced 
     """Linear effects, and where none explains and the levels disagree, those that depend on the size of the motion.
 
     Overtones drown where a slow mode still rings. Where many levels disagree, one round says whether a linear effect,
-    whose transients the twin has wrong, does so; where it does so all but for little, another one may do the rest.
+    whose transients the twin has wrong, does so; where that leaves less than a half, other linear ones may do the rest.
     """
     base = first.base
     many = levels_differ(base)

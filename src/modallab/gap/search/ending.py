@@ -26,11 +26,17 @@ BEGINS = 2
 PROMISING = 0.3
 """Share of the gap below which what an explanation leaves is worth another attempt."""
 
+FAR = 30.0
+"""Times the floor from which what is left after two beginnings is another effect's."""
+ALIKE = 1.3
+"""Times what one of them leaves that the other may leave."""
+
 
 def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
 
-    What leaves most of the gap `before` is not worth its last digits.
+    What leaves most of the gap `before` is not worth its last digits, and neither is what leaves much wherever it
+    begins: another effect is missing.
 
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
@@ -38,7 +44,10 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
     if not is_sound(bench, there) and not np.array_equal(u, fit.u):
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
-        there = min(there, annealed(bench, replace(fit, u=u), COARSE / 6), key=lambda f: f.cost)
+        again = annealed(bench, replace(fit, u=u), COARSE / 6)
+        if _far_alike(bench, there, again):
+            return completed(bench, min(there, again, key=cost_of))
+        there = min(there, again, key=cost_of)
     if not is_sound(bench, there):
         rest = _from_rest(bench, there) if bench.free.deviations else []
         there = min((there, *_from_frequencies(bench, there), *rest), key=cost_of)
@@ -50,6 +59,12 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     if bench.flat < there.gap < PROMISING * before:
         there = min(there, finish(bench, fit, floor), key=cost_of)
     return there
+
+
+def _far_alike(bench: Bench, fit: Fit, other: Fit) -> bool:
+    """Whether two fits of the same from different beginnings both leave much, and about as much."""
+    less, more = sorted((fit.gap, other.gap))
+    return less > FAR * bench.flat and more < ALIKE * less
 
 
 def is_sound(bench: Bench, fit: Fit) -> bool:

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from modallab.core.progress import counted, part, report
-from modallab.gap.model.fit import Fit, Problem, cost_of
+from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.search.ending import ended, is_sound
 from modallab.gap.search.fitting import Bench, excess, misfit, on_all, short
 from modallab.gap.search.halving import HOPELESS, annealed_together
@@ -105,10 +105,9 @@ def round_of(bench: Bench, base: Fit, finished: int = 2, before: float | None = 
         best += workers.map(last, better[len(hopeful) : finished])
         if not any(is_sound(bench, f) for f in best):
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
-            least = min((excess(f) for f in best), default=np.inf)
-            if least > LITTLE * (before**2 - 1):
+            if all(excess(f) > LITTLE * (before**2 - 1) for f in best):
                 others = [f for f in looks if not any(_same(f, g) for g in better[:finished])]
-                best += workers.map(to_the_end, _leaving(bench, others, screen.floor / 12, workers, finished, least))
+                best += workers.map(to_the_end, _leaving(bench, base, others, screen.floor / 12, workers, finished))
     return Level(base, tuple(sorted(_own_right(best), key=cost_of)))
 
 
@@ -123,13 +122,14 @@ def _likely(glances: list[list[Fit]]) -> list[Fit]:
     return [f for i in chosen for f in glances[i]]
 
 
-def _leaving(bench: Bench, looks: list[Fit], floor: float, workers: Executor, finished: int, least: float) -> list[Fit]:
-    """The best of these once nothing is forgiven, as far as they leave less than `least`.
+def _leaving(bench: Bench, base: Fit, looks: list[Fit], floor: float, workers: Executor, finished: int) -> list[Fit]:
+    """The best of these once nothing is forgiven, as far as they take half of what `base` leaves on the same data.
 
     What is large in shares of the response may be little in noise units, and the other way round.
     """
     annealed = annealed_together(bench, looks, floor, workers, finished, FOLLOWED)
-    return [f for f in annealed[:finished] if excess(f) < least]
+    most = LITTLE * excess(seen(Problem(bench.thin, bench.free, base.problem.candidates), base.u))
+    return [f for f in annealed[:finished] if excess(f) < most]
 
 
 def _may_have_crept(bench: Bench, looks: list[Fit], tried: list[Fit]) -> list[Fit]:
