@@ -1,8 +1,10 @@
 """A fit whose beam has strayed far outside its tolerances finds its way back."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
@@ -11,8 +13,11 @@ from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.report.initial_gap import TOP_HZ, bench_of, free_of
+from modallab.gap.search import ending
 from modallab.gap.search.ending import ended
-from modallab.gap.search.fitting import COARSE, annealed, baseline, completed, ordinary
+from modallab.gap.search.fitting import COARSE, annealed, baseline, completed, excess, on_all, ordinary, short
+from modallab.gap.search.pool import pool
+from modallab.gap.search.round import taking_half
 
 
 def strayed(rig, make, beam):
@@ -63,3 +68,49 @@ def test_masses_that_every_sensor_has_are_one_number_again(rig, make):
     assert found.gap < 1.1
     assert ordinary(found)
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
+
+
+LOUD = Effect(effect="gain_error", parameters={"gain": 1.6}, place={"channel": 3})
+
+
+def loud(rig, make, effect):
+    """A bench as built of which one channel reads too much, and a short fit of another effect or of that one."""
+    prepared = prepare(replace(make(LOUD), rig=rig.model_copy(update={"tolerance": Tolerance.usual()})))
+    whole = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
+    bench = replace(whole, data=whole.thin)
+    listed = pool(bench, seen(Problem(bench.thin, bench.free, ()), np.zeros(bench.free.size)))
+    candidate = next(c for c in listed if c.effect == effect and dict(c.place).get("channel", 3) == 3)
+    own = [s.coordinate(s.starts[0]) for s in candidate.slots]
+    # The fit before has bent the assembly a little.
+    u = np.append(np.full(bench.free.size, 0.5), own)
+    return bench, short(bench, (candidate,), u, COARSE)
+
+
+@pytest.mark.parametrize("effect", ["shaker_mass", "gain_error"])
+def test_what_leaves_much_from_either_beginning_and_what_leaves_nothing_is_not_begun_again(
+    rig, make, monkeypatch, effect
+):
+    begun = []
+    monkeypatch.setattr(ending, "_from_rest", lambda bench, fit: begun.append(fit) or [])
+    bench, fit = loud(rig, make, effect)
+    found = ended(bench, fit, COARSE / 12, 100.0)
+    assert not begun
+    assert (found.gap > ending.FAR) is (effect != "gain_error")
+
+
+def test_two_beginnings_that_differ_or_leave_little_say_nothing(rig, make):
+    bench, fit = loud(rig, make, "shaker_mass")
+    much, more, little = (replace(fit, residual=np.full(100, left)) for left in (300.0, 500.0, 3.0))
+    assert ending.far_alike(bench, much, replace(much, residual=np.full(100, 320.0)))
+    assert not ending.far_alike(bench, much, more)
+    assert not ending.far_alike(bench, little, little)
+
+
+def test_what_takes_half_of_the_gap_is_followed_though_others_that_were_finished_leave_less(rig, make):
+    bench, right = loud(rig, make, "gain_error")
+    _, wrong = loud(rig, make, "shaker_mass")
+    base = on_all(bench, short(bench, (), np.zeros(bench.free.size), COARSE))
+    with ThreadPoolExecutor(2) as workers:
+        (followed,) = taking_half(bench, base, [wrong, right], COARSE / 12, workers, 2)
+    assert [e.effect for e in followed.effects] == ["gain_error"]
+    assert excess(followed) < 0.01 * excess(base)

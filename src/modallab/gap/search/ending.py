@@ -45,7 +45,7 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     if not is_sound(bench, there) and not np.array_equal(u, fit.u):
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
         again = annealed(bench, replace(fit, u=u), COARSE / 6)
-        if _far_alike(bench, there, again):
+        if far_alike(bench, there, again):
             return completed(bench, min(there, again, key=cost_of))
         there = min(there, again, key=cost_of)
     if not is_sound(bench, there):
@@ -61,7 +61,7 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     return there
 
 
-def _far_alike(bench: Bench, fit: Fit, other: Fit) -> bool:
+def far_alike(bench: Bench, fit: Fit, other: Fit) -> bool:
     """Whether two fits of the same from different beginnings both leave much, and about as much."""
     less, more = sorted((fit.gap, other.gap))
     return less > FAR * bench.flat and more < ALIKE * less

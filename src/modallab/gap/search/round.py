@@ -107,7 +107,7 @@ def round_of(bench: Bench, base: Fit, finished: int = 2, before: float | None = 
             best += workers.map(to_the_end, _may_have_crept(bench, looks, better[:finished]))
             if all(excess(f) > LITTLE * (before**2 - 1) for f in best):
                 others = [f for f in looks if not any(_same(f, g) for g in better[:finished])]
-                best += workers.map(to_the_end, _leaving(bench, base, others, screen.floor / 12, workers, finished))
+                best += workers.map(to_the_end, taking_half(bench, base, others, screen.floor / 12, workers, finished))
     return Level(base, tuple(sorted(_own_right(best), key=cost_of)))
 
 
@@ -122,7 +122,7 @@ def _likely(glances: list[list[Fit]]) -> list[Fit]:
     return [f for i in chosen for f in glances[i]]
 
 
-def _leaving(bench: Bench, base: Fit, looks: list[Fit], floor: float, workers: Executor, finished: int) -> list[Fit]:
+def taking_half(bench: Bench, base: Fit, looks: list[Fit], floor: float, workers: Executor, finished: int) -> list[Fit]:
     """The best of these once nothing is forgiven, as far as they take half of what `base` leaves on the same data.
 
     What is large in shares of the response may be little in noise units, and the other way round.
