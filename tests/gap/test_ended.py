@@ -35,7 +35,7 @@ def strayed(rig, make, beam):
 def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, make):
     bench, fit = strayed(rig, make, (60.0, -40.0, -5.0))
     assert completed(bench, annealed(bench, fit, COARSE / 12)).gap > 1.5
-    found = ended(bench, fit, COARSE / 12)
+    found = ended(bench, fit, COARSE / 12, 10.0)
     assert found.gap < 1.1
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)
 
@@ -46,7 +46,7 @@ def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
     (candidate,) = (c for c in of_bench(rig) if c.effect == "sensor_mass")
     # Thickness, density and Young's modulus have done the work, and the effect looks like next to nothing.
     u = np.append(baseline(bench).u, candidate.slots[0].coordinate(1.4e-4))
-    found = ended(bench, seen(Problem(bench.thin, bench.free, (candidate,)), u), 0.0)
+    found = ended(bench, seen(Problem(bench.thin, bench.free, (candidate,)), u), 0.0, 100.0)
     assert found.gap < 1.1
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.001, rtol=0.01)
 
@@ -64,7 +64,7 @@ def test_masses_that_every_sensor_has_are_one_number_again(rig, make):
     u[free.first_deviation : free.first_deviation + len(bent)] = bent
     problem = Problem(bench.thin, free, (candidate,))
     r = problem.residual(u)
-    found = ended(bench, Fit(problem, u, float(r @ r), r, np.eye(len(u))), COARSE / 30)
+    found = ended(bench, Fit(problem, u, float(r @ r), r, np.eye(len(u))), COARSE / 30, 2.0)
     assert found.gap < 1.1
     assert ordinary(found)
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
@@ -114,3 +114,16 @@ def test_what_takes_half_of_the_gap_is_followed_though_others_that_were_finished
         (followed,) = taking_half(bench, base, [wrong, right], COARSE / 12, workers, 2)
     assert [e.effect for e in followed.effects] == ["gain_error"]
     assert excess(followed) < 0.01 * excess(base)
+
+
+@pytest.mark.parametrize(("before", "again"), [(1000.0, False), (5.0, True)])
+def test_the_last_digit_of_a_large_gap_is_no_reason_to_begin_again(rig, make, monkeypatch, before, again):
+    bench, fit = loud(rig, make, "gain_error")
+    close = replace(fit, residual=np.full(100, 1.4))
+    begun = []
+    monkeypatch.setattr(ending, "annealed", lambda bench, fit, floor: begun.append(fit) or close)
+    monkeypatch.setattr(ending, "completed", lambda bench, fit: fit)
+    monkeypatch.setattr(ending, "_from_rest", lambda bench, fit: [])
+    monkeypatch.setattr(ending, "finish", lambda bench, fit, floor: fit)
+    ended(bench, fit, COARSE / 12, before)
+    assert (len(begun) > 1) is again

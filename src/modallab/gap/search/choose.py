@@ -18,6 +18,7 @@ from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.explain import HOLDS
 from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
 from modallab.gap.search.round import Level
+from modallab.gap.search.simplest import simplest
 from modallab.gap.search.worth import Dismissed, worthwhile
 from modallab.twin.effects import search_of
 
@@ -89,7 +90,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
     while len(chain) > 1 and not _holds(chain[-2], chain[-1], unseen):
         chain.pop()
-    fit = prune(bench, chain[-1])
+    fit = simplest(bench, prune(bench, chain[-1]))
     rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
     others = tuple(f for f in rivals if names(f) != names(fit))
     resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)

@@ -14,6 +14,7 @@ from modallab.gap.search.fitting import (
     at_poles,
     at_rest,
     completed,
+    excess,
     finish,
     ordinary,
     short,
@@ -26,13 +27,17 @@ BEGINS = 2
 PROMISING = 0.3
 """Share of the gap below which what an explanation leaves is worth another attempt."""
 
+LAST_DIGIT = 1e-5
+"""Share of the squares of the gap below which what is left is the last digit of a model: it is this explanation."""
+LITTLE = 3.0
+"""The same in squares of noise units, however large the gap is."""
 FAR = 30.0
 """Times the floor from which what is left after two beginnings is another effect's."""
 ALIKE = 1.3
 """Times what one of them leaves that the other may leave."""
 
 
-def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
+def ended(bench: Bench, fit: Fit, floor: float, before: float) -> Fit:
     """A short fit brought to its end; where its beam has strayed, also from the beam that the poles show.
 
     What leaves most of the gap `before` is not worth its last digits, and neither is what leaves much wherever it
@@ -41,6 +46,8 @@ def ended(bench: Bench, fit: Fit, floor: float, before: float = np.inf) -> Fit:
     Far outside its tolerances a beam hardly answers to its numbers any more, and a fit there never finds its way back.
     """
     there = annealed(bench, fit, floor)
+    if excess(there) < min(LAST_DIGIT * (before**2 - 1), LITTLE):
+        return completed(bench, there)
     u = at_rest(bench.free, fit.u) if bench.free.deviations else fit.u
     if not is_sound(bench, there) and not np.array_equal(u, fit.u):
         # The fit before had bent beam, gains and deviations to a gap that was not theirs.
