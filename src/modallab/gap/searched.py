@@ -13,16 +13,13 @@ from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.choose import Choice, choose, stepped
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.explain import explain, rounds
-from modallab.gap.search.faint import linear_or_faint
+from modallab.gap.search.faint import LITTLE, linear_or_faint
 from modallab.gap.search.fitting import Bench, baseline, excess, settled
 from modallab.gap.search.one_channel import on_one_channel
 from modallab.gap.search.round import Level
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, per_number, worth
 from modallab.gap.unknown.rival import best_of, channel_alone, near, rivals, unexplained
-
-LITTLE = 0.5
-"""Share of the gap that a linear effect may leave for linear ones to be looked for first where levels disagree."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -36,7 +36,7 @@ WITHOUT = 8
 ALIKE = 1.1
 """Times what a fit leaves that another may leave whose effect it is but for tolerances: both stop a little short."""
 LITTLE = 0.5
-"""Share of the gap that the finished must leave for others to be followed."""
+"""Share of the gap that the finished must leave for others to be followed, and below which these must leave."""
 FOLLOWED = 4
 """Of these so many are followed where nothing is forgiven any more."""
 WORKERS = 2
