@@ -32,6 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
         window_s=arguments.window,
         variables=tuple(_pair(text) for text in arguments.variable or ()),
         array_map=None if arguments.map is None else read_map(arguments.map),
+        group=arguments.group or "",
     )
     console = console_of(arguments)
     if arguments.rig is None and holds_results_only(arguments.sources[0]):

@@ -78,6 +78,7 @@ def _add_import(commands: _Commands) -> None:
     )
     command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
     command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
+    command.add_argument("--group", metavar="NAME", help="which group of a TDMS file to read (default: all that fit)")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")
     add_saying(command)
     command.set_defaults(module="import_")

@@ -27,6 +27,7 @@ class ImportOptions:
         variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
             instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
         array_map: what the arrays of a MATLAB file are; instead of `variables`.
+        group: name of the group of a TDMS file to read; "" for all that hold the channels of the rig.
     """
 
     test: Test = "impact"
@@ -37,6 +38,7 @@ class ImportOptions:
     window_s: float | None = None
     variables: tuple[tuple[str, str], ...] = ()
     array_map: ArrayMap | None = None
+    group: str = ""
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""

@@ -30,7 +30,7 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.tdms.tdms_draft import draft_tdms
 
-    return draft_tdms(path)
+    return draft_tdms(path, options)
 
 
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:
@@ -46,7 +46,7 @@ FORMAT = Format(
     endings=(".tdms",),
     is_no="TDMS file",
     holds=("records",),
-    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz"),
+    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "group"),
     priority=30,
     fits=_fits,
     read=_read,

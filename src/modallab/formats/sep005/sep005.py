@@ -1,12 +1,14 @@
 """SEP005 of SDyPy: a list of time series, each a dictionary with data, name, unit and rate; in a file as JSON."""
 
 import json
+from decimal import Decimal
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_rate
+from modallab.core.array_checks import check_rate, check_time
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
 from modallab.core.rig import Rig
@@ -14,12 +16,15 @@ from modallab.core.units import Quantity
 from modallab.formats.atomic import replacing
 from modallab.formats.block_facts import MARK, BlockFacts, facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
+from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
 from modallab.formats.uff.uff_lines import physical
 from modallab.formats.unit_text import normal_unit
 
 _QUANTITY: dict[Quantity, str] = {"force": "f", "acceleration": "a", "velocity": "v", "displacement": "d"}
-_NEEDED = {"data": list, "name": str, "unit_str": str, "fs": float | int}
-_REMEDY = "give every series data, name, unit_str and fs, as SEP005 demands"
+_AGREE, _SAME = 1e-3, 1e-9
+"""Relative differences: of a rate from that of the times beside it, and of rates that are one."""
+_NEEDED = {"data": list, "name": str, "unit_str": str}
+_REMEDY = "give every series data, name, unit_str, and fs or time, as SEP005 demands"
 
 
 def to_sep005(campaign: Campaign) -> list[dict[str, Any]]:
@@ -46,8 +51,13 @@ def read_sep005(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         DataError: channels missing, or of unequal rates or lengths.
     """
     where, groups = str(path), series_of(path)
-    blocks = [_block(name, group, order, rig, options, where) for order, (name, group) in enumerate(groups.items())]
-    return Campaign(rig, tuple(blocks), source=where)
+    blocks: list[Block] = []
+    notes: list[str] = []
+    for order, (name, group) in enumerate(groups.items()):
+        block, note = _block(name, group, order, rig, options, where)
+        blocks.append(block)
+        notes += [f"{path.name}, group {name}: {note}"] if note else []
+    return Campaign(rig, tuple(blocks), provenance={"notes": "\n".join(notes)} if notes else {}, source=where)
 
 
 def series_of(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
@@ -88,19 +98,57 @@ def _check(series: object, where: str) -> None:
         raise FormatError("is no series", where=where, remedy=_REMEDY)
     content = cast("dict[str, Any]", series)
     wrong = [key for key, kind in _NEEDED.items() if not isinstance(content.get(key), kind)]
+    if not isinstance(content.get("fs"), float | int) and not isinstance(content.get("time"), list):
+        wrong.append("fs or time")
     if wrong:
         raise FormatError(f"has no {', '.join(wrong)}", where=where, remedy=_REMEDY)
+    for key in ("data", "time"):
+        if content.get(key) is not None:
+            content[key] = _row(content[key], key, where)
+
+
+def _row(values: object, key: str, where: str) -> NDArray[np.float64]:
     try:
-        content["data"] = np.array(content["data"], dtype=np.float64)
+        row = np.array(values, dtype=np.float64)
     except (ValueError, TypeError) as error:
-        raise FormatError(f"data are no numbers: {error}", where=where, remedy=_REMEDY) from error
-    if content["data"].ndim != 1:
-        raise FormatError("data are no single row of numbers", where=where, remedy=_REMEDY)
+        raise FormatError(f"{key} are no numbers: {error}", where=where, remedy=_REMEDY) from error
+    if row.ndim != 1:
+        raise FormatError(f"{key} are no single row of numbers", where=where, remedy=_REMEDY)
+    return row
+
+
+def _rate(series: dict[str, Any], where: str) -> float:
+    """The rate of a series by its fs, which its times must not contradict, or by these alone."""
+    times, said = series.get("time"), series.get("fs")
+    own = check_rate(float(said), where) if isinstance(said, float | int) else 0.0
+    if times is None:
+        return own
+    if len(times) != len(series["data"]):
+        found = f"{series['name']} has {len(times)} times and {len(series['data'])} samples"
+        raise FormatError(found, where=where, remedy=_REMEDY)
+    found = check_time(times, f"{where}, times of {series['name']}", resolution_s=_last_digit(times))
+    if own and abs(found - own) > _AGREE * own:
+        raise FormatError(f"{series['name']} has fs {own:g} Hz and times of {found:g} Hz", where=where, remedy=_REMEDY)
+    return own or found
+
+
+def _last_digit(times: NDArray[np.float64]) -> float:
+    """Half of the last digit with which times are written, by those that are written longest."""
+    exponents = [Decimal(repr(float(t))).as_tuple().exponent for t in times[:: max(1, len(times) // 50)]]
+    return 0.5 * 10.0 ** min(e for e in exponents if isinstance(e, int)) if np.isfinite(times).all() else 0.0
+
+
+def _start(series: dict[str, Any], where: str) -> Start | None:
+    """The moment of the first sample; a series of times without a date counts them from the same moment as others."""
+    stamp, times = series.get("start_timestamp"), series.get("time")
+    if stamp is not None:
+        return start_of_text(str(stamp), f"{where}, {series['name']}")
+    return None if times is None else start_of(float(times[0]), _last_digit(times))
 
 
 def _block(
     name: str, group: dict[str, dict[str, Any]], order: int, rig: Rig, options: ImportOptions, where: str
-) -> Block:
+) -> tuple[Block, str]:
     names = tuple(channel.name for channel in rig.channels)
     missing, unknown = [n for n in names if n not in group], [n for n in group if n not in names]
     if missing or unknown:
@@ -110,20 +158,22 @@ def _block(
             remedy="make rig and recording name the same channels",
         )
     parts = [group[n] for n in names]
-    if len({(len(part["data"]), float(part["fs"])) for part in parts}) > 1:
-        raise DataError(
-            f"the series of group {name} differ in length or rate", where=where, remedy="export them together"
-        )
-    rate = check_rate(float(parts[0]["fs"]), where)
+    rates = {part["name"]: _rate(part, where) for part in parts}
+    rate = next(iter(rates.values()))
+    if any(abs(other - rate) > _SAME * rate for other in rates.values()):
+        said = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
+        raise DataError(f"the series of group {name} differ in rate: {said}", where=where, remedy="export one rate")
     options.agree(rate, where)
+    starts = [_start(part, where) for part in parts]
+    samples, note = on_common_times([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)
-    return Block(
+    block = Block(
         name=facts.name,
         test=facts.test,
         order=order,
         rate_hz=facts.rate_hz,
-        samples=np.stack([part["data"] for part in parts]),
+        samples=samples,
         scale=np.ones(len(names)),
         units=tuple(
             normal_unit(part["unit_str"]) or options.unit(channel)
@@ -135,3 +185,4 @@ def _block(
         frequency_hz=facts.frequency_hz,
         first_sample=facts.first_sample,
     )
+    return block, note

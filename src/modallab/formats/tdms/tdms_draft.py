@@ -5,22 +5,26 @@ from pathlib import Path
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
 from modallab.formats.draft import Said, rig_of
-from modallab.formats.tdms.tdms_records import groups_of
-from modallab.formats.unit_text import normal_unit, quantity_of
+from modallab.formats.options import ImportOptions
+from modallab.formats.tdms.tdms_groups import chosen, fastest, is_time
+from modallab.formats.tdms.tdms_read import read_tdms_groups
+from modallab.formats.tdms.tdms_records import unit_said
+from modallab.formats.unit_text import quantity_of
 
 
-def draft_tdms(path: Path) -> Rig:
-    """The rig of a TDMS file: the channels of its first group, by their names and unit_string.
+def draft_tdms(path: Path, options: ImportOptions) -> Rig:
+    """The rig of a TDMS file: the channels of its fastest group, or of the chosen one, by their names and units.
 
     Raises:
-        FormatError: no TDMS file, cut off, or of a kind that is not read here.
+        FormatError: no TDMS file, cut off or damaged.
         DataError: it holds no samples.
     """
-    groups, _ = groups_of(path)
+    groups = chosen(read_tdms_groups(path), options.group, str(path))
+    groups = tuple(g for g in groups if any(not is_time(c) for c in g.channels.values()))
     if not groups:
-        raise DataError("holds no samples", where=str(path), remedy="export the records again")
+        raise DataError("holds nothing but times", where=str(path), remedy="export the records again")
     said: list[Said] = []
-    for name, found in next(iter(groups.values())).items():
-        unit = normal_unit(str(found.properties.get("unit_string", "")))
-        said.append(Said(name, quantity_of(unit), unit))
+    for channel in fastest(groups, str(path)):
+        unit = unit_said(channel)
+        said.append(Said(channel.name, quantity_of(unit), unit))
     return rig_of(said, path)

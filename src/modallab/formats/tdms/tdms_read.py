@@ -1,5 +1,6 @@
-"""Reads TDMS files of plain, contiguous samples: our own and those of LabVIEW; segments add to one another."""
+"""Groups and channels of a TDMS file, read by npTDMS and checked here: it reads on where a file is cut off."""
 
+import logging
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,140 +9,161 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.errors import FormatError
-from modallab.formats.tdms.tdms_types import (
-    BIG_ENDIAN,
-    DAQMX,
-    HAS_METADATA,
-    HAS_RAW,
-    INTERLEAVED,
-    NEW_OBJECTS,
-    RAW_TYPES,
-    TAG,
-)
+from modallab.core.errors import DataError, FormatError
+from modallab.formats.tdms.tdms_types import BIG_ENDIAN, DAQMX, INTERLEAVED, LEAD, TAG
 
 _COPY_AGAIN = "copy the file again, or export it again"
-_NO_RAW, _AS_BEFORE = 0xFFFFFFFF, 0
-_LEAD = 28
-_PLAIN = {1: "<b", 2: "<h", 3: "<i", 4: "<q", 5: "<B", 6: "<H", 7: "<I", 8: "<Q", 9: "<f", 10: "<d", 0x21: "<?"}
-_STRING, _TIME = 0x20, 0x44
+_NEVER_ENDED = 2**64 - 1
+_KNOWN_SCALES = {"Linear", "Polynomial", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add", "Subtract"}
+"""What npTDMS scales; by a scale that it does not know it leaves numbers unscaled, without an error."""
+_DELIVERED = ("i2", "i4", "f4", "f8")
+"""Types that stay as they are; others become real numbers of double precision."""
 
 
-@dataclass
-class TdmsObject:
-    """A root, a group or a channel: its properties, and the samples that were found for it."""
+@dataclass(frozen=True, eq=False, slots=True)
+class TdmsChannel:
+    """One channel of a group.
 
-    properties: dict[str, Any] = field(default_factory=dict[str, Any])
-    index: tuple[str, int] | None = None
-    parts: list[NDArray[Any]] = field(default_factory=list[NDArray[Any]])
+    Attributes:
+        name: of it.
+        properties: as written; a time stamp is one of npTDMS.
+        samples: (n,) whole or real numbers as delivered, or time stamps (n,) as s after the first.
+        scale: unit per number.
+    """
 
-    @property
-    def samples(self) -> NDArray[Any]:
-        """(n,) samples of all segments."""
-        return np.concatenate(self.parts) if self.parts else np.empty(0)
+    name: str
+    properties: dict[str, Any]
+    samples: NDArray[Any]
+    scale: float
 
 
-def read_tdms_objects(path: Path) -> dict[str, TdmsObject]:
-    """Objects by their path, such as `/'group'/'channel'`, in the order of the file.
+@dataclass(frozen=True, eq=False, slots=True)
+class TdmsGroup:
+    """A group: its channels of numbers by name, and the names of those that hold texts or nothing."""
+
+    name: str
+    description: str
+    channels: dict[str, TdmsChannel] = field(default_factory=dict[str, TdmsChannel])
+    others: list[str] = field(default_factory=list[str])
+
+
+def read_tdms_groups(path: Path) -> tuple[TdmsGroup, ...]:
+    """The groups that hold channels of numbers, in the order of the file.
 
     Raises:
-        FormatError: no TDMS file, cut off, or with what is not read here: interleaved or big-endian samples, raw data
-            of NI-DAQmx.
+        FormatError: no TDMS file, cut off or damaged.
+        DataError: a channel is scaled in a way that is not known.
     """
-    content, where = path.read_bytes(), str(path)
-    objects: dict[str, TdmsObject] = {}
-    active: list[str] = []
-    at = 0
+    # Imported here: it takes longer than most imports of other formats.
+    import nptdms
+
+    logging.getLogger("nptdms").propagate = False
+    nptdms.log.log_manager.set_level(logging.CRITICAL)
+    where = str(path)
+    flags = _check_segments(path)
     try:
-        while at < len(content):
-            at = _Segment(content, at, where).read(objects, active)
-    except (struct.error, IndexError, UnicodeError, ValueError, OverflowError, MemoryError) as error:
-        raise FormatError(f"is damaged near byte {at}: {error}", where=where, remedy=_COPY_AGAIN) from error
-    if not objects:
-        raise FormatError("is no TDMS file", where=where, remedy=_COPY_AGAIN)
-    return objects
+        with path.open("rb") as source, nptdms.TdmsFile(
+            source, raw_timestamps=True, read_metadata_only=True, keep_open=True
+        ) as found:
+            _check_chunks(found, flags, where)
+            groups = [_group(group, path.stat().st_size, where) for group in found.groups()]
+    except (FormatError, DataError):
+        raise
+    except Exception as error:  # On damaged files npTDMS raises nearly every type there is.
+        raise FormatError(f"is damaged: {str(error) or type(error).__name__}", where=where, remedy=_COPY_AGAIN) from error
+    return tuple(group for group in groups if group.channels)
 
 
-class _Segment:
-    def __init__(self, content: bytes, at: int, where: str) -> None:
-        self._content = content
-        self._where = where
-        if content[at : at + 4] != TAG:
-            raise FormatError(f"has no segment at byte {at}", where=where, remedy=_COPY_AGAIN)
-        self._toc, _, self._length, self._raw = struct.unpack_from("<IIQQ", content, at + 4)
-        self._begin = self._at = at + _LEAD
-        if self._toc & (BIG_ENDIAN | INTERLEAVED | DAQMX):
-            raise FormatError(
-                "holds interleaved, big-endian or DAQmx raw samples",
-                where=where,
-                remedy="save it again with LabVIEW or DIAdem as plain samples, or export CSV",
-            )
-        if self._begin + self._length > len(content) or self._raw > self._length:
-            raise FormatError("is cut off", where=where, remedy=_COPY_AGAIN)
+def _check_segments(path: Path) -> int:
+    """The flags of the last segment.
 
-    def read(self, objects: dict[str, TdmsObject], active: list[str]) -> int:
-        if self._toc & HAS_METADATA:
-            if self._toc & NEW_OBJECTS:
-                active.clear()
-            for _ in range(self._number("<I")):
-                self._object(objects, active)
-        if self._toc & HAS_RAW:
-            self._samples([objects[name] for name in active if objects[name].index is not None])
-        return self._begin + self._length
-
-    def _object(self, objects: dict[str, TdmsObject], active: list[str]) -> None:
-        name = self._text()
-        found = objects.setdefault(name, TdmsObject())
-        self._index(found)
-        if name not in active:
-            active.append(name)
-        for _ in range(self._number("<I")):
-            key = self._text()
-            found.properties[key] = self._value(self._number("<I"))
-
-    def _index(self, found: TdmsObject) -> None:
-        length = self._number("<I")
-        if length == _NO_RAW:
-            found.index = None
-        elif length != _AS_BEFORE:
-            code, dimension, count = self._number("<I"), self._number("<I"), self._number("<Q")
-            if length != 20 or dimension != 1 or code not in RAW_TYPES:
+    Raises:
+        FormatError: something else stands where a segment should begin, or the file ends within one.
+    """
+    size, at, flags, where = path.stat().st_size, 0, 0, str(path)
+    with path.open("rb") as source:
+        while at < size:
+            source.seek(at)
+            lead = source.read(LEAD)
+            if lead[:4] != TAG:
+                raise FormatError(f"has no segment at byte {at}", where=where, remedy=_COPY_AGAIN)
+            if len(lead) < LEAD:
+                raise FormatError("is cut off", where=where, remedy=_COPY_AGAIN)
+            (flags,) = struct.unpack_from("<I", lead, 4)
+            length, raw = struct.unpack_from(">QQ" if flags & BIG_ENDIAN else "<QQ", lead, 12)
+            if length == _NEVER_ENDED:
                 raise FormatError(
-                    f"holds samples of type {code:#x}", where=self._where, remedy="save them as integers or floats"
+                    "its last segment was never finished: the program that wrote it ended before",
+                    where=where,
+                    remedy="open it in LabVIEW or DIAdem and save it again, or export CSV",
                 )
-            found.index = (RAW_TYPES[code], count)
+            if at + LEAD + length > size or raw > length:
+                raise FormatError("is cut off", where=where, remedy=_COPY_AGAIN)
+            at += LEAD + length
+    return flags
 
-    def _samples(self, found: list[TdmsObject]) -> None:
-        at, end = self._begin + self._raw, self._begin + self._length
-        chunk = sum(np.dtype(kind).itemsize * count for kind, count in (o.index for o in found if o.index))
-        if not chunk or (end - at) % chunk:
-            raise FormatError("holds part of a chunk of samples", where=self._where, remedy=_COPY_AGAIN)
-        while at < end:
-            for one in found:
-                assert one.index is not None
-                kind, count = one.index
-                one.parts.append(np.frombuffer(self._content, kind, count, at))
-                at += np.dtype(kind).itemsize * count
 
-    def _value(self, code: int) -> Any:
-        if code == _STRING:
-            return self._text()
-        if code == _TIME:
-            fraction, seconds = self._number("<Q"), self._number("<q")
-            return seconds + fraction / 2**64
-        if code not in _PLAIN:
-            raise FormatError(f"has a property of type {code:#x}", where=self._where, remedy="save it again, plainly")
-        return self._number(_PLAIN[code])
+def _check_chunks(found: Any, flags: int, where: str) -> None:
+    # Of samples that alternate a last chunk may hold fewer; of others nobody knows whose are missing.
+    status = found.file_status.channel_statuses or {}
+    if not flags & (INTERLEAVED | DAQMX) and any(s.read_length != s.expected_length for s in status.values()):
+        raise FormatError("holds part of a chunk of samples", where=where, remedy=_COPY_AGAIN)
 
-    def _number(self, kind: str) -> Any:
-        (value,) = struct.unpack_from(kind, self._content, self._at)
-        self._at += struct.calcsize(kind)
-        return value
 
-    def _text(self) -> str:
-        length = self._number("<I")
-        raw = self._content[self._at : self._at + length]
-        if len(raw) != length:
-            raise FormatError("is cut off within a text", where=self._where, remedy=_COPY_AGAIN)
-        self._at += length
-        return raw.decode("utf-8")
+def _group(group: Any, size: int, where: str) -> TdmsGroup:
+    found = TdmsGroup(str(group.name), str(group.properties.get("description", "")))
+    for channel in group.channels():
+        place = f"{where}, group {group.name}, channel {channel.name}"
+        # A damaged count would ask for more memory than there is.
+        if len(channel) > size:
+            raise FormatError(f"announces {len(channel)} samples in {size} bytes", where=place, remedy=_COPY_AGAIN)
+        read = _samples(channel, place) if len(channel) else None
+        if read is None:
+            found.others.append(str(channel.name))
+        else:
+            found.channels[str(channel.name)] = TdmsChannel(str(channel.name), dict(channel.properties), *read)
+    return found
+
+
+def _samples(channel: Any, where: str) -> tuple[NDArray[Any], float] | None:
+    """Numbers as delivered and the unit per number; None of a channel of texts."""
+    slope = _slope(channel.properties, where)
+    raw: Any = channel.read_data(scaled=slope is None)
+    if isinstance(raw, dict):  # What DAQmx streamed has its scale beside it.
+        raw, slope = channel.read_data(scaled=True), None
+    if hasattr(raw, "second_fractions"):
+        return _since_first(raw), 1.0
+    values = np.asarray(raw)
+    if values.dtype.kind not in "biuf":
+        return None
+    values = values.astype(values.dtype.newbyteorder("="), copy=False)
+    kept = values if values.dtype.str[1:] in _DELIVERED else values.astype(np.float64)
+    return kept, 1.0 if slope is None else slope
+
+
+def _since_first(stamps: Any) -> NDArray[np.float64]:
+    seconds = np.asarray(stamps["seconds"], np.int64)
+    return (seconds - seconds[0]).astype(np.float64) + np.asarray(stamps["second_fractions"], np.float64) / 2**64
+
+
+def _slope(properties: dict[str, Any], where: str) -> float | None:
+    """Unit per number where that is all of the scaling; None where npTDMS is to scale.
+
+    Raises:
+        DataError: a scale that npTDMS does not know.
+    """
+    count = properties.get("NI_Number_Of_Scales", 0)
+    # Numbers that are scaled already keep the description of how they were.
+    if properties.get("NI_Scaling_Status", "unscaled") == "scaled":
+        return 1.0
+    kinds = [str(properties[key]) for key in properties if key.startswith("NI_Scale[") and key.endswith("]_Scale_Type")]
+    unknown = [kind for kind in kinds if kind not in _KNOWN_SCALES | {"AdvancedAPI"}]
+    if unknown:
+        found = f"is scaled by {unknown[0]}, which is not known here"
+        raise DataError(found, where=where, remedy="export scaled values from LabVIEW or DIAdem")
+    if not kinds and not count:
+        return None
+    slope = properties.get("NI_Scale[0]_Linear_Slope")
+    offset = properties.get("NI_Scale[0]_Linear_Y_Intercept", 0.0)
+    alone = kinds == ["Linear"] and count == 1
+    return float(slope) if alone and offset == 0 and isinstance(slope, float) else None

@@ -1,132 +1,125 @@
 """Groups of a TDMS file as records of a campaign."""
 
-import math
-import re
-from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_rate
+from modallab.core.array_checks import check_rate, check_time
 from modallab.core.axis_checks import whole_rate
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, FormatError
-from modallab.core.rig import Rig
+from modallab.core.rig import Channel, Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
-from modallab.formats.check_campaign import check_channels
 from modallab.formats.options import ImportOptions
-from modallab.formats.tdms.tdms_read import TdmsObject, read_tdms_objects
+from modallab.formats.starts import Start, on_common_times
+from modallab.formats.tdms.tdms_groups import chosen, is_time, listed, records_of, step_of
+from modallab.formats.tdms.tdms_read import TdmsChannel, TdmsGroup, read_tdms_groups
 from modallab.formats.unit_text import normal_unit
 
-_PARTS = re.compile(r"/'((?:[^']|'')*)'")
-_SCALE = "NI_Scale[0]_"
+_UNIT_PROPERTIES = ("unit_string", "NI_UnitDescription")
 
 
 def read_tdms(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
-    """Read every group as a record; its channels are those of the rig, by name, whatever their order.
+    """Read the groups that hold the channels of the rig, each as a record, by their names in any order.
+
+    Channels that stand in a group each, as every module of a chassis has its own, are one record. Other groups and
+    channels are left out, and a note says so.
 
     Raises:
-        FormatError: no TDMS file, cut off, or of a kind that is not read here.
-        DataError: channels that are not those of the rig, or of unequal type, length or rate.
+        FormatError: no TDMS file, cut off or damaged.
+        DataError: channels of the rig that are missing, of unequal rate, or that were not recorded together.
     """
     where = str(path)
-    groups, remarks = groups_of(path)
-    if not groups:
-        raise DataError("holds no samples", where=where, remedy="export the records again")
-    blocks = [
-        _block(name, group, remarks.get(name, ""), order, rig, options, f"{where}, group {name}")
-        for order, (name, group) in enumerate(groups.items())
-    ]
-    return Campaign(rig, tuple(blocks), source=where)
+    groups = chosen(read_tdms_groups(path), options.group, where)
+    records = records_of(groups, rig, where)
+    notes = _left_out(groups, records, rig, path.name)
+    blocks: list[Block] = []
+    for order, group in enumerate(records):
+        block, note = _block(group, order, rig, options, f"{where}, group {group.name}")
+        blocks.append(block)
+        notes += [f"{path.name}, group {group.name}: {note}"] if note else []
+    return Campaign(rig, tuple(blocks), provenance={"notes": "\n".join(notes)} if notes else {}, source=where)
 
 
-def groups_of(path: Path) -> tuple[dict[str, dict[str, TdmsObject]], dict[str, str]]:
-    """Group -> channel -> its samples, and group -> its description.
-
-    Raises:
-        FormatError: no TDMS file, cut off, or of a kind that is not read here.
-    """
-    groups: dict[str, dict[str, TdmsObject]] = {}
-    remarks: dict[str, str] = {}
-    for name, found in read_tdms_objects(path).items():
-        parts = [part.replace("''", "'") for part in _PARTS.findall(name)]
-        if len(parts) == 1:
-            remarks[parts[0]] = str(found.properties.get("description", ""))
-        elif len(parts) == 2 and found.parts:
-            groups.setdefault(parts[0], {})[parts[1]] = found
-    return groups, remarks
+def unit_said(channel: TdmsChannel) -> str:
+    """The unit that a channel's properties name; "" if they name none."""
+    said = (normal_unit(str(channel.properties.get(name, ""))) for name in _UNIT_PROPERTIES)
+    return next((unit for unit in said if unit), "")
 
 
-def _block(
-    name: str, group: dict[str, TdmsObject], remark: str, order: int, rig: Rig, options: ImportOptions, where: str
-) -> Block:
-    check_channels(tuple(sorted(group, key=_order(rig))), rig, where)
-    parts = [group[channel.name] for channel in rig.channels]
-    rows = [part.samples for part in parts]
-    steps = {_number(part, "wf_increment", 0.0, where) for part in parts}
-    if len({(row.dtype, len(row)) for row in rows}) > 1 or len(steps) > 1:
-        raise DataError(
-            "its channels differ in type, length or rate", where=where, remedy="export channels recorded together"
-        )
-    rate = _rate(steps.pop(), options, where)
-    facts = facts_or_options(read_facts(remark, where), name, rate, options)
-    return Block(
+def _left_out(groups: tuple[TdmsGroup, ...], records: tuple[TdmsGroup, ...], rig: Rig, name: str) -> list[str]:
+    wanted = {channel.name for channel in rig.channels}
+    kept = {id(channel) for record in records for channel in record.channels.values() if channel.name in wanted}
+    notes: list[str] = []
+    for group in groups:
+        others = [c for c in group.channels.values() if id(c) not in kept and not is_time(c)]
+        if others:
+            notes.append(f"{name}: left out of group {group.name}: {listed(others)}")
+    return notes
+
+
+def _block(group: TdmsGroup, order: int, rig: Rig, options: ImportOptions, where: str) -> tuple[Block, str]:
+    parts = [group.channels[channel.name] for channel in rig.channels]
+    rate = _rate(group, parts, options, where)
+    samples, note = on_common_times(*_rows(parts, where), rate, [part.name for part in parts], where)
+    facts = facts_or_options(read_facts(group.description, where), group.name, rate, options)
+    block = Block(
         name=facts.name,
         test=facts.test,
         order=order,
         rate_hz=facts.rate_hz,
-        samples=np.stack(rows),
-        scale=np.array([_scale(part, where) for part in parts]),
-        units=tuple(
-            normal_unit(str(part.properties.get("unit_string", ""))) or options.unit(channel)
-            for part, channel in zip(parts, rig.channels, strict=True)
-        ),
+        samples=samples,
+        scale=np.array([part.scale for part in parts]),
+        units=tuple(_unit(part, channel, options) for part, channel in zip(parts, rig.channels, strict=True)),
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
         level=facts.level,
         frequency_hz=facts.frequency_hz,
         first_sample=facts.first_sample,
     )
+    return block, note
 
 
-def _order(rig: Rig) -> Callable[[str], int]:
-    places = {channel.name: channel.index for channel in rig.channels}
-
-    def place(name: str) -> int:
-        return places.get(name, len(places))
-
-    return place
+def _unit(part: TdmsChannel, channel: Channel, options: ImportOptions) -> str:
+    return unit_said(part) or options.unit(channel)
 
 
-def _number(part: TdmsObject, name: str, default: float, where: str) -> float:
-    value = part.properties.get(name, default)
-    if not isinstance(value, int | float):
-        raise FormatError(f"its {name} is {value!r}, no number", where=where, remedy="export the records again")
-    return float(value)
+def _rows(parts: list[TdmsChannel], where: str) -> tuple[list[NDArray[Any]], list[Start | None]]:
+    kind = np.result_type(*(part.samples.dtype for part in parts))
+    stamped = any(_stamp(part) for part in parts)
+    starts = [_start(part, where) if bool(_stamp(part)) == stamped else None for part in parts]
+    return [part.samples.astype(kind, copy=False) for part in parts], starts
 
 
-def _rate(step: float, options: ImportOptions, where: str) -> float:
+def _stamp(part: TdmsChannel) -> Fraction:
+    """The time stamp in s since 1904, to 2^-64 s; 0 where there is none, which LabVIEW writes as 1904."""
+    stamp = part.properties.get("wf_start_time")
+    return getattr(stamp, "seconds", 0) + Fraction(getattr(stamp, "second_fractions", 0), 2**64)
+
+
+def _start(part: TdmsChannel, where: str) -> Start:
+    offset = part.properties.get("wf_start_offset", 0.0)
+    if not isinstance(offset, int | float) or not np.isfinite(offset):
+        raise FormatError(f"wf_start_offset of {part.name} is {offset!r}", where=where, remedy="export the records again")
+    return Start(_stamp(part) + Fraction(float(offset)))
+
+
+def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, where: str) -> float:
+    steps = {part.name: step_of(part, where) for part in parts}
+    if len(set(steps.values())) > 1:
+        said = ", ".join(f"{name} {1 / step:g} Hz" if step else f"{name} no rate" for name, step in steps.items())
+        raise DataError(f"the channels differ in rate: {said}", where=where, remedy="export channels of one rate")
+    step = next(iter(steps.values()))
     if step > 0:
         rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)
-        options.agree(rate, where)
-        return rate
-    if options.rate_hz is None:
-        raise DataError("says no wf_increment", where=where, remedy="give the rate with --rate")
-    return check_rate(options.rate_hz, where)
-
-
-def _scale(part: TdmsObject, where: str) -> float:
-    scales = _number(part, "NI_Number_Of_Scales", 0, where)
-    status = part.properties.get("NI_Scaling_Status", "unscaled" if scales else "scaled")
-    if status == "scaled":
-        return 1.0
-    kind = part.properties.get(f"{_SCALE}Scale_Type")
-    offset = _number(part, f"{_SCALE}Linear_Y_Intercept", 0.0, where)
-    slope = _number(part, f"{_SCALE}Linear_Slope", math.nan, where)
-    if scales != 1 or kind != "Linear" or offset != 0 or not math.isfinite(slope):
-        raise DataError(
-            f"is scaled by {scales:g} scales of type {kind}, slope {slope:g}, offset {offset:g}",
-            where=where,
-            remedy="export scaled values; here a factor only can be kept beside the counts",
-        )
-    return slope
+    elif times := [c.samples for c in group.channels.values() if is_time(c) and len(c.samples) == len(parts[0].samples)]:
+        rate = check_time(times[0].astype(np.float64), f"{where}, channel of times")
+    elif options.rate_hz is not None:
+        return check_rate(options.rate_hz, where)
+    else:
+        raise DataError("says no wf_increment and holds no times", where=where, remedy="give the rate with --rate")
+    options.agree(rate, where)
+    return rate

@@ -4,6 +4,8 @@ from enum import IntEnum
 
 TAG = b"TDSm"
 VERSION = 4713
+LEAD = 28
+"""Bytes before the metadata of a segment."""
 
 HAS_METADATA, NEW_OBJECTS, HAS_RAW, INTERLEAVED, BIG_ENDIAN, DAQMX = 1 << 1, 1 << 2, 1 << 3, 1 << 5, 1 << 6, 1 << 7
 

@@ -22,7 +22,8 @@ def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """
     where = str(path)
     content = read_functions(path)
-    blocks, frfs = read_blocks(content, path, rig, options), read_frf(content, rig, where)
+    blocks, notes = read_blocks(content, path, rig, options)
+    frfs = read_frf(content, rig, where)
     if not blocks and not frfs:
         raise DataError(
             f"holds neither time records nor FRFs, only {_contents(content)}",
@@ -30,8 +31,9 @@ def read_uff(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
             remedy="export time records or FRFs as dataset 58",
         )
     skipped = [f for f in content.functions if f.kind not in _USED]
-    note = f"{path.name}: left out {_contents(content)}" if skipped or content.others else ""
-    return Campaign(rig, blocks, frfs, {"notes": note} if note else {}, where)
+    left_out = (f"{path.name}: left out {_contents(content)}",) if skipped or content.others else ()
+    said = (*notes, *left_out)
+    return Campaign(rig, blocks, frfs, {"notes": "\n".join(said)} if said else {}, where)
 
 
 def _contents(content: UniversalFile) -> str:

@@ -9,20 +9,23 @@ from modallab.core.array_checks import check_rate, check_time
 from modallab.core.axis_checks import whole_rate
 from modallab.core.block import Block
 from modallab.core.errors import DataError
-from modallab.core.rig import Channel, Rig
+from modallab.core.rig import Rig
 from modallab.formats.block_facts import facts_or_options, read_facts
 from modallab.formats.options import ImportOptions
+from modallab.formats.starts import on_common_times, start_of
 from modallab.formats.uff.uff_functions import Function, UniversalFile
 from modallab.formats.uff.uff_match import Match, known_point, match_channel, unit_of
 
 _Group = dict[str, tuple[Function, Match]]
 
 
-def read_blocks(content: UniversalFile, path: Path, rig: Rig, options: ImportOptions) -> tuple[Block, ...]:
-    """The blocks of the time records.
+def read_blocks(
+    content: UniversalFile, path: Path, rig: Rig, options: ImportOptions
+) -> tuple[tuple[Block, ...], tuple[str, ...]]:
+    """The blocks of the time records, and notes on them.
 
     Raises:
-        DataError: complex or uneven records, channels missing or unequal in length, rate or start.
+        DataError: complex or uneven records, channels missing or unequal in rate, or not recorded together.
     """
     where = str(path)
     groups: list[_Group] = []
@@ -36,24 +39,34 @@ def read_blocks(content: UniversalFile, path: Path, rig: Rig, options: ImportOpt
             groups.append({})
         groups[-1][match.channel.name] = (function, match)
     blocks: list[Block] = []
+    notes: list[str] = []
     for order, group in enumerate(groups):
         name = path.stem if len(groups) == 1 else f"{path.stem}_{order + 1}"
-        blocks.append(_block(group, name, order, content.units_code, rig, options, where))
-    return tuple(blocks)
+        block, note = _block(group, name, order, content.units_code, rig, options, where)
+        blocks.append(block)
+        notes += [f"{name}: {note}"] if note else []
+    return tuple(blocks), tuple(notes)
 
 
 def _block(
     group: _Group, name: str, order: int, units_code: int | None, rig: Rig, options: ImportOptions, where: str
-) -> Block:
+) -> tuple[Block, str]:
     _check_complete(group, rig, where)
     parts = [group[channel.name] for channel in rig.channels]
     functions = [function for function, _ in parts]
-    rate = _common_rate(functions, rig.channels, options, where)
+    rate = _common_rate(functions, options, where)
+    samples, note = on_common_times(
+        [np.asarray(f.values, dtype=np.float64) for f in functions],
+        [start_of(float(f.axis[0]), f.start_error) for f in functions],
+        rate,
+        [f"{channel.name} (set {f.place})" for channel, f in zip(rig.channels, functions, strict=True)],
+        where,
+    )
     # Our own files carry the facts of a block in the last two identification lines.
     facts = facts_or_options(
         read_facts("".join(n for n in functions[0].names[3:5] if n != "NONE"), where), name, rate, options
     )
-    return Block(
+    block = Block(
         name=facts.name,
         test=facts.test,
         order=order,
@@ -61,7 +74,7 @@ def _block(
         level=facts.level,
         frequency_hz=facts.frequency_hz,
         first_sample=facts.first_sample,
-        samples=np.stack([np.asarray(f.values, dtype=np.float64) for f in functions]),
+        samples=samples,
         scale=np.array([match.sign for _, match in parts], dtype=np.float64),
         units=tuple(
             unit_of(f, units_code, where) or options.unit(channel)
@@ -70,6 +83,7 @@ def _block(
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=_drive_point(group, rig, options, where),
     )
+    return block, note
 
 
 def _check_complete(group: _Group, rig: Rig, where: str) -> None:
@@ -83,22 +97,14 @@ def _check_complete(group: _Group, rig: Rig, where: str) -> None:
         )
 
 
-def _common_rate(
-    functions: Sequence[Function], channels: Sequence[Channel], options: ImportOptions, where: str
-) -> float:
-    rates = [_rate(function, where) for function in functions]
-    first = (rates[0], len(functions[0].values), functions[0].axis[0])
-    for rate, function, channel in zip(rates, functions, channels, strict=True):
-        own = (rate, len(function.values), function.axis[0])
-        if own != first:
-            raise DataError(
-                f"channel {channel.name} (set {function.place}) has {own[1]} samples at {own[0]:g} Hz "
-                f"from {own[2]:g} s, channel {channels[0].name} has {first[1]} at {first[0]:g} Hz from {first[2]:g} s",
-                where=where,
-                remedy="export channels that were recorded together, over the same time",
-            )
-    options.agree(rates[0], where)
-    return rates[0]
+def _common_rate(functions: Sequence[Function], options: ImportOptions, where: str) -> float:
+    rates = {function.place: _rate(function, where) for function in functions}
+    if len(set(rates.values())) > 1:
+        said = ", ".join(f"set {place} {rate:g} Hz" for place, rate in rates.items())
+        raise DataError(f"the records differ in rate: {said}", where=where, remedy="export records of one rate")
+    rate = next(iter(rates.values()))
+    options.agree(rate, where)
+    return rate
 
 
 def _rate(function: Function, where: str) -> float:

@@ -1,0 +1,158 @@
+"""Channels of one record that begin at different times, brought onto the stretch of time that all of them cover."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.signals.alignment import HALF, aligned
+
+_WHOLE = 1e-3
+"""Share of a sample within which channels stand a whole number of samples apart: 0.04 degrees at a tenth of the rate."""
+_COARSE = 0.25
+"""Share of a sample to which starts must be known to say which sample belongs to which."""
+_APART = "export channels that were recorded together, over the same time"
+_ISO = re.compile(r"(.+\d\d:\d\d(?::\d\d)?)(?:[.,](\d+))?(Z|[+-]\d\d:?\d\d)?")
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """When the first sample of a channel was taken.
+
+    Attributes:
+        at_s: s since any moment that the channels of a record share.
+        resolution_s: half of the last digit with which the file writes it; 0 if that is exact.
+    """
+
+    at_s: Fraction
+    resolution_s: float = 0.0
+
+
+def start_of(seconds: float, resolution_s: float = 0.0) -> Start:
+    """A start that a file gives as a number of s.
+
+    Raises:
+        DataError: it is no number.
+    """
+    if not np.isfinite(seconds):
+        raise DataError(f"the record begins at {seconds} s", remedy="export the records again")
+    return Start(Fraction(float(seconds)), resolution_s)
+
+
+def start_of_text(text: str, where: str) -> Start:
+    """A start that a file gives as date and time of ISO 8601.
+
+    Raises:
+        DataError: it is none.
+    """
+    parts = _ISO.fullmatch(text.strip())
+    try:
+        moment = datetime.fromisoformat(f"{parts[1]}{parts[3] or ''}" if parts else text.strip())
+    except ValueError as error:
+        found = f"the start {text!r} is no date and time"
+        raise DataError(found, where=where, remedy="write it as 2026-11-26T10:00:00.000500") from error
+    digits = (parts[2] if parts else None) or ""
+    origin = datetime(1970, 1, 1, tzinfo=moment.tzinfo if moment.utcoffset() is None else None)  # noqa: DTZ001
+    whole = (moment.replace(tzinfo=None) - origin - (moment.utcoffset() or timedelta())).total_seconds()
+    return Start(Fraction(int(whole)) + Fraction(int(digits or 0), 10 ** len(digits)), 0.5 * 10.0 ** -len(digits))
+
+
+def on_common_times(
+    rows: Sequence[NDArray[Any]], starts: Sequence[Start | None], rate_hz: float, names: Sequence[str], where: str
+) -> tuple[NDArray[Any], str]:
+    """The rows (channels, n) over the time that all of them cover, and a note; "" where all begin together.
+
+    Channels that stand a whole number of samples apart keep their samples. Of others the one that begins last keeps
+    them, and the rest is moved by a part of a sample, as a delay in a rig file is taken off.
+
+    Args:
+        rows: of each channel (n,), of any length.
+        starts: of each channel; None where the file does not say.
+        rate_hz: of all.
+        names: of the channels.
+        where: file and record, for the message.
+
+    Raises:
+        DataError: records of the same start but of unequal length, that do not overlap, or whose starts are unknown or
+            written too coarsely.
+    """
+    said = [start for start in starts if start is not None]
+    if len({start.at_s for start in said}) < 2:
+        return _same_length(rows, said[0] if said else None, rate_hz, names, where), ""
+    if len(said) < len(starts):
+        silent = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        raise DataError(f"other channels begin at different times, and {silent} says none", where=where, remedy=_APART)
+    ahead = _samples_ahead(said, rate_hz, names, where)
+    parts = [_from_sample(row, lead, rate_hz) for row, lead in zip(rows, ahead, strict=True)]
+    n = min(len(part) for part in parts)
+    if n < 2:
+        raise DataError(_apart(rows, said, rate_hz, names), where=where, remedy=_APART)
+    late = ", ".join(
+        f"{name} {float(s.at_s - min(said, key=_at).at_s):.6g} s" for name, s in zip(names, said, strict=True)
+    )
+    note = f"channels begin at different times ({late}); cut to the {n / rate_hz:g} s that all of them cover"
+    return np.stack([part[:n] for part in parts]), note
+
+
+def _at(start: Start) -> Fraction:
+    return start.at_s
+
+
+def _same_length(
+    rows: Sequence[NDArray[Any]], start: Start | None, rate_hz: float, names: Sequence[str], where: str
+) -> NDArray[Any]:
+    for row, name in zip(rows, names, strict=True):
+        if len(row) != len(rows[0]):
+            begin = f" from {float(start.at_s):g} s" if start is not None else ""
+            raise DataError(
+                f"channel {name} has {len(row)} samples at {rate_hz:g} Hz{begin}, "
+                f"channel {names[0]} has {len(rows[0])}{begin}: which are missing is not said",
+                where=where,
+                remedy=_APART,
+            )
+    return np.stack(rows)
+
+
+def _samples_ahead(said: Sequence[Start], rate_hz: float, names: Sequence[str], where: str) -> list[Fraction]:
+    """By how many samples each channel begins before the last one; whole numbers where they are meant to be."""
+    coarse = max(start.resolution_s for start in said) * rate_hz
+    if coarse > _COARSE:
+        index = int(np.argmax([start.resolution_s for start in said]))
+        raise DataError(
+            f"channels begin at different times, and the start of {names[index]} is written to "
+            f"{2 * said[index].resolution_s:g} s where a sample lasts {1 / rate_hz:g} s",
+            where=where,
+            remedy="export the starts with more digits, or channels that were recorded together",
+        )
+    last = max(start.at_s for start in said)
+    exact = [(last - start.at_s) * Fraction(rate_hz) for start in said]
+    return [Fraction(round(a)) if abs(a - round(a)) <= max(_WHOLE, 2 * coarse) else a for a in exact]
+
+
+def _from_sample(row: NDArray[Any], lead: Fraction, rate_hz: float) -> NDArray[Any]:
+    """A row from `lead` samples after its first one on."""
+    whole = int(lead)
+    if lead == whole:
+        return row[whole:]
+    if len(row) <= whole + 2 * HALF:
+        return row[:0]
+    lag = np.array([float(lead - whole) / rate_hz])
+    # What is next to the end of the record would be made up.
+    return aligned(row[None].astype(np.float64), rate_hz, lag)[0, whole:-HALF]
+
+
+def _apart(rows: Sequence[NDArray[Any]], said: Sequence[Start], rate_hz: float, names: Sequence[str]) -> str:
+    first = min(start.at_s for start in said)
+    begin = [float(start.at_s - first) for start in said]
+    end = [b + len(row) / rate_hz for b, row in zip(begin, rows, strict=True)]
+    late, early = int(np.argmax(begin)), int(np.argmin(end))
+    return (
+        f"the records do not overlap: {names[late]} begins {begin[late]:.6g} s after the first, "
+        f"{names[early]} ends at {end[early]:.6g} s"
+    )
