@@ -1,7 +1,6 @@
 """Exports, read by programs of others and by our own import, bit for bit where the format holds bits."""
 
 import json
-import struct
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -28,7 +27,6 @@ from modallab.formats.importer import import_sources
 from modallab.formats.modes import ModeShapes
 from modallab.formats.rig.rig_file import read_rig
 from modallab.formats.sep005.sep005 import to_sep005
-from modallab.formats.tdms.tdms_read import read_tdms_objects
 from modallab.formats.uff.uff_shapes import read_uff_shapes
 
 RIG = beam_rig()
@@ -376,18 +374,6 @@ def test_a_damaged_tdms_file_is_an_error_or_other_numbers_never_a_crash(data: st
     with suppress(ModallabError):
         # TDMS has no checksums: a changed sample is another number, a changed structure an expected error.
         assert import_sources([path], rig).blocks[0].channels == ("force", "acceleration")
-
-
-def test_tdms_that_is_not_read_here_says_so(tmp_path: Path) -> None:
-    path = tmp_path / "c.tdms"
-    for toc in (1 << 5, 1 << 6, 1 << 7):
-        path.write_bytes(b"TDSm" + struct.pack("<IIQQ", toc, 4713, 0, 0))
-        with pytest.raises(FormatError, match="interleaved, big-endian or DAQmx"):
-            read_tdms_objects(path)
-    with nptdms.TdmsWriter(path) as out:
-        out.write_segment([nptdms.ChannelObject("g", "force", np.arange(8, dtype=np.uint16))])
-    with pytest.raises(FormatError, match="samples of type 0x6"):
-        import_sources([path], RIG)
 
 
 def test_a_campaign_of_hdf5_is_the_campaign(tmp_path: Path) -> None:

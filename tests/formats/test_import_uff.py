@@ -227,8 +227,8 @@ def test_bad_time_records_are_rejected_by_name(tmp_path: Path) -> None:
     ]
     force = uff_set(hit(4)[0], times(), 1, ordinate_axis_units_lab="N", ordinate_spec_data_type=13)
     message = rejected(DataError, write_uff(tmp_path / "b.uff", force, *short))
-    assert "channel a01 (set 2) has 255 samples at 2000 Hz from 0 s, channel force has 256" in message
-    pressure = uff_set(hit(2)[1], times(), 1, ordinate_axis_units_lab="Pa", rsp_ent_name="acceleration")
+    assert "channel a01 (set 2) has 255 samples at 2000 Hz from 0 s, channel force (set 1) has 256" in message
+    pressure = uff_set(hit(2)[1], times(), 1, ordinate_axis_units_lab="Pa", rsp_ent_name="pressure")
     message = rejected(DataError, write_uff(tmp_path / "c.uff", force, pressure), plain_rig())
     assert "set 2, 'NONE' in 'Pa', without a node, is no single channel of the rig" in message
 
@@ -247,13 +247,13 @@ def test_values_that_are_missing_within_a_set_are_counted(tmp_path: Path) -> Non
     lines = (DATA / "analyser_58.uff").read_text().splitlines(keepends=True)
     path = tmp_path / "short.uff"
     path.write_text("".join(lines[:40] + lines[60:]))
-    assert "set 1 is cut off or damaged: 483 of 603 values are there" in rejected(FormatError, path)
+    assert "set 1: is cut off or damaged: 483 of 603 values are there" in rejected(FormatError, path)
 
 
 def test_ordinates_of_an_unknown_type_are_reported(tmp_path: Path) -> None:
     path = write_uff(tmp_path / "a.uff", *frf_sets(), binary=True)
     path.write_bytes(path.read_bytes().replace(b"         6        64", b"         3        64", 1))
-    assert "set 1 has ordinates of type 3; the format knows 2, 4, 5 and 6" in rejected(FormatError, path)
+    assert "set 1: has ordinates of type 3; the format knows 2, 4, 5 and 6" in rejected(FormatError, path)
 
 
 def test_a_universal_file_that_is_none_is_reported(tmp_path: Path) -> None:

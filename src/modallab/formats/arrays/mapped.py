@@ -12,6 +12,7 @@ from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
+from modallab.formats.arrays.channel_times import channel_times
 from modallab.formats.frf_factor import assumed_factor
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
@@ -129,6 +130,7 @@ def _fitting(n: int, axes: int, sizes: Mapping[str, int], wanted: tuple[Axis, ..
 def _blocks(arrays: Arrays, said: ArrayMap, name: str, rig: Rig, options: ImportOptions, where: str) -> Iterator[Block]:
     responses = _responses(arrays, said, rig, where)
     records, _, n = responses.shape
+    _check_together(arrays, said, where)
     force = None
     if rig.force is not None:
         if not said.force:
@@ -175,6 +177,20 @@ def _responses(arrays: Arrays, said: ArrayMap, rig: Rig, where: str) -> NDArray[
     return turned[:, order]
 
 
+def _check_together(arrays: Arrays, said: ArrayMap, where: str) -> None:
+    """Reject arrays whose own times, beside them in the file, begin apart: the map has one time for all."""
+    each = list(said.responses.values()) if isinstance(said.responses, dict) else [said.responses]
+    names = [name for name in (said.force, *each) if name in arrays]
+    starts = {n: channel_times(arrays, n, max(arrays[n].shape), where).start for n in names if arrays[n].ndim == 1}
+    known = {name: float(start.at_s) for name, start in starts.items() if start is not None}
+    if len(set(known.values())) > 1:
+        raise DataError(
+            "begins at different times: " + ", ".join(f"{name} at {at:g} s" for name, at in known.items()),
+            where=where,
+            remedy="name the channels by --variable instead of a map: they are then brought onto common times",
+        )
+
+
 def _by_outputs(values: NDArray[Any], outputs: int) -> tuple[Axis, ...]:
     if values.ndim == 1:
         return ("samples",)
@@ -183,7 +199,10 @@ def _by_outputs(values: NDArray[Any], outputs: int) -> tuple[Axis, ...]:
 
 def _rate(arrays: Arrays, said: ArrayMap, options: ImportOptions, n: int, where: str) -> float:
     if said.time:
-        own = check_time(np.ravel(array_named(arrays, said.time, where)).astype(np.float64)[:n], f"{where}, times")
+        times = np.ravel(array_named(arrays, said.time, where)).astype(np.float64)
+        if times.size != n:
+            raise DataError(f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times")
+        own = check_time(times, f"{where}, times")
     elif isinstance(said.rate_hz, str) and said.rate_hz:
         own = check_rate(float(np.ravel(array_named(arrays, said.rate_hz, where))[0]), where)
     elif isinstance(said.rate_hz, float):

@@ -12,19 +12,23 @@ from modallab.core.errors import DataError
 from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import array_named, listed
+from modallab.formats.arrays.channel_times import RATE_NAMES, channel_times
 from modallab.formats.frf_factor import assumed_factor
 from modallab.formats.options import ImportOptions
+from modallab.formats.starts import on_common_times
 
 Arrays = Mapping[str, NDArray[Any]]
 
 TIME, RATE, FREQUENCY, FRF, COHERENCE, ALL = "time", "rate", "frequency", "frf", "coherence", "all"
 _USUAL = {
     TIME: ("time", "t"),
-    RATE: ("rate", "fs", "sample_rate", "sampling_rate", "samplerate"),
+    RATE: RATE_NAMES,
     FREQUENCY: ("frequency", "freq", "f", "frequency_hz"),
     FRF: ("frf", "h", "frfs"),
     COHERENCE: ("coherence", "coh"),
 }
+_SAMPLES = ("data", "values", "samples", "signal", "y", "y_values.values")
+"""Fields of a channel's own structure that hold its samples."""
 
 
 def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptions, where: str) -> Campaign:
@@ -39,12 +43,12 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
     found = {key: _find(arrays, key, options, where) for key in _USUAL}
     if found[FRF] is not None and found[FREQUENCY] is not None:
         return Campaign(rig, (), (_frf(found, rig, options, where),), source=where)
-    samples = _samples(arrays, rig, options, where)
+    samples, rate, note = _record(arrays, found, rig, options, where)
     block = Block(
         name=name,
         test=options.test,
         order=0,
-        rate_hz=_rate(found, options, samples.shape[1], where),
+        rate_hz=rate,
         samples=samples,
         scale=np.ones(len(samples)),
         units=tuple(options.unit(channel) for channel in rig.channels),
@@ -52,7 +56,7 @@ def campaign_of_arrays(arrays: Arrays, name: str, rig: Rig, options: ImportOptio
         drive_point=options.drive_point,
         frequency_hz=options.frequency_hz,
     )
-    return Campaign(rig, (block,), source=where)
+    return Campaign(rig, (block,), provenance={"notes": f"{name}: {note}"} if note else {}, source=where)
 
 
 def find_usual(arrays: Arrays, key: str) -> NDArray[Any] | None:
@@ -76,17 +80,46 @@ def _find(arrays: Arrays, key: str, options: ImportOptions, where: str) -> NDArr
     return find_usual(arrays, key)
 
 
-def _samples(arrays: Arrays, rig: Rig, options: ImportOptions, where: str) -> NDArray[np.float64]:
+def _record(
+    arrays: Arrays, found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOptions, where: str
+) -> tuple[NDArray[np.float64], float, str]:
+    """Samples (channels, n), their rate, and a note where the channels begin at different times."""
     names = [channel.name for channel in rig.channels]
-    each = {name: _find(arrays, name, options, where) for name in names}
-    missing = [name for name, values in each.items() if values is None]
+    keys = {name: _key(arrays, name, options) for name in names}
+    missing = [name for name, key in keys.items() if key is None]
     if missing:
-        return _together(arrays, names, missing, options, where)
-    rows = [np.ravel(values) for values in each.values() if values is not None]
-    if len({row.size for row in rows}) > 1:
-        listed = ", ".join(f"{name} {row.size}" for name, row in zip(names, rows, strict=True))
-        raise DataError(f"the channels differ in length: {listed}", where=where, remedy="export them together")
-    return _real(np.stack(rows), where)
+        samples = _together(arrays, names, missing, options, where)
+        return samples, _rate(found, options, samples.shape[1], where), ""
+    rows = [np.ravel(array_named(arrays, key, where)) for key in keys.values() if key is not None]
+    own = [channel_times(arrays, key or "", row.size, where) for key, row in zip(keys.values(), rows, strict=True)]
+    rates = {one.rate_hz for one in own}
+    if len(rates) > 1:
+        said = ", ".join(f"{n} {o.rate_hz or 'unknown'} Hz" for n, o in zip(names, own, strict=True))
+        raise DataError(f"the channels differ in rate: {said}", where=where, remedy="export channels of one rate")
+    rate = rates.pop() or _rate(found, options, rows[0].size, where)
+    options.agree(rate, where)
+    starts = [one.start for one in own]
+    if any(starts) and None in starts:
+        silent = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        found_ = f"says when other channels begin, and nothing of {silent}"
+        raise DataError(found_, where=where, remedy="give every channel its start, or none")
+    samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
+    return samples, rate, note
+
+
+def _key(arrays: Arrays, channel: str, options: ImportOptions) -> str | None:
+    """The name of a channel's array, perhaps with a column; None if there is none."""
+    said = dict(options.variables).get(channel)
+    if said is not None or channel.rpartition(":")[0] in arrays:
+        return said or channel
+    low = channel.lower()
+    wanted = (low, *(f"{low}.{name}" for name in _SAMPLES))
+    for last in (False, True):
+        names = [name.lower().rpartition(".")[2] if last else name.lower() for name in arrays]
+        for one in wanted:
+            if names.count(one) == 1:
+                return list(arrays)[names.index(one)]
+    return None
 
 
 def _together(

@@ -164,7 +164,8 @@ def _block(
         said = ", ".join(f"{n} {r:g} Hz" for n, r in rates.items())
         raise DataError(f"the series of group {name} differ in rate: {said}", where=where, remedy="export one rate")
     options.agree(rate, where)
-    starts = [_start(part, where) for part in parts]
+    dated = any(part.get("start_timestamp") for part in parts)
+    starts = [_start(part, where) if bool(part.get("start_timestamp")) == dated else None for part in parts]
     samples, note = on_common_times([part["data"] for part in parts], starts, rate, names, f"{where}, group {name}")
     remark = str(parts[0].get("remark", ""))
     facts = facts_or_options(read_facts(remark, where) if remark.startswith(MARK) else None, name, rate, options)

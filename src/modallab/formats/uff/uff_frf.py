@@ -138,7 +138,8 @@ def _scaled(
 
 def _unit(function: Function, units_code: int | None, where: str) -> tuple[FrfQuantity, float]:
     unit, divisor = unit_of(function, units_code, where), divisor_unit_of(function, units_code, where)
-    found = frf_unit(unit, divisor)
+    # Some programs write the unit of the whole ratio beside the response, and none beside the force.
+    found = frf_unit(unit, divisor) or (None if function.divisor_unit else frf_unit(unit, ""))
     if found is None:
         raise DataError(
             f"set {function.place} has the unit {unit or 'none'!r} per {divisor or 'none'!r}, which is no FRF's",

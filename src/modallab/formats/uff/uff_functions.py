@@ -1,29 +1,31 @@
-"""The functions in a universal file: dataset 58, as text or binary (58b), decoded by pyuff and checked here.
+"""The functions in a universal file: dataset 58, as text or binary (58b)."""
 
-pyuff drops a last set that does not end, and does not compare the values it finds with the number that was announced.
-"""
-
+import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
-import pyuff
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
+from modallab.formats.uff.uff_numbers import EXPORT_AGAIN, numbers
+from modallab.formats.uff.uff_sets import DELIMITER, FUNCTION_SET, HEAD_LINES, Form, RawSet, decoded, divide, form_of
 from modallab.formats.unit_text import normal_unit
 
-DELIMITER = b"-1"
-FUNCTION_SET = 58
+__all__ = ["DELIMITER", "KINDS", "Function", "UniversalFile", "read_datasets", "read_functions"]
+
 UNITS_SET = 164
 KINDS = {1: "time record", 2: "auto spectrum", 3: "cross spectrum", 4: "FRF", 6: "coherence", 9: "PSD", 12: "spectrum"}
 
 _DIGIT = 0.5e-5
 """Half of the last digit of a mantissa as the format writes it (E13.5)."""
-_MARK = b"    -1"
-_HEAD_BYTES = 4096
-_COPY_AGAIN = "copy the file again, or export it again from the analyser"
+_DOF_COLUMNS = (5, 10, 5, 10, 11, 10, 4, 11, 10, 4)
+_DOF_WORDS = re.compile(r"(\d+) +(\d+) +(\d+) +(\d+) +(\S.*?) +(-?\d+) +(-?\d+) +(\S.*?) +(-?\d+) +(-?\d+)")
+_WHOLE = re.compile(r"([+-]?\d+)?")
+_AXIS_COLUMNS = (10, 5, 5, 5, 21, 21)
+_PER_LINE = 6
+"""Most numbers in a line: by so many less one the last line may be filled up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,7 @@ class Function:
         even: whether the abscissa was given by its step.
         axis: (n,) abscissa.
         axis_error: half of the last digit with which the abscissa (or its step, relative to it) was written.
+        start_error: the same of its first value.
         values: (n,) real or complex.
         unit: unit of the ordinate, "" if none is written.
         divisor_unit: unit of its denominator, "" if none is written.
@@ -58,6 +61,7 @@ class Function:
     even: bool
     axis: NDArray[np.float64]
     axis_error: float
+    start_error: float
     values: NDArray[np.float64] | NDArray[np.complex128]
     unit: str
     divisor_unit: str
@@ -80,13 +84,13 @@ def read_functions(path: Path) -> UniversalFile:
     Raises:
         FormatError: no universal file, cut off, or with a set that does not hold what it announces.
     """
-    source, types = _open(path)
-    functions = [_function(source, k, str(path)) for k, kind in enumerate(types) if kind == FUNCTION_SET]
-    units = [_read_set(source, k, str(path)).get("units_code") for k, kind in enumerate(types) if kind == UNITS_SET]
+    where, sets = str(path), divide(path)
+    functions = tuple(_function(one, f"{where}, set {one.place}") for one in sets if one.kind == FUNCTION_SET)
+    units = [content.get("units_code") for content in decoded(sets, UNITS_SET, where)]
     return UniversalFile(
-        functions=tuple(functions),
+        functions=functions,
         units_code=int(units[0]) if units and units[0] is not None else None,
-        others=tuple(kind for kind in types if kind not in (FUNCTION_SET, UNITS_SET)),
+        others=tuple(one.kind for one in sets if one.kind not in (FUNCTION_SET, UNITS_SET)),
     )
 
 
@@ -96,80 +100,101 @@ def read_datasets(path: Path, kind: int) -> tuple[dict[str, Any], ...]:
     Raises:
         FormatError: no universal file, cut off, or with a set that cannot be decoded.
     """
-    source, types = _open(path)
-    return tuple(_read_set(source, k, str(path)) for k, found in enumerate(types) if found == kind)
+    return decoded(divide(path), kind, str(path))
 
 
-def _open(path: Path) -> tuple[Any, list[int]]:
-    _check_frame(path)
-    try:
-        source: Any = pyuff.UFF(str(path))
-        return source, [int(kind) for kind in source.get_set_types()]
-    except Exception as error:  # pyuff raises plain Exception.
-        raise FormatError("cannot be divided into sets", where=str(path), remedy=_COPY_AGAIN) from error
-
-
-def _check_frame(path: Path) -> None:
-    content, where = path.read_bytes(), str(path)
-    first = content[:_HEAD_BYTES].lstrip().splitlines()[:1]
-    if not first or first[0].strip() != DELIMITER:
-        raise FormatError(
-            "is no universal file: it does not begin with a line '    -1'",
-            where=where,
-            remedy="name a universal file, or give this file the ending of its own kind",
-        )
-    marks, at = 0, content.find(_MARK)
-    while at >= 0:
-        # A mark fills its line: after it come the line's end, or blanks up to column 80.
-        rest = content[at + len(_MARK) : at + 80]
-        marks += rest[:1] in (b"", b"\n", b"\r") or not rest.strip(b" ")
-        at = content.find(_MARK, at + 1)
-    if marks % 2:
-        raise FormatError(f"is cut off: set {(marks + 1) // 2} does not end", where=where, remedy=_COPY_AGAIN)
-
-
-def _read_set(source: Any, index: int, where: str) -> dict[str, Any]:
-    try:
-        with np.errstate(all="ignore"):
-            return cast("dict[str, Any]", source.read_sets(index))
-    except Exception as error:  # pyuff raises plain Exception.
-        raise FormatError(f"set {index + 1} cannot be decoded", where=where, remedy=_COPY_AGAIN) from error
-
-
-def _function(source: Any, index: int, where: str) -> Function:
-    content = _read_set(source, index, where)
-    if "data" not in content:
-        raise FormatError(
-            f"set {index + 1} has ordinates of type {content.get('ord_data_type')}; the format knows 2, 4, 5 and 6",
-            where=where,
-            remedy=_COPY_AGAIN,
-        )
-    values = np.asarray(content["data"])
-    if len(values) != content["num_pts"] or len(content["x"]) != len(values) or not len(values):
-        raise FormatError(
-            f"set {index + 1} is cut off or damaged: {len(values)} of {content['num_pts']} values are there",
-            where=where,
-            remedy=_COPY_AGAIN,
-        )
-    even = bool(content["abscissa_spacing"])
-    axis = np.asarray(content["x"], dtype=np.float64)
+def _function(one: RawSet, where: str) -> Function:
+    form = form_of(one.lines, where)
+    axis, values = _data(one, form, where)
+    kind, name, node, direction, reference, along = _degrees_of_freedom(one.lines[5], where)
+    (_, _), (specific, unit), (divisor, divisor_unit) = (_quantity(line, where) for line in one.lines[7:10])
     return Function(
-        place=index + 1,
-        kind=int(content["func_type"]),
-        names=tuple(str(content[key]).strip() for key in ("rsp_ent_name", "id1", "id2", "id4", "id5")),
-        node=int(content["rsp_node"]),
-        direction=int(content["rsp_dir"]),
-        reference_node=int(content["ref_node"]),
-        reference_direction=int(content["ref_dir"]),
-        even=even,
+        place=one.place,
+        kind=kind,
+        names=(name, *(one.lines[k][:80].strip() for k in (0, 1, 3, 4))),
+        node=node,
+        direction=direction,
+        reference_node=reference,
+        reference_direction=along,
+        even=form.even,
         axis=axis,
-        axis_error=_last_digit(float(content["abscissa_inc"]) if even else float(np.abs(axis).max())),
+        axis_error=_last_digit(form.step if form.even else float(np.abs(axis).max())),
+        start_error=_last_digit(abs(float(axis[0]))),
         values=values,
-        unit=normal_unit(str(content["ordinate_axis_units_lab"])),
-        divisor_unit=normal_unit(str(content["orddenom_axis_units_lab"])),
-        specific=int(content["ordinate_spec_data_type"]),
-        divisor_specific=int(content["orddenom_spec_data_type"]),
+        unit=unit,
+        divisor_unit=divisor_unit,
+        specific=specific,
+        divisor_specific=divisor,
     )
+
+
+def _data(
+    one: RawSet, form: Form, where: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | NDArray[np.complex128]]:
+    """(n,) abscissa and (n,) ordinates.
+
+    Raises:
+        FormatError: other numbers than announced; zeros that fill the last line of text are none.
+    """
+    flat = numbers(one.lines[HEAD_LINES:], where) if one.payload is None else _from_bytes(one, form)
+    columns = form.parts + (not form.even)
+    surplus = flat[form.count * columns :]
+    if form.count < 1 or flat.size < form.count * columns or surplus.size >= _PER_LINE or surplus.any():
+        raise FormatError(
+            f"is cut off or damaged: {flat.size // columns} of {form.count} values are there",
+            where=where,
+            remedy=EXPORT_AGAIN,
+        )
+    table = flat[: form.count * columns].reshape(form.count, columns)
+    axis = form.start + form.step * np.arange(form.count) if form.even else table[:, 0].copy()
+    first = 0 if form.even else 1
+    return axis, table[:, first].copy() if form.parts == 1 else table[:, first] + 1j * table[:, first + 1]
+
+
+def _from_bytes(one: RawSet, form: Form) -> NDArray[np.float64]:
+    """Binary numbers, the abscissa among them; it may be of single precision beside ordinates of double."""
+    assert one.payload is not None
+    size = 4 if form.kind in (2, 5) else 8
+    kind = f"{one.order}f{size}"
+    mixed = np.dtype([("x", f"{one.order}f4"), ("y", kind, (form.parts,))])
+    if not form.even and size == 8 and len(one.payload) == form.count * mixed.itemsize:
+        rows = np.frombuffer(one.payload, mixed)
+        return np.column_stack([rows["x"], rows["y"]]).ravel()
+    whole = len(one.payload) // size * size
+    return np.frombuffer(one.payload[:whole], kind).astype(np.float64)
+
+
+def _degrees_of_freedom(line: str, where: str) -> tuple[int, str, int, int, int, int]:
+    """Function type, response entity, node and direction of the response and of the reference.
+
+    Raises:
+        FormatError: there are none. Names longer than their ten columns move what follows them; blanks tell it then.
+    """
+    fields = _fields(line, _DOF_COLUMNS)
+    if any(not _WHOLE.fullmatch(fields[k]) for k in (0, 5, 6, 8, 9)):
+        apart = _DOF_WORDS.fullmatch(line.strip())
+        fields = list(apart.groups()) if apart is not None else fields
+    kind, node, direction, reference, along = (_whole(fields[k], where) for k in (0, 5, 6, 8, 9))
+    return kind, fields[4], node, direction, reference, along
+
+
+def _fields(line: str, widths: tuple[int, ...]) -> list[str]:
+    """What stands in the columns of a line."""
+    stops = np.cumsum(widths)
+    return [line[stop - width : stop].strip() for stop, width in zip(stops, widths, strict=True)]
+
+
+def _quantity(line: str, where: str) -> tuple[int, str]:
+    """Specific data type and unit of an axis."""
+    fields = _fields(line, _AXIS_COLUMNS)
+    return _whole(fields[0], where), normal_unit(fields[5])
+
+
+def _whole(text: str, where: str) -> int:
+    try:
+        return int(text or 0)
+    except ValueError as error:
+        raise FormatError(f"{text!r} in its head is no whole number", where=where, remedy=EXPORT_AGAIN) from error
 
 
 def _last_digit(number: float) -> float:

@@ -1,0 +1,78 @@
+"""Rate and start that a file says of one channel: its own times, or numbers beside its samples.
+
+Either stands in the structure that holds the samples, as force.t0 beside force.data, or goes by the channel's name, as
+force_t0 or t0_force.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.array_checks import check_rate, check_time
+from modallab.core.errors import DataError
+from modallab.formats.starts import Start, start_of
+
+Arrays = Mapping[str, NDArray[Any]]
+
+TIME_NAMES = ("time", "t", "times", "time_s")
+RATE_NAMES = ("rate", "fs", "sample_rate", "sampling_rate", "samplerate", "samplefrequency", "sample_frequency")
+STEP_NAMES = ("dt", "ts", "increment", "step", "time_step", "x_increment", "deltat", "delta_t")
+START_NAMES = ("t0", "start", "start_time", "starttime", "start_s", "tstart", "t_start", "start_value", "x0")
+_DAYS = (6e5, 9e5)
+"""Dates as MATLAB counts them, in days since the year 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelTimes:
+    """What a file says of one channel; None where it says nothing."""
+
+    rate_hz: float | None
+    start: Start | None
+
+
+def channel_times(arrays: Arrays, key: str, n: int, where: str) -> ChannelTimes:
+    """Rate and start of a channel.
+
+    Args:
+        arrays: of the file, by name.
+        key: name of the channel's samples.
+        n: of its samples.
+        where: file, for the message.
+
+    Raises:
+        DataError: times that are uneven or not as many as samples, a rate that is none, or two that disagree.
+    """
+    place = f"{where}, {key}"
+    own = _beside(arrays, key, TIME_NAMES)
+    if own is not None and own.size > 1:
+        times = np.ravel(own).astype(np.float64)
+        if times.size != n:
+            raise DataError(f"has {times.size} times and {n} samples", where=place, remedy="export both together")
+        return ChannelTimes(check_time(times, f"{place}, times"), start_of(float(times[0])))
+    rate, step, start = (_number(arrays, key, names) for names in (RATE_NAMES, STEP_NAMES, START_NAMES))
+    if step is not None and rate is None:
+        rate = 1 / step if step > 0 else 0.0
+    if start is not None and _DAYS[0] < start < _DAYS[1]:
+        found = f"begins at {start:g}, and whether these are days or seconds is not said"
+        raise DataError(found, where=place, remedy="give the start in s from the first sample of all channels")
+    return ChannelTimes(None if rate is None else check_rate(rate, place), None if start is None else start_of(start))
+
+
+def _number(arrays: Arrays, key: str, names: tuple[str, ...]) -> float | None:
+    found = _beside(arrays, key, names)
+    return None if found is None or found.size != 1 or found.dtype.kind not in "fiu" else float(np.ravel(found)[0])
+
+
+def _beside(arrays: Arrays, key: str, names: tuple[str, ...]) -> NDArray[Any] | None:
+    """The one array of such a name in the structure of `key` or the one around it, or with the name of `key`."""
+    parent, _, last = key.lower().rpartition(".")
+    lowered = {name.lower(): name for name in arrays}
+    affixed = [f"{last}_{name}" for name in names] + [f"{name}_{last}" for name in names]
+    inside = [lowered[low] for low in affixed if low in lowered]
+    for around in (parent, parent.rpartition(".")[0]):
+        if around and not inside:
+            inside = [n for low, n in lowered.items() if low.startswith(f"{around}.") and low.rpartition(".")[2] in names]
+    return arrays[inside[0]] if len(inside) == 1 else None
