@@ -14,6 +14,7 @@ from modallab.formats.check_campaign import check_recordings, check_structure
 from modallab.formats.error_list import Collected
 from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
+from modallab.signals.faults.found import faults_of
 
 
 def import_sources(
@@ -141,4 +142,5 @@ def _notes(part: Campaign) -> list[str]:
     for block in part.blocks:
         for first, second in identical_channels(block.samples, block.channels):
             notes.append(f"{block.name}: channels {first} and {second} agree in every bit; is one a copy?")
+        notes += [f"{block.name}: {fault}" for fault in faults_of(block, part.rig)]
     return notes

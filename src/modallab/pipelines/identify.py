@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
 
-from modallab.core.array_checks import check_signals
 from modallab.core.blas_threads import one_thread
 from modallab.core.block import Block, Campaign
 from modallab.core.errors import DataError, ModallabError
@@ -25,8 +24,8 @@ from modallab.identification.sine import identify_sine
 from modallab.pipelines.assess import assess_broadband, assess_frf, assess_impact, assess_sine
 from modallab.pipelines.averaged_hits import identify_averaged_hits
 from modallab.pipelines.drive import frf_of_drive, identify_drive, on_own_clock
+from modallab.pipelines.sound import sound
 from modallab.signals.drive_kind import check_kind
-from modallab.signals.full_scale import overloaded
 from modallab.signals.signals import Signals, to_signals_of
 from modallab.verification.assessment import Assessment
 from modallab.verification.reservations import doubts, unmatched
@@ -124,27 +123,16 @@ def _runs(campaign: Campaign, options: Options, test: Test | None) -> list[tuple
 
 
 def usable(campaign: Campaign, blocks: tuple[Block, ...]) -> tuple[list[Signals], tuple[str, ...]]:
-    """The blocks in SI units without those that ran into the converter's full scale, and a note on these.
+    """The blocks in SI units without those at full scale or with faults in their samples, and a note on these.
 
     Those whose force is not that of the test they are labelled as are left out as well.
 
     Raises:
         DataError: damaged samples, no block is left, or most are of another kind of test.
     """
-    force = campaign.rig.force_channel.name
-    for block in blocks:
-        check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}", force=force)
-    clean = [b for b in blocks if not overloaded(b, campaign.rig)]
-    left_out = [b.name for b in blocks if overloaded(b, campaign.rig)]
-    if not clean:
-        raise DataError(
-            f"all {len(blocks)} records run into the converter's full scale",
-            where=campaign.source,
-            remedy="lower the drive or the preamplifiers' gain and record again",
-        )
-    note = (f"Left out, because they ran into the converter's full scale: {', '.join(left_out)}.",) if left_out else ()
+    clean, notes = sound(campaign, blocks, campaign.rig.force_channel.name)
     kept, remarks = check_kind(to_signals_of(clean, campaign.rig))
-    return kept, (*note, *remarks)
+    return kept, (*notes, *remarks)
 
 
 def _with_scale(found: Identified, rig: Rig) -> Identified:

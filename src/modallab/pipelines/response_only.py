@@ -6,7 +6,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.array_checks import check_signals
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.model import ModalModel
@@ -16,7 +15,7 @@ from modallab.identification.options import Options
 from modallab.identification.response_only.covariances import TooShortError
 from modallab.identification.response_only.modes import PLSCF, SSI_COV, Method, ResponseModes, response_modes
 from modallab.pipelines.identify import Identified, Result, identify_campaign
-from modallab.signals.full_scale import overloaded
+from modallab.pipelines.sound import sound
 from modallab.signals.signals import to_signals_of
 
 ResponseMethod = Literal["ssi_cov", "plscf_spectra"]
@@ -90,22 +89,13 @@ def identify_responses(
             where=campaign.source,
             remedy="name the one whose responses are to be identified with --test",
         )
-    for block in blocks:
-        check_signals(block.samples, block.channels, f"{campaign.source}, record {block.name}")
-    clean = [b for b in blocks if not overloaded(b, campaign.rig)]
-    if not clean:
-        raise DataError(
-            f"all {len(blocks)} records run into the converter's full scale",
-            where=campaign.source,
-            remedy="lower the preamplifiers' gain and record again",
-        )
+    clean, left_out = sound(campaign, blocks, None)
     signals = to_signals_of(clean, campaign.rig)
     rate = signals[0].rate_hz
     records = [np.concatenate([s.responses for s in run], axis=1) for run in contiguous(signals)]
     seconds = sum(r.shape[1] for r in records) / rate
     band, found = _found(records, rate, band_hz, seconds, method)
-    left = len(blocks) - len(clean)
-    notes = (NO_FORCE, *((f"{left} records ran into the converter's full scale and were left out.",) if left else ()))
+    notes = (NO_FORCE, *left_out)
     model = _model(found, campaign, blocks[0].test, band, notes, method)
     return Result((Identified(blocks[0].test, model, None),), ())
 

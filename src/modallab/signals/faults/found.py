@@ -1,0 +1,45 @@
+"""All faults that the samples of a block show."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.block import Block
+from modallab.core.rig import Rig
+from modallab.signals.faults.drop_outs import drop_outs
+from modallab.signals.faults.fault import Fault
+from modallab.signals.faults.flat_tops import flat_tops
+from modallab.signals.faults.repeats import repeats
+from modallab.signals.faults.runs import steps_of
+from modallab.signals.faults.spikes import spikes
+
+Real = NDArray[np.float64]
+
+LEAST_SAMPLES = 64
+"""Fewer show too little of how a channel moves."""
+
+
+def faults_of(block: Block, rig: Rig) -> tuple[Fault, ...]:
+    """Faults of the chain in a block's samples: flat tops, held values, drop-outs and values that stand alone.
+
+    Each needs what no sound channel does, whatever its noise and resolution; limits are given with each kind.
+
+    Args:
+        block: finite samples (channels, n).
+        rig: which channels are forces.
+    """
+    if block.n_samples < LEAST_SAMPLES:
+        return ()
+    rows = block.samples.astype(np.float64)
+    steps = np.stack([steps_of(row) for row in rows])
+    forces = {channel.name for channel in rig.forces}
+    found: list[Fault] = []
+    for row, name, step in zip(rows, block.channels, steps, strict=True):
+        found += _of_row(row, name, step, block.rate_hz, force=name in forces)
+    return (*found, *spikes(rows, block.rate_hz, block.channels, steps))
+
+
+def _of_row(row: Real, name: str, steps: Real, rate_hz: float, *, force: bool) -> tuple[Fault, ...]:
+    tops = flat_tops(row, rate_hz, name, steps)
+    held = repeats(row, rate_hz, name, steps)
+    # What is held everywhere has no drop-outs of its own; neither has a channel at the end of its range.
+    return (*tops, *held) if tops or held else drop_outs(row, rate_hz, name, steps, force=force)

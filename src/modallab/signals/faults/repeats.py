@@ -1,0 +1,71 @@
+"""Samples that repeat others: a slower converter behind the channel, its values held or joined by straight lines.
+
+Either puts images of the signal about each multiple of the slower rate, which look like modes.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.signals.faults.fault import Fault
+from modallab.signals.faults.runs import equal_runs
+
+Real = NDArray[np.float64]
+
+MOVES = 32.0
+"""Steps of the converter from which on a channel moves: by chance one of 80 samples then repeats another."""
+LEAST = 8
+MOST_BY_CHANCE = 10.0
+"""How many times more often than by chance."""
+LEAST_SHARE = 0.01
+STRAIGHT = 4.0
+"""Steps by which a sample may miss the middle between its neighbours and still lie on a line with them."""
+MOST_STRAIGHT, LEAST_STRAIGHT = 0.4, 32
+"""Share and number of samples on straight lines: a smooth signal that turns has 4 %, one of noise 20 % at most."""
+BESIDE = 8
+
+
+def repeats(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+    """Whether a channel (n,) holds its values, or joins them by straight lines; `steps` (n,) as of `steps_of`."""
+    return _held(row, rate_hz, channel, steps) or _straight(row, rate_hz, channel, steps)
+
+
+def _held(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+    runs, moves = equal_runs(row).within(row.size), np.diff(row)
+    before, after = moves[runs.first - 1], moves[runs.stop - 1]
+    # On a slope: at a top two equal samples are nothing rare.
+    on_slope = (np.minimum(np.abs(before), np.abs(after)) >= MOVES * steps[runs.first]) & (before * after > 0)
+    moves = np.abs(moves) / np.maximum(steps[1:], 1e-300)
+    moving = moves[moves >= MOVES]
+    count = int(on_slope.sum())
+    if count < LEAST or not moving.size:
+        return ()
+    by_chance = 1 / float(np.median(moving))
+    if count / moving.size < max(MOST_BY_CHANCE * by_chance, LEAST_SHARE):
+        return ()
+    length = float(np.median(runs.length[on_slope]))
+    what = f"values held for {length:g} samples, as a slower converter gives them"
+    return (Fault(channel, what, float(runs.first[on_slope][0]) / rate_hz, int((runs.length[on_slope] - 1).sum())),)
+
+
+def _straight(row: Real, rate_hz: float, channel: str, steps: Real) -> tuple[Fault, ...]:
+    if row.size < 4 * BESIDE:
+        return ()
+    step = np.maximum(steps[1:-1], np.maximum(steps[2:], steps[:-2]))
+    bend, moves = np.abs(np.diff(row, 2)) / np.maximum(step, 1e-300), np.abs(np.diff(row))
+    moving, straight = np.minimum(moves[1:], moves[:-1]) >= MOVES * step, bend <= STRAIGHT
+    # Next to all rows are done with here; the rest asks what lies beside each sample.
+    if (moving & straight).sum() < LEAST_STRAIGHT:
+        return ()
+    turns = moving & (_largest_beside(bend) >= 16 * STRAIGHT)
+    if (turns & straight).sum() < max(LEAST_STRAIGHT, MOST_STRAIGHT * turns.sum()):
+        return ()
+    length = float(np.median(np.diff(np.flatnonzero(moving & ~straight))))
+    what = f"straight lines over {length:g} samples, as between the values of a slower converter"
+    first = int((turns & straight).argmax()) + 1
+    return (Fault(channel, what, first / rate_hz, int((turns & straight).sum())),)
+
+
+def _largest_beside(values: Real) -> Real:
+    """(n,) the largest of each value and so many to either side."""
+    padded = np.pad(values, BESIDE, mode="edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, 2 * BESIDE + 1).max(axis=1)
