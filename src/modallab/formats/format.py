@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from modallab.formats.options import ImportOptions
 
 Part = Literal["records", "FRFs", "modes"]
-Option = Literal["test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map", "group"]
+Option = Literal[
+    "test", "rate_hz", "drive_point", "volts", "frequency_hz", "window_s", "variables", "array_map", "group"
+]
 
 PACKAGE = "modallab.formats.known"
 """Where they are declared, one module each."""

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from fractions import Fraction
 from typing import Any
 
@@ -14,11 +14,11 @@ from modallab.core.errors import DataError
 from modallab.signals.alignment import HALF, aligned
 
 _WHOLE = 1e-3
-"""Share of a sample within which channels stand a whole number of samples apart: 0.04 degrees at a tenth of the rate."""
+"""Share of a sample within which channels stand whole samples apart: 0.04 degrees at a tenth of the rate."""
 _COARSE = 0.25
 """Share of a sample to which starts must be known to say which sample belongs to which."""
 _APART = "export channels that were recorded together, over the same time"
-_ISO = re.compile(r"(.+\d\d:\d\d(?::\d\d)?)(?:[.,](\d+))?(Z|[+-]\d\d:?\d\d)?")
+_ISO = re.compile(r"(\d{4}-?\d\d-?\d\d[T ]\d\d:?\d\d(?::?\d\d)?)(?:[.,](\d+))?(Z|[+-]\d\d:?\d\d)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +58,9 @@ def start_of_text(text: str, where: str) -> Start:
         found = f"the start {text!r} is no date and time"
         raise DataError(found, where=where, remedy="write it as 2026-11-26T10:00:00.000500") from error
     digits = (parts[2] if parts else None) or ""
-    origin = datetime(1970, 1, 1, tzinfo=moment.tzinfo if moment.utcoffset() is None else None)  # noqa: DTZ001
-    whole = (moment.replace(tzinfo=None) - origin - (moment.utcoffset() or timedelta())).total_seconds()
+    # A moment without a zone is taken in the zone of the others, which makes no difference where all have none.
+    since = moment.replace(tzinfo=UTC) - datetime(1970, 1, 1, tzinfo=UTC) - (moment.utcoffset() or timedelta())
+    whole = since.total_seconds()
     return Start(Fraction(int(whole)) + Fraction(int(digits or 0), 10 ** len(digits)), 0.5 * 10.0 ** -len(digits))
 
 
@@ -86,8 +87,8 @@ def on_common_times(
     if len({start.at_s for start in said}) < 2:
         return _same_length(rows, said[0] if said else None, rate_hz, names, where), ""
     if len(said) < len(starts):
-        silent = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
-        raise DataError(f"other channels begin at different times, and {silent} says none", where=where, remedy=_APART)
+        unsaid = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        raise DataError(f"other channels begin at different times, and {unsaid} says none", where=where, remedy=_APART)
     ahead = _samples_ahead(said, rate_hz, names, where)
     parts = [_from_sample(row, lead, rate_hz) for row, lead in zip(rows, ahead, strict=True)]
     n = min(len(part) for part in parts)

@@ -74,5 +74,7 @@ def _beside(arrays: Arrays, key: str, names: tuple[str, ...]) -> NDArray[Any] | 
     inside = [lowered[low] for low in affixed if low in lowered]
     for around in (parent, parent.rpartition(".")[0]):
         if around and not inside:
-            inside = [n for low, n in lowered.items() if low.startswith(f"{around}.") and low.rpartition(".")[2] in names]
+            inside = [
+                n for low, n in lowered.items() if low.startswith(f"{around}.") and low.rpartition(".")[2] in names
+            ]
     return arrays[inside[0]] if len(inside) == 1 else None

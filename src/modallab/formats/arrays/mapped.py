@@ -201,7 +201,9 @@ def _rate(arrays: Arrays, said: ArrayMap, options: ImportOptions, n: int, where:
     if said.time:
         times = np.ravel(array_named(arrays, said.time, where)).astype(np.float64)
         if times.size != n:
-            raise DataError(f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times")
+            raise DataError(
+                f"has {times.size} times and {n} samples", where=where, remedy="name the record's own times"
+            )
         own = check_time(times, f"{where}, times")
     elif isinstance(said.rate_hz, str) and said.rate_hz:
         own = check_rate(float(np.ravel(array_named(arrays, said.rate_hz, where))[0]), where)

@@ -100,8 +100,8 @@ def _record(
     options.agree(rate, where)
     starts = [one.start for one in own]
     if any(starts) and None in starts:
-        silent = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
-        found_ = f"says when other channels begin, and nothing of {silent}"
+        unsaid = ", ".join(n for n, s in zip(names, starts, strict=True) if s is None)
+        found_ = f"says when other channels begin, and nothing of {unsaid}"
         raise DataError(found_, where=where, remedy="give every channel its start, or none")
     samples, note = on_common_times([_real(row, where) for row in rows], starts, rate, names, where)
     return samples, rate, note

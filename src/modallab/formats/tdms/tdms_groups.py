@@ -41,7 +41,9 @@ def records_of(groups: tuple[TdmsGroup, ...], rig: Rig, where: str) -> tuple[Tdm
     missing = [name for name, found in at.items() if not found]
     several = [name for name, found in at.items() if len(found) > 1]
     if missing or several:
-        there = "; ".join(f"group {g.name}: {', '.join([*g.channels, *(f'{o} (no numbers)' for o in g.others)])}" for g in groups)
+        there = "; ".join(
+            f"group {g.name}: {', '.join([*g.channels, *(f'{o} (no numbers)' for o in g.others)])}" for g in groups
+        )
         found = f"no channel {', '.join(missing)}" if missing else f"{', '.join(several)} in several groups, none whole"
         raise DataError(f"{found}; there are {there}", where=where, remedy=_SAME_NAMES)
     parts = dict.fromkeys(found[0].name for found in at.values())

@@ -56,21 +56,24 @@ def read_tdms_groups(path: Path) -> tuple[TdmsGroup, ...]:
     """
     # Imported here: it takes longer than most imports of other formats.
     import nptdms
+    from nptdms.log import log_manager
 
-    logging.getLogger("nptdms").propagate = False
-    nptdms.log.log_manager.set_level(logging.CRITICAL)
+    log_manager.set_level(logging.CRITICAL)
     where = str(path)
     flags = _check_segments(path)
     try:
-        with path.open("rb") as source, nptdms.TdmsFile(
-            source, raw_timestamps=True, read_metadata_only=True, keep_open=True
-        ) as found:
+        with (
+            path.open("rb") as source,
+            nptdms.TdmsFile(source, raw_timestamps=True, read_metadata_only=True, keep_open=True) as found,
+        ):
             _check_chunks(found, flags, where)
             groups = [_group(group, path.stat().st_size, where) for group in found.groups()]
     except (FormatError, DataError):
         raise
     except Exception as error:  # On damaged files npTDMS raises nearly every type there is.
-        raise FormatError(f"is damaged: {str(error) or type(error).__name__}", where=where, remedy=_COPY_AGAIN) from error
+        raise FormatError(
+            f"is damaged: {str(error) or type(error).__name__}", where=where, remedy=_COPY_AGAIN
+        ) from error
     return tuple(group for group in groups if group.channels)
 
 

@@ -103,7 +103,9 @@ def _stamp(part: TdmsChannel) -> Fraction:
 def _start(part: TdmsChannel, where: str) -> Start:
     offset = part.properties.get("wf_start_offset", 0.0)
     if not isinstance(offset, int | float) or not np.isfinite(offset):
-        raise FormatError(f"wf_start_offset of {part.name} is {offset!r}", where=where, remedy="export the records again")
+        raise FormatError(
+            f"wf_start_offset of {part.name} is {offset!r}", where=where, remedy="export the records again"
+        )
     return Start(_stamp(part) + Fraction(float(offset)))
 
 
@@ -115,7 +117,9 @@ def _rate(group: TdmsGroup, parts: list[TdmsChannel], options: ImportOptions, wh
     step = next(iter(steps.values()))
     if step > 0:
         rate = check_rate(whole_rate(1 / step, 1e-12 / step), where)
-    elif times := [c.samples for c in group.channels.values() if is_time(c) and len(c.samples) == len(parts[0].samples)]:
+    elif times := [
+        c.samples for c in group.channels.values() if is_time(c) and len(c.samples) == len(parts[0].samples)
+    ]:
         rate = check_time(times[0].astype(np.float64), f"{where}, channel of times")
     elif options.rate_hz is not None:
         return check_rate(options.rate_hz, where)

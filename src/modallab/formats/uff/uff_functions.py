@@ -146,7 +146,7 @@ def _data(
             remedy=EXPORT_AGAIN,
         )
     table = flat[: form.count * columns].reshape(form.count, columns)
-    axis = form.start + form.step * np.arange(form.count) if form.even else table[:, 0].copy()
+    axis = (form.start + form.step * np.arange(form.count) if form.even else table[:, 0]).astype(np.float64)
     first = 0 if form.even else 1
     return axis, table[:, first].copy() if form.parts == 1 else table[:, first] + 1j * table[:, first + 1]
 

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from modallab.core.errors import FormatError
 
 _MANTISSA = r"[+-]?(?:\d+\.?\d*|\.\d+)"
-_NUMBER = re.compile(rf"{_MANTISSA}(?:[EeDd] ?[+-]?\d+|[+-]\d{{3}})?(?![\d.EeDd])|[+-]?(?:nan|inf(?:inity)?)\b", re.IGNORECASE)
+_NUMBER = re.compile(
+    rf"{_MANTISSA}(?:[EeDd] ?[+-]?\d+|[+-]\d{{3}})?(?![\d.EeDd])|[+-]?(?:nan|inf(?:inity)?)\b", re.IGNORECASE
+)
 _PARTS = re.compile(rf"({_MANTISSA})(?:[EeDd]? ?([+-]?\d+))?")
 _OLD_EXPONENT = str.maketrans("Dd", "EE")
 EXPORT_AGAIN = "copy the file again, or export it again from the analyser"

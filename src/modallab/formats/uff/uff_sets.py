@@ -128,9 +128,7 @@ class _Divider:
                 remedy="name a universal file, or give this file the ending of its own kind",
             )
         found.append(self._set())
-        for line in iter(self._line, None):
-            if _is_mark(line):
-                found.append(self._set())
+        found.extend(self._set() for line in iter(self._line, None) if _is_mark(line))
         return found
 
     def _line(self) -> bytes | None:

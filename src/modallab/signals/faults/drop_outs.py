@@ -32,7 +32,9 @@ def drop_outs(row: Real, rate_hz: float, channel: str, steps: Real, *, force: bo
         force: whether it is the force, which rests between hits and between bursts.
     """
     runs = _left_sharply(row, equal_runs(row).longer(LEAST_RUN), steps)
-    kept = [k for k in range(runs.first.size) if _is_lost(row, int(runs.first[k]), int(runs.stop[k]), steps, force=force)]
+    kept = [
+        k for k in range(runs.first.size) if _is_lost(row, int(runs.first[k]), int(runs.stop[k]), steps, force=force)
+    ]
     if not kept:
         return ()
     lost = Runs(runs.first[kept], runs.stop[kept])

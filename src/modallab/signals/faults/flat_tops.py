@@ -1,4 +1,4 @@
-"""Flat tops: a channel that ran into the end of a range nobody has told.
+"""Flat tops: a channel that ran into the end of a range that nobody has stated.
 
 The top of a smooth signal is a parabola: over L samples that differ by a step at most, the next one lies no more than
 (1 + 2 / L)^2 steps below. A signal that is cut off arrives at its top with the slope it had.
@@ -45,7 +45,8 @@ def _cut_off(row: Real, top: float, step: float, height: float) -> Runs:
     exact = _sharp(row, top, step, runs_where(row == top).longer(LEAST_RUN), SHARP)
     if exact.first.size:
         return exact
-    band = NOISY_TOPS * height
+    # What is flat within a step of the converter is flat by that step.
+    band = NOISY_TOPS * height + step
     return _sharp(row, top, band, runs_where(row >= top - band).longer(NOISY_RUN), NOISY_SHARP)
 
 

@@ -35,9 +35,10 @@ def spikes(rows: Real, rate_hz: float, channels: tuple[str, ...], steps: Real) -
 
 
 def _candidates(off: Real, least: Real) -> list[int]:
-    """Samples that stand further off than those a little before and after."""
+    """Samples that stand further off than their neighbours, and than those a little before and after."""
     beside = np.maximum(np.roll(off, OWN + 1), np.roll(off, -OWN - 1))
-    return [int(i) for i in np.flatnonzero(off > ALONE * np.maximum(beside, least))]
+    highest = off >= np.maximum(np.roll(off, 1), np.roll(off, -1))
+    return [int(i) for i in np.flatnonzero(highest & (off > ALONE * np.maximum(beside, least)))]
 
 
 def _ratio(off: Real, least: Real, place: int) -> float:

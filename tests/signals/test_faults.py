@@ -1,0 +1,167 @@
+"""Faults of the chain in samples: named by channel and time, in numbers of every kind; sound records have none."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.core.rig import Channel, Point, Rig
+from modallab.pipelines.sound import sound
+from modallab.signals.faults.fault import Fault
+from modallab.signals.faults.found import faults_of
+
+Rows = NDArray[np.float64]
+N, RATE_HZ = 4096, 2000.0
+RIG = Rig(
+    name="two sensors",
+    model="unknown",
+    points=(Point(id=1, x_m=0.1), Point(id=2, x_m=0.2)),
+    channels=(
+        Channel(index=0, name="force", quantity="force", unit="N", point=1),
+        Channel(index=1, name="a1", quantity="acceleration", unit="m/s^2", point=1),
+        Channel(index=2, name="a2", quantity="acceleration", unit="m/s^2", point=2),
+    ),
+)
+
+
+def record(kind: str, seed: int, noise: float = 1e-3, rate_hz: float = RATE_HZ) -> Rows:
+    """(3, n) a force and the accelerations of three modes at two places, with noise as a share of the largest."""
+    rng = np.random.default_rng(seed)
+    force, t = np.zeros(N), np.arange(N) / rate_hz
+    if kind == "hit":
+        k = int(rng.integers(4, 20))
+        force[100 : 100 + k] = 80 * np.sin(np.pi * (np.arange(k) + rng.uniform()) / (k + 1)) ** 2
+    elif kind == "sine":
+        force = 10 * np.sin(2 * np.pi * rng.uniform(5, 300) * t)
+    else:
+        force = rng.normal(size=N) * 10
+        force[(N // 2 if kind == "burst" else N) :] = 0
+    omega, rows = 2 * np.pi * np.fft.rfftfreq(4 * N, 1 / rate_hz), [force]
+    for _ in range(2):
+        own = zip(
+            rng.choice([-1, 1], 3) * rng.uniform(0.3, 1, 3),
+            (40.0, 75.0, 180.0),
+            rng.uniform(0.001, 0.02, 3),
+            strict=True,
+        )
+        h = sum(a * -(omega**2) / ((2 * np.pi * f) ** 2 - omega**2 + 4j * np.pi * z * f * omega) for a, f, z in own)
+        rows.append(np.fft.irfft(np.fft.rfft(force, 4 * N) * h)[:N])
+    clean = np.stack(rows)
+    return clean + noise * np.abs(clean).max(axis=1, keepdims=True) * rng.normal(size=clean.shape)
+
+
+def counts(rows: Rows, bits: int, gain: float = 0.8) -> Rows:
+    return np.round(rows / np.abs(rows).max(axis=1, keepdims=True) * gain * 2 ** (bits - 1))
+
+
+def digits(rows: Rows, n: int) -> Rows:
+    return np.array([[float(f"{v:.{n}g}") for v in row] for row in rows])
+
+
+NUMBERS: dict[str, Callable[[Rows], NDArray[Any]]] = {
+    "double": lambda r: r,
+    "single": lambda r: r.astype(np.float32),
+    "16 bits": lambda r: counts(r, 16).astype(np.int16),
+    "12 bits": lambda r: counts(r, 12),
+    "10 bits, low gain": lambda r: counts(r, 10, 0.1),
+    "four digits": lambda r: digits(r, 4),
+    "two places": lambda r: np.round(r, 2),
+}
+
+
+def block(samples: NDArray[Any], name: str = "record", rate_hz: float = RATE_HZ) -> Block:
+    units, channels = ("N", "m/s^2", "m/s^2"), ("force", "a1", "a2")
+    return Block(name, "impact", 0, rate_hz, samples, np.ones(3), units, channels)
+
+
+@pytest.mark.parametrize("numbers", NUMBERS)
+@pytest.mark.parametrize("kind", ["hit", "random", "burst", "sine"])
+def test_sound_records_have_no_fault(kind: str, numbers: str) -> None:
+    for seed, noise in enumerate((0.0, 1e-6, 1e-4, 1e-2)):
+        for rate_hz in (512.0, 2000.0, 51200.0):
+            found = faults_of(block(NUMBERS[numbers](record(kind, seed, noise, rate_hz)), rate_hz=rate_hz), RIG)
+            assert not found, (noise, rate_hz, *map(str, found))
+
+
+def at_share(row: Rows, share: float) -> Rows:
+    top = share * np.abs(row).max()
+    return np.clip(row, -top, top)
+
+
+def held(row: Rows, ratio: float) -> Rows:
+    return row[(np.floor(np.floor(np.arange(N) / ratio) * ratio)).astype(int)]
+
+
+def straight(row: Rows, ratio: float) -> Rows:
+    knots = np.arange(0, N, ratio)
+    return np.interp(np.arange(N), knots, row[np.round(knots).astype(int) % N])
+
+
+def stopped(row: Rows, value: float | None, samples: int) -> Rows:
+    changed = row.copy()
+    changed[200 : 200 + samples] = row[200] if value is None else value
+    return changed
+
+
+def one_off(row: Rows, factor: float) -> Rows:
+    changed = row.copy()
+    changed[1500] = factor * np.abs(row).max()
+    return changed
+
+
+CHAIN: dict[str, tuple[Callable[[Rows], Rows], str]] = {
+    "both ends": (lambda r: at_share(r, 0.6), "flat"),
+    "upper end": (lambda r: np.minimum(r, 0.6 * r.max()), "flat tops"),
+    "held 2": (lambda r: held(r, 2), "held for 2 samples"),
+    "held 2.5": (lambda r: held(r, 2.5), "held for"),
+    "held 8": (lambda r: held(r, 8), "held for 8 samples"),
+    "straight 2": (lambda r: straight(r, 2), "straight lines"),
+    "straight 4": (lambda r: straight(r, 4), "straight lines over 4 samples"),
+    "zero": (lambda r: stopped(r, 0.0, 10), "stands still at 0"),
+    "last value": (lambda r: stopped(r, None, 20), "stands still"),
+    "dead from then on": (lambda r: stopped(r, None, N), "stands still"),
+    "exponent": (lambda r: one_off(r, 1e6), "nothing near it explains"),
+}
+
+
+@pytest.mark.parametrize("fault", CHAIN)
+@pytest.mark.parametrize("kind", ["hit", "random", "sine"])
+def test_a_fault_is_named_with_its_channel(kind: str, fault: str) -> None:
+    make, words = CHAIN[fault]
+    for seed in range(3):
+        rows = record(kind, seed, 1e-4)
+        rows[1] = make(rows[1])
+        found = faults_of(block(rows), RIG)
+        assert any(f.channel == "a1" and words in f.what for f in found), list(map(str, found))
+        assert {f.channel for f in found} == {"a1"}
+
+
+def test_it_is_named_with_its_time() -> None:
+    rows = record("random", 1)
+    rows[1] = stopped(rows[1], 0.0, 10)
+    assert faults_of(block(rows), RIG) == (Fault("a1", "stands still at 0 while it should move", 0.1, 10),)
+    rows = record("hit", 1)
+    rows[2] = one_off(rows[2], 100)
+    (found,) = faults_of(block(rows), RIG)
+    assert (found.channel, found.first_s, found.samples) == ("a2", 0.75, 1)
+
+
+def test_a_shock_that_all_channels_feel_is_none() -> None:
+    rows = record("random", 2, 1e-3)
+    rows[:, 1500] += 1e4 * np.abs(rows).max(axis=1)
+    assert faults_of(block(rows), RIG) == ()
+
+
+def test_a_spoilt_record_is_left_out_by_name_and_none_left_is_an_error() -> None:
+    good, bad = record("hit", 1), record("hit", 2)
+    bad[0] = np.minimum(bad[0], 0.6 * bad[0].max())
+    campaign = Campaign(RIG, (block(good, "good"), block(bad, "bad")), source="a.h5")
+    kept, notes = sound(campaign, campaign.blocks, "force")
+    assert [b.name for b in kept] == ["good"]
+    assert "faults in their samples: bad, channel force: flat tops at" in notes[0]
+    with pytest.raises(DataError, match="every record has a fault in its samples: bad, channel force: flat tops"):
+        sound(campaign, campaign.blocks[1:], "force")
