@@ -12,7 +12,8 @@ from typing import Any
 from corpus.campaigns import Entry
 from corpus.made import made
 from corpus.processes import context
-from corpus.rows import Row, row_of, truth_of
+from corpus.results import Row
+from corpus.rows import row_of, truth_of
 from modallab.core.errors import DataError
 
 PATIENCE = 20.0

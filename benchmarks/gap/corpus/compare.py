@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from corpus.campaigns import KINDS
-from corpus.score import read
+from corpus.results import read
 
 Row = dict[str, str]
 Pair = tuple[Row, Row]

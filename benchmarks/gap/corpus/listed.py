@@ -83,6 +83,8 @@ def with_effects(entry: Entry, draw: bool) -> Entry:
     """With what its seed draws, once it has been made."""
     if entry.effects or entry.how not in ("usual", "none"):
         return entry
+    if entry.effect == NONE:
+        return replace(entry, effects="[]")
     place = kept_at(entry).with_suffix(".json")
     if draw and not place.exists():
         made(entry)

@@ -9,16 +9,11 @@ from other_structures import judged
 
 from corpus.campaigns import Entry, kind_of_truth
 from corpus.made import Made
+from corpus.results import Row
 from modallab.blind.score import SURE, Trial, parameter_errors, score
 from modallab.core.diagnosis import Diagnosis, Found
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
-COLUMNS = (
-    *("id", "set", "kind", "seen", "engine", "date", "commit", "seconds", "verdict", "true", "said", "right"),
-    *("in_three", "stage_right", "channel_right", "place_right", "claims_right", "number_error", "held"),
-    *("probabilities", "numbers", "intervals", "places", "stage", "x_m", "channels", "candidates"),
-    *("gap_before", "gap_after", "held_out_before", "held_out_after", "closed", "error"),
-)
 FIGURES = {
     "in_three": "returned set of three holds the truth",
     "stage_right": "stage right",
@@ -26,7 +21,6 @@ FIGURES = {
     "place_right": "place within 0.05 L",
     "claims_right": "precision where it names above 0.9",
 }
-Row = dict[str, Any]
 
 
 def truth_of(entry: Entry, made: Made) -> Row:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from corpus.campaigns import KINDS
-from corpus.score import read
+from corpus.results import read
 from modallab.blind.score import calibration
 
 Row = dict[str, str]
