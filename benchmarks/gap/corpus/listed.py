@@ -17,6 +17,7 @@ from other_structures import KINDS as CHANGES
 
 from corpus.campaigns import LIST, Entry, entries, is_stepped, kind_of_truth, write
 from corpus.made import kept_at, made
+from corpus.named import named
 from modallab.blind.draw import NONE, PAIR, pair_names
 from modallab.blind.trial_bench import trial_bench
 
@@ -102,11 +103,14 @@ def main() -> None:
         *of_own_bench("own_built", "usual", BUILT, PAIRS),
         *of_own_bench("own_ideal", "none", IDEAL, IDEAL_PAIRS, IDEAL_UNKNOWN),
         *structures(),
+        *named(),
     ]
     known = {e.id: e for e in entries()} if LIST.exists() else {}
     listed = [known.get(e.id, e) for e in listed] + [e for e in known.values() if e.id not in {m.id for m in listed}]
     end = time.monotonic() + 60 * arguments.minutes
-    write(LIST, [with_effects(e, arguments.draw and time.monotonic() < end) for e in listed])
+    cheap_first = sorted(listed, key=lambda e: e.kind == "stepped")
+    drawn = {e.id: with_effects(e, arguments.draw and time.monotonic() < end) for e in cheap_first}
+    write(LIST, [drawn[e.id] for e in listed])
     print(f"{sum(e.how in ('usual', 'none') and not e.effects for e in entries())} campaigns are left to draw")
 
 

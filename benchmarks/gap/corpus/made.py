@@ -69,7 +69,7 @@ def made(entry: Entry) -> Made:
     Raises:
         DataError: its folder is not there, or its seal does not hold what was sealed.
     """
-    if entry.set == "structures":
+    if entry.kind == "structure":
         return _structure(entry)
     if entry.set == SEALED:
         # Not kept: the truth of what is sealed stands nowhere in plain.

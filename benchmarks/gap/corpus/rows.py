@@ -26,7 +26,7 @@ FIGURES = {
 def truth_of(entry: Entry, made: Made) -> Row:
     """What of a row is known before the diagnosis."""
     names = sorted(str(e["effect"]) for e in made.effects)
-    kind = "structure" if entry.set == "structures" else kind_of_truth(names)
+    kind = "structure" if entry.kind == "structure" else kind_of_truth(names)
     return {"id": entry.id, "set": entry.set, "kind": kind, "seen": entry.seen, "true": "+".join(names)}
 
 

@@ -1,17 +1,16 @@
-"""Sixty campaigns of the own bench as built whose truth nobody has read: drawn and sealed, opened once.
+"""Sixty campaigns of the own bench as built whose truth nobody has read: sealed, not run, opened once.
 
     cd benchmarks/gap
-    python -m corpus.sealed FOLDER
+    python -m corpus.sealed
 
-draws them by numbers of the system's own chance, seals each truth by `modallab.blind.seal` in FOLDER, and writes
-`sealed.csv`: name, hash and the sealed text, packed. It prints no truth. What is in FOLDER is not drawn again.
-`python -m corpus.score --sealed` opens them: see the README.
+asks for them by numbers of the system's own chance, seals each by `modallab.blind.seal`, and writes `sealed.csv`: name,
+hash and the sealed text, packed. What is sealed is an effect and a seed: all else follows from these when the campaign
+is made. It prints none of it, and goes no further where there is a list. `python -m corpus.score --sealed` opens them.
 """
 
 import argparse
 import base64
 import csv
-import json
 import secrets
 import tempfile
 import zlib
@@ -20,9 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from corpus.campaigns import Entry
-from modallab.blind.draw import NONE, PAIR, Draw, make
+from modallab.blind.draw import NONE, PAIR
 from modallab.blind.seal import SEALED as FOLDER
-from modallab.blind.seal import opened, publish, seal, sealed_hash
+from modallab.blind.seal import opened, publish, seal
 from modallab.blind.trial_bench import trial_bench
 from modallab.core.effects import catalogue
 from modallab.core.errors import DataError
@@ -32,36 +31,16 @@ OPENED = Path(__file__).parent / "opened.csv"
 SEALED = "sealed"
 COUNTS = {"single": 26, PAIR: 12, NONE: 10, "outside": 12}
 TOLERANCES = "usual"
-ASKED = "asked.json"
 
 
-def asked(folder: Path) -> list[dict[str, Any]]:
-    """What is asked of each draw, in an order that says nothing: chosen once, kept beside the seals."""
-    place = folder / ASKED
-    if not place.exists():
-        chance = secrets.SystemRandom()
-        outside = [name for name in trial_bench().kinds() if name not in catalogue()]
-        effects = chance.sample(list(catalogue()), COUNTS["single"]) + [PAIR] * COUNTS[PAIR] + [NONE] * COUNTS[NONE]
-        effects += [chance.choice(outside) for _ in range(COUNTS["outside"])]
-        chance.shuffle(effects)
-        listed = [{"effect": effect, "seed": secrets.randbits(48)} for effect in effects]
-        folder.mkdir(parents=True, exist_ok=True)
-        place.write_text(json.dumps(listed), encoding="utf-8")
-    return json.loads(place.read_text(encoding="utf-8"))
-
-
-def draw(folder: Path) -> None:
-    """Draw and seal what is not sealed yet, and publish the hashes once all are."""
-    listed = {f"sealed_{n:02d}": what for n, what in enumerate(asked(folder))}
-    for name, what in listed.items():
-        if sealed_hash(folder, name) is None:
-            truth = make(Draw(name, what["effect"], what["seed"], TOLERANCES), later=False).truth["effects"]
-            seal(folder, name, what | {"effects": truth})
-            print(f"{name} sealed", flush=True)
-    hashes = {name: str(sealed_hash(folder, name)) for name in listed}
-    whole = publish(folder, {"counts": COUNTS, "tolerances": TOLERANCES}, hashes)
-    write(LIST, folder, hashes)
-    print(f"{len(hashes)} sealed, SHA-256 {whole}")
+def asked() -> list[dict[str, Any]]:
+    """Effects and seeds, in an order that says nothing."""
+    chance = secrets.SystemRandom()
+    outside = [name for name in trial_bench().kinds() if name not in catalogue()]
+    effects = chance.sample(list(catalogue()), COUNTS["single"]) + [PAIR] * COUNTS[PAIR] + [NONE] * COUNTS[NONE]
+    effects += [chance.choice(outside) for _ in range(COUNTS["outside"])]
+    chance.shuffle(effects)
+    return [{"effect": effect, "seed": secrets.randbits(48)} for effect in effects]
 
 
 def write(file: Path, folder: Path, hashes: dict[str, str]) -> None:
@@ -98,8 +77,7 @@ def unsealed(entry: Entry, file: Path = LIST) -> Entry:
         (folder / FOLDER).mkdir()
         (folder / FOLDER / f"{entry.id}.json").write_bytes(zlib.decompress(base64.b85decode(packed)))
         truth = opened(folder, entry.id)
-    effects = json.dumps(truth["effects"])
-    return Entry(entry.id, SEALED, "", TOLERANCES, truth["effect"], str(truth["seed"]), "unseen", effects=effects)
+    return Entry(entry.id, SEALED, "", TOLERANCES, truth["effect"], str(truth["seed"]), "unseen")
 
 
 def opened_before(engine: str, commit: str) -> bool:
@@ -118,10 +96,13 @@ def opened_before(engine: str, commit: str) -> bool:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    arguments = parser.parse_args()
-    draw(arguments.folder)
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    if LIST.exists():
+        raise DataError("there are sealed campaigns", where=str(LIST), remedy="open them, or delete the file")
+    with tempfile.TemporaryDirectory() as place:
+        hashes = {f"sealed_{n:02d}": seal(Path(place), f"sealed_{n:02d}", what) for n, what in enumerate(asked())}
+        write(LIST, Path(place), hashes)
+        print(f"{len(hashes)} sealed, SHA-256 {publish(Path(place), {}, hashes)}")
 
 
 if __name__ == "__main__":
