@@ -129,15 +129,21 @@ def reliability(
     trials: Sequence[Trial], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
 ) -> tuple[float, list[Figure]]:
     """Calibration error of the probabilities of named effects, and the share right in each bin."""
-    pairs = [(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects]
+    return calibration([(f.probability, f.effect in t.names) for t in trials for f in t.diagnosis.effects], edges)
+
+
+def calibration(
+    claims: Sequence[tuple[float, bool]], edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.0)
+) -> tuple[float, list[Figure]]:
+    """The same of claims: the probability that was said, and whether it was right."""
     bins: list[Figure] = []
     error = 0.0
     for low, high in pairwise(edges):
-        inside = [(p, right) for p, right in pairs if low < p <= high]
+        inside = [(p, right) for p, right in claims if low < p <= high]
         if inside:
             said, was = float(np.mean([p for p, _ in inside])), float(np.mean([r for _, r in inside]))
             bins.append(Figure(f"said {said:.2f}", was, len(inside)))
-            error += abs(said - was) * len(inside) / len(pairs)
+            error += abs(said - was) * len(inside) / len(claims)
     return error, bins
 
 
