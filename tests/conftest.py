@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 from made_once import made_once, record_demo
+from slowest_tests import pytest_addoption, pytest_configure
+
+__all__ = ["pytest_addoption", "pytest_configure"]
 
 ROOT = Path(__file__).parent.parent
 
@@ -35,7 +38,11 @@ SLOW_FILES = (
     "acquisition/test_process.py",
     "identification/test_impact.py",
 )
-"""The longest first: `--dist worksteal` then shares out the short ones at the end, and all workers end together."""
+"""The longest first: the short ones at the end are shared out, and all workers end together."""
+TOGETHER = ("page",)
+"""Folders whose files share a service: one worker runs them all."""
+APART = ("docs/test_commands.py", "service/process/test_kills.py", "cli/test_ctrl_c.py")
+"""Files whose tests share nothing and are long: any worker runs the next."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -47,6 +54,25 @@ def pytest_xdist_auto_num_workers() -> int:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     place = {ROOT / "tests" / file: n for n, file in enumerate(SLOW_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+    for item in items:
+        _require_reason(item)
+        item.add_marker(pytest.mark.xdist_group(_group(item)))
+
+
+def _require_reason(item: pytest.Item) -> None:
+    for mark in item.iter_markers("thorough"):
+        if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs:
+            raise pytest.UsageError(
+                f"{item.nodeid}: thorough{mark.args} has no reason: say in words what takes so long"
+            )
+
+
+def _group(item: pytest.Item) -> str:
+    """What one worker runs: a file, so that what its tests share is made once; a folder that shares a service."""
+    folder = item.path.parent.relative_to(ROOT / "tests").as_posix()
+    if folder in TOGETHER:
+        return folder
+    return item.nodeid if f"{folder}/{item.path.name}" in APART else f"{folder}/{item.path.stem}"
 
 
 @pytest.fixture(scope="session")
