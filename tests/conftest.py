@@ -2,10 +2,12 @@
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from made_once import made_once, record_demo
+from postgresql_server import Server, postgresql_server
 from slowest_tests import pytest_addoption, pytest_configure
 
 __all__ = ["pytest_addoption", "pytest_configure"]
@@ -88,3 +90,9 @@ def practice() -> Path:
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of `modallab demo --out demo`, to be read only; beside it stands what the command printed."""
     return made_once(tmp_path_factory, "recorded", record_demo) / "demo"
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[Server]:
+    with postgresql_server() as server:
+        yield server

@@ -20,6 +20,8 @@ from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.fitting import Bench, baseline
 from modallab.twin.effects import model_of
 
+pytestmark = pytest.mark.thorough("fits a campaign with an element that is stepped in time")
+
 DRAG = Effect(effect="air_drag", parameters={"c2_total": 20.0}, place={"x": "all"})
 GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4})
 

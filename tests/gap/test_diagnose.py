@@ -71,12 +71,14 @@ def test_a_mass_is_named_with_its_place_and_size(massed: Diagnosis, said: list[t
     assert "added mass" in sentence(found)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None:
     found = diagnose(make(TIP), allowed=only("polarity"))
     assert (found.verdict, found.where.stage) == ("unknown", "structure")
     assert found.effects == []
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 @pytest.mark.parametrize(("gain", "name"), [(-0.3, "gain_error"), (-1.0, "polarity")])
 def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Make, gain: float, name: str) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 7})
@@ -99,6 +101,7 @@ def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     assert sum(found.gap.by_band.values()) == pytest.approx(1)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:
     def late(volts: np.ndarray, _: Block) -> np.ndarray:
         volts[5] = np.roll(volts[5], 3)

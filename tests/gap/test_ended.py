@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
@@ -39,6 +40,7 @@ def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, ma
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
     prepared = prepare(make(Effect(effect="sensor_mass", parameters={"mass_each": 0.001}, place={"x": "all"})))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
@@ -50,6 +52,7 @@ def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.001, rtol=0.01)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_masses_that_every_sensor_has_are_one_number_again(rig, make):
     rough = rig.model_copy(update={"tolerance": Tolerance.usual()})
     heavy = make(Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"}))
@@ -93,6 +96,7 @@ def test_two_beginnings_that_differ_or_leave_little_say_nothing(rig, make):
     assert not ending.far_alike(bench, little, little)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_what_takes_half_of_the_gap_is_followed_though_others_that_were_finished_leave_less(rig, make):
     bench, right = loud(rig, make, "gain_error")
     _, wrong = loud(rig, make, "shaker_mass")

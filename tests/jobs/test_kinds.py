@@ -88,6 +88,7 @@ def test_parameters_are_checked_before_a_job_is_ordered() -> None:
             parse_parameters(kind, given)
 
 
+@pytest.mark.thorough("diagnoses as a job")
 def test_runs_from_before_stand_for_the_simulation(jobs: Jobs, tmp_path: Path) -> None:
     with Runner(jobs, kinds(_mass_later, tmp_path), workers=1):
         found, alone = ended(
