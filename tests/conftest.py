@@ -41,7 +41,7 @@ SLOW_FILES = (
     "identification/test_impact.py",
 )
 """The longest first: the short ones at the end are shared out, and all workers end together."""
-TOGETHER = ("page",)
+TOGETHER = ("page", "service/api", "service/campaigns")
 """Folders whose files share a service: one worker runs them all."""
 APART = ("docs/test_commands.py", "service/process/test_kills.py", "cli/test_ctrl_c.py")
 """Files whose tests share nothing and are long: any worker runs the next."""
