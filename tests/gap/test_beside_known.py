@@ -18,9 +18,8 @@ from modallab.gap.revisions.apply import with_diagnosis
 from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.fitting import Bench, baseline
-from modallab.twin.effects import model_of
 
-pytestmark = pytest.mark.thorough("fits a campaign with an element that is stepped in time")
+pytestmark = pytest.mark.thorough("fits with an element that is stepped in time")
 
 DRAG = Effect(effect="air_drag", parameters={"c2_total": 20.0}, place={"x": "all"})
 GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4})
@@ -51,14 +50,3 @@ def test_a_beam_without_what_the_known_element_adds_leaves_the_same(bench: Bench
 def test_where_nothing_may_be_named_the_bench_stays_as_it_is(bench: Bench, base: Fit) -> None:
     choice = beside_known(replace(bench, allowed=lambda _: False), base, None)
     assert (choice.base, choice.fit, choice.explained) == (base, base, False)
-
-
-def test_what_explains_that_beam_is_fitted_beside_the_element(bench: Bench, base: Fit) -> None:
-    (gain,) = model_of("gain_error").candidates(bench.data.rig, (4,))
-    fit = beside_known(bench, base, None).fit
-    assert knows_element(fit)
-    assert [e.place for e in fit.effects] == [GAIN.place]
-    assert fit.effects[0].parameters["gain"] == pytest.approx(1.3, rel=0.02)
-    apart = seen(fit.problem, np.append(base.u, gain.slots[0].coordinate(1.28)))
-    assert fit.cost < 0.9 * apart.cost
-    assert fit.gap < base.gap
