@@ -54,6 +54,7 @@ def test_a_frequency_without_a_mode_is_rejected_with_those_there_are(how):
         identify_impact(signals, rig, Options(**how))
 
 
+@pytest.mark.thorough("identifies a recording that no model fits")
 def test_a_chain_on_two_clocks_gives_no_more_modes_than_there_are():
     """Responses on a clock 1.5 % off the force's: poles that no structure has explain a part of it."""
     system, rig, signals = recorded()

@@ -42,6 +42,7 @@ print("imported")
 """
 
 
+@pytest.mark.thorough("imports the whole program twice")
 def test_every_command_is_imported_where_posix_is_not() -> None:
     done = subprocess.run([sys.executable, "-c", AS_ON_WINDOWS], capture_output=True, text=True, check=False)
     assert done.stdout.strip() == "imported", done.stderr
