@@ -53,28 +53,27 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Before pytest-xdist reads the groups."""
     place = {ROOT / "tests" / file: n for n, file in enumerate(SLOW_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
     for item in items:
         _require_reason(item)
-        item.add_marker(pytest.mark.xdist_group(_group(item)))
+        if (file := item.path.relative_to(ROOT / "tests").as_posix()) not in APART:
+            item.add_marker(pytest.mark.xdist_group(_group(file)))
 
 
 def _require_reason(item: pytest.Item) -> None:
     for mark in item.iter_markers("thorough"):
         if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs:
-            raise pytest.UsageError(
-                f"{item.nodeid}: thorough{mark.args} has no reason: say in words what takes so long"
-            )
+            raise pytest.UsageError(f"{item.nodeid}: thorough{mark.args} says no reason: what takes so long?")
 
 
-def _group(item: pytest.Item) -> str:
+def _group(file: str) -> str:
     """What one worker runs: a file, so that what its tests share is made once; a folder that shares a service."""
-    folder = item.path.parent.relative_to(ROOT / "tests").as_posix()
-    if folder in TOGETHER:
-        return folder
-    return item.nodeid if f"{folder}/{item.path.name}" in APART else f"{folder}/{item.path.stem}"
+    folder, _, name = file.rpartition("/")
+    return folder if folder in TOGETHER else f"{folder}/{name.removesuffix('.py')}"
 
 
 @pytest.fixture(scope="session")
