@@ -22,25 +22,39 @@ sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 SLOW_FILES = (
+    "service/campaigns/test_session.py",
     "docs/test_commands.py",
-    "service/process/test_kills.py",
-    "service/process/test_tutorial.py",
     "service/api/test_schemathesis.py",
     "page/test_a_campaign_by_page.py",
-    "page/test_the_page.py",
-    "page/test_service_gone.py",
-    "jobs/test_many_machines.py",
+    "service/process/test_kills.py",
+    "service/process/test_tutorial.py",
     "jobs/test_runner.py",
+    "jobs/test_many_machines.py",
+    "jobs/test_kinds.py",
+    "jobs/test_docker.py",
     "drivers/test_supervisor.py",
     "acquisition/test_owner_death.py",
+    "gap/test_hidden_effect.py",
+    "gap/unknown/test_behaves_like.py",
+    "gap/unknown/test_spare_poles.py",
     "gap/test_diagnose.py",
-    "simulators/test_add_an_effect.py",
-    "simulators/test_trials_show.py",
+    "gap/test_as_built.py",
     "gap/test_own_bench.py",
+    "pipelines/test_kinds_of_frf.py",
+    "conventions/test_other_chains.py",
+    "conventions/test_same_answers.py",
+    "simulators/test_trials_show.py",
+    "simulators/test_add_an_effect.py",
+    "reporting/test_report.py",
+    "notebook/test_people.py",
     "acquisition/test_process.py",
+    "identification/test_choice.py",
+    "identification/test_estimators.py",
     "identification/test_impact.py",
 )
-"""The longest first: the short ones at the end are shared out, and all workers end together."""
+"""The longest first: the short ones at the end are shared out, and all workers end together. The very first makes the
+recording that others read.
+"""
 TOGETHER = ("page", "service/api", "service/campaigns")
 """Folders whose files share a service: one worker runs them all."""
 APART = ("docs/test_commands.py", "service/process/test_kills.py", "cli/test_ctrl_c.py")
