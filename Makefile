@@ -1,4 +1,5 @@
-# On a fresh machine with Python 3.11+ and make: `make demo` shows what it does, `make test` checks it.
+# On a fresh machine with Python 3.11+ and make: `make demo` shows what it does, `make test` checks it,
+# `make test-all` checks it in all ways.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -9,12 +10,23 @@ LINKS ?= $(HOME)/.local/bin
 export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: demo test check command service clean
+# A file to a worker, so that what its tests share is made once.
+TESTS = $(BIN)/pytest -n auto --dist loadgroup --no-loadscope-reorder
+
+.PHONY: demo test test-all tests check command service clean
 demo: $(VENV)/.ready
 	$(BIN)/modallab demo --out demo
 
-test: check
-	$(BIN)/pytest -n auto --dist worksteal
+# Many tests wait, for a process or a device: the static checks run beside them.
+test: $(VENV)/.tools
+	@$(MAKE) --no-print-directory -j 2 tests check
+
+# And what takes longer: each test says why, `pytest --markers` what a mark means.
+test-all: test
+	$(TESTS) -m thorough
+
+tests: $(VENV)/.tools
+	$(TESTS) -m "not thorough" --slowest-share 1/3
 
 check: $(VENV)/.tools
 	$(BIN)/ruff check .

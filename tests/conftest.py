@@ -2,10 +2,15 @@
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from made_once import made_once, record_demo
+from postgresql_server import Server, postgresql_server
+from slowest_tests import pytest_addoption, pytest_configure
+
+__all__ = ["pytest_addoption", "pytest_configure"]
 
 ROOT = Path(__file__).parent.parent
 
@@ -17,25 +22,43 @@ sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 SLOW_FILES = (
+    "service/campaigns/test_session.py",
     "docs/test_commands.py",
-    "service/process/test_kills.py",
-    "service/process/test_tutorial.py",
     "service/api/test_schemathesis.py",
     "page/test_a_campaign_by_page.py",
-    "page/test_the_page.py",
-    "page/test_service_gone.py",
-    "jobs/test_many_machines.py",
+    "service/process/test_kills.py",
+    "service/process/test_tutorial.py",
     "jobs/test_runner.py",
+    "jobs/test_many_machines.py",
+    "jobs/test_kinds.py",
+    "jobs/test_docker.py",
     "drivers/test_supervisor.py",
     "acquisition/test_owner_death.py",
+    "gap/test_hidden_effect.py",
+    "gap/unknown/test_behaves_like.py",
+    "gap/unknown/test_spare_poles.py",
     "gap/test_diagnose.py",
-    "simulators/test_add_an_effect.py",
-    "simulators/test_trials_show.py",
+    "gap/test_as_built.py",
     "gap/test_own_bench.py",
+    "pipelines/test_kinds_of_frf.py",
+    "conventions/test_other_chains.py",
+    "conventions/test_same_answers.py",
+    "simulators/test_trials_show.py",
+    "simulators/test_add_an_effect.py",
+    "reporting/test_report.py",
+    "notebook/test_people.py",
     "acquisition/test_process.py",
+    "identification/test_choice.py",
+    "identification/test_estimators.py",
     "identification/test_impact.py",
 )
-"""The longest first: `--dist worksteal` then shares out the short ones at the end, and all workers end together."""
+"""The longest first: the short ones at the end are shared out, and all workers end together. The very first makes the
+recording that others read.
+"""
+TOGETHER = ("page", "service/api", "service/campaigns")
+"""Folders whose files share a service: one worker runs them all."""
+APART = ("docs/test_commands.py", "service/process/test_kills.py", "cli/test_ctrl_c.py")
+"""Files whose tests share nothing and are long: any worker runs the next."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -44,9 +67,27 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Before pytest-xdist reads the groups."""
     place = {ROOT / "tests" / file: n for n, file in enumerate(SLOW_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
+    for item in items:
+        _require_reason(item)
+        if (file := item.path.relative_to(ROOT / "tests").as_posix()) not in APART:
+            item.add_marker(pytest.mark.xdist_group(_group(file)))
+
+
+def _require_reason(item: pytest.Item) -> None:
+    for mark in item.iter_markers("thorough"):
+        if len(mark.args) != 1 or not isinstance(mark.args[0], str) or mark.kwargs:
+            raise pytest.UsageError(f"{item.nodeid}: thorough{mark.args} says no reason: what takes so long?")
+
+
+def _group(file: str) -> str:
+    """What one worker runs: a file, so that what its tests share is made once; a folder that shares a service."""
+    folder, _, name = file.rpartition("/")
+    return folder if folder in TOGETHER else f"{folder}/{name.removesuffix('.py')}"
 
 
 @pytest.fixture(scope="session")
@@ -62,3 +103,9 @@ def practice() -> Path:
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of `modallab demo --out demo`, to be read only; beside it stands what the command printed."""
     return made_once(tmp_path_factory, "recorded", record_demo) / "demo"
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[Server]:
+    with postgresql_server() as server:
+        yield server

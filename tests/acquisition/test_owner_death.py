@@ -71,6 +71,7 @@ def test_the_output_is_zero_within_a_second_of_the_owners_death(tmp_path: Path, 
         assert run.reason == "interrupted: the process that asked for the run is gone"
 
 
+@pytest.mark.thorough("starts an owner with its rig process, and kills it")
 def test_the_output_is_zeroed_at_start_up_and_at_the_end_of_a_good_run(tmp_path: Path, link_rig: Rig) -> None:
     owner, log = start_owner(tmp_path, link_rig, settle_s=0.05)
     assert owner.wait(60) == 0
@@ -104,6 +105,7 @@ def test_when_the_rigs_process_is_killed_its_owner_zeroes_the_output(
     assert ("outside-zero" in done) == (url == "free")
 
 
+@pytest.mark.thorough("starts an owner with its rig process, and kills it")
 @pytest.mark.parametrize("kills", [2])
 def test_kills_at_random_moments_lose_nothing_that_was_acknowledged(kills: int) -> None:
     script = Path(__file__).parents[2] / "benchmarks" / "kill_acquisition.py"
@@ -114,6 +116,7 @@ def test_kills_at_random_moments_lose_nothing_that_was_acknowledged(kills: int) 
     assert "0 lost or different" in done.stdout
 
 
+@pytest.mark.thorough("starts an owner with its rig process, and kills it")
 @pytest.mark.parametrize("moment_s", [0.0, 0.1, 0.3])
 def test_a_rigs_process_that_still_starts_ends_with_its_owner(tmp_path: Path, link_rig: Rig, moment_s: float) -> None:
     owner, _ = start_owner(tmp_path, link_rig, settle_s=20.0)

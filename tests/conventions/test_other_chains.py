@@ -110,6 +110,7 @@ def diagnosed(name: str) -> tuple[Campaign, Diagnosis]:
 
 
 # A diagnosis takes seconds: what is asked of all chains above, alone and together, is asked here together.
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 @pytest.mark.parametrize("name", TOGETHER)
 def test_the_diagnosis_is_the_same(name: str) -> None:
     _, found = diagnosed(name)
@@ -121,6 +122,7 @@ def test_the_diagnosis_is_the_same(name: str) -> None:
     assert found.gap.after < 1.1
 
 
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 @pytest.mark.parametrize("name", ["delay, skew and AC corner, -z", "velocity in mm/s", "3 of 10 sensors"])
 def test_a_prediction_reads_as_the_recording_does(name: str) -> None:
     campaign, found = diagnosed(name)

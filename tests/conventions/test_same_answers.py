@@ -89,6 +89,7 @@ def test_the_modal_model_and_its_verification(heavy: Campaign, identified: Ident
     np.testing.assert_allclose(b, a, atol=1e-9)
 
 
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 @pytest.mark.parametrize("name", FEW)
 def test_the_diagnosis(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None:
     found = diagnose(SAME[name](heavy), allowed=allowed)
@@ -104,6 +105,7 @@ def test_the_diagnosis(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None
     assert found.shrink.closed == pytest.approx(diagnosed.shrink.closed, rel=1e-4)
 
 
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 def test_a_stored_rig_gives_the_diagnosis_of_the_rig_file(make: Callable[..., Campaign], tmp_path: Path) -> None:
     """A tolerance that no one stated stays unstated when a campaign is written and read again."""
     campaign = make(Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7}), tests=("impact",))
@@ -113,6 +115,7 @@ def test_a_stored_rig_gives_the_diagnosis_of_the_rig_file(make: Callable[..., Ca
     assert two.twin.gains == one.twin.gains == {}
 
 
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 def test_the_force_is_named_by_its_own_row(make: Callable[..., Campaign]) -> None:
     wrong = Effect(effect="force_gain", parameters={"gain": 0.8}, place={"channel": 0})
     other = SAME["rows permuted"](make(wrong, tests=("impact",)))
@@ -121,6 +124,7 @@ def test_the_force_is_named_by_its_own_row(make: Callable[..., Campaign]) -> Non
     assert found.where.channels == ["force"]
 
 
+@pytest.mark.thorough("diagnoses campaigns written in many ways")
 @pytest.mark.parametrize("name", SAME)
 def test_a_prediction_is_what_each_channel_would_read(heavy: Campaign, diagnosed: Diagnosis, name: str) -> None:
     other = SAME[name](heavy)

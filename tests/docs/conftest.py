@@ -1,5 +1,5 @@
 """The service that blocks of pages ask."""
 
-from lab_fixtures import lab, link_rig
+from lab_fixtures import lab, labs, lease_given_back, link_rig
 
-__all__ = ["lab", "link_rig"]
+__all__ = ["lab", "labs", "lease_given_back", "link_rig"]

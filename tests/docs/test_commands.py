@@ -12,6 +12,8 @@ from page_preparations import PREPARED, nothing
 from page_walk import Walk
 from pages import ELSEWHERE, HOW_TO, PAGES, ROOT, fenced, name, to_run
 
+pytestmark = pytest.mark.thorough("runs all commands of the pages")
+
 TOGETHER = (
     ("README.md",),
     (HOW_TO + "close-the-gap.md",),

@@ -83,6 +83,7 @@ def test_a_killed_acquisition_process_leaves_0_v_and_its_inputs_free(paced: NiSe
     bench.close()
 
 
+@pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_a_death_while_it_drove_trips_the_rig(paced: NiServer, rig: Rig, tmp_path: Path):
     process, runner = started(paced, rig, tmp_path)
     process.process.kill()
@@ -96,6 +97,7 @@ def test_a_death_while_it_drove_trips_the_rig(paced: NiServer, rig: Rig, tmp_pat
         assert later.reset_trip() is not None
 
 
+@pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_an_acquisition_without_a_sign_of_life_for_a_second_is_brought_to_zero_and_trips_the_rig(
     paced: NiServer, rig: Rig, tmp_path: Path
 ):
@@ -141,6 +143,7 @@ def test_an_emergency_stop_needs_no_answer_from_the_acquisition_process(paced: N
     process.close()
 
 
+@pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, rig: Rig, tmp_path: Path):
     guarded = rig.model_copy(
         update={"excitation": Excitation(watchdog_s=WATCHDOG_S, heartbeat_line="cDAQ1Mod5/port0/line0")}
@@ -163,6 +166,7 @@ def test_with_the_supervisor_killed_too_the_watchdog_is_left(paced: NiServer, ri
     handle.close()
 
 
+@pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(ni_server: NiServer, rig: Rig):
     bench = open_bench(ni_server.url, rig)
     bench.configure(Request("sine", 1000.0))
@@ -193,6 +197,7 @@ def test_several_who_bring_the_output_to_zero_at_once_do_not_disturb_each_other(
     bench.close()
 
 
+@pytest.mark.thorough("waits for the clock of a device, and kills what drives it")
 def test_a_watchdog_that_expired_before_the_burst_wants_a_new_start_and_watches_again(paced: NiServer, rig: Rig):
     guarded = rig.model_copy(update={"excitation": Excitation(watchdog_s=WATCHDOG_S)})
     bench = open_bench(paced.url, guarded)

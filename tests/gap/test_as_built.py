@@ -79,6 +79,7 @@ def test_hits_that_no_fit_has_seen_are_given_their_own_place(sound: Diagnosis) -
     assert sound.shrink.after == pytest.approx(1.0, abs=0.12)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_what_no_effect_explains_and_moves_nothing_that_matters_is_a_note(make: Make, rough: Rig) -> None:
     # Of more than the tolerances no single effect is the cause, and the twin still foretells what nobody has shown it.
     careless = replace(make(alter=as_built(rough, care=1.75)), rig=rough)
@@ -156,6 +157,7 @@ def test_the_report_shows_curves_and_budget(sound: Diagnosis, campaign: Campaign
         assert shown in page
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_gain_beyond_its_tolerance_is_named_as_large_as_it_is(make: Make, rough: Rig) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": 1.1}, place={"channel": 7})
     gained = replace(make(wrong, alter=_gained(rough)), rig=rough)
@@ -177,6 +179,7 @@ def _gained(rig: Rig) -> Callable[[Twin], Twin]:
     return altered
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_soft_clamp_is_one_number_whatever_its_tolerance(make: Make, rough: Rig) -> None:
     assert rough.beam is not None
     stiffness = 30 * rough.beam.bending_stiffness_n_m2 / rough.beam.length_m

@@ -15,10 +15,11 @@ from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.revisions.apply import with_diagnosis
-from modallab.gap.search import beside_known as room
+from modallab.gap.search.beside_known import beside_known, knows_element
+from modallab.gap.search.beside_stepped import linear_part
 from modallab.gap.search.fitting import Bench, baseline
-from modallab.gap.search.round import Level
-from modallab.twin.effects import model_of
+
+pytestmark = pytest.mark.thorough("fits with an element that is stepped in time")
 
 DRAG = Effect(effect="air_drag", parameters={"c2_total": 20.0}, place={"x": "all"})
 GAIN = Effect(effect="gain_error", parameters={"gain": 1.3}, place={"channel": 4})
@@ -38,37 +39,14 @@ def base(bench: Bench) -> Fit:
     return seen(Problem(bench.data, bench.free, ()), beam.u)
 
 
-def test_a_beam_without_what_the_known_element_adds_leaves_the_same(
-    bench: Bench, base: Fit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[tuple[Bench, Fit]] = []
-    assert room.knows_element(base)
-
-    def nothing(linear: Bench, begin: Fit) -> list[Level]:
-        asked.append((linear, begin))
-        return [Level(begin, ())]
-
-    monkeypatch.setattr(room, "explain", nothing)
-    choice = room.beside_known(bench, base, None)
-    assert (choice.base, choice.fit, choice.explained) == (base, base, False)
-    ((_, begin),) = asked
-    assert not room.knows_element(begin)
+def test_a_beam_without_what_the_known_element_adds_leaves_the_same(bench: Bench, base: Fit) -> None:
+    linear, free = linear_part(bench, base), replace(bench.free, stepped=False)
+    assert knows_element(base)
+    begin = seen(Problem(linear.data, free, ()), base.u)
+    assert not knows_element(begin)
     np.testing.assert_allclose(begin.residual, base.residual, atol=1e-6 * np.abs(base.residual).max())
 
 
-def test_what_explains_that_beam_is_fitted_beside_the_element(
-    bench: Bench, base: Fit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (gain,) = model_of("gain_error").candidates(bench.data.rig, (4,))
-
-    def near(linear: Bench, begin: Fit) -> list[Level]:
-        u = np.append(begin.u, gain.slots[0].coordinate(1.28))
-        return [Level(begin, (seen(Problem(linear.data, linear.free, (gain,)), u),))]
-
-    monkeypatch.setattr(room, "explain", near)
-    fit = room.beside_known(bench, base, None).fit
-    assert room.knows_element(fit)
-    assert [e.place for e in fit.effects] == [GAIN.place]
-    apart = seen(fit.problem, np.append(base.u, gain.slots[0].coordinate(1.28)))
-    assert fit.cost < 0.9 * apart.cost
-    assert fit.gap < base.gap
+def test_where_nothing_may_be_named_the_bench_stays_as_it_is(bench: Bench, base: Fit) -> None:
+    choice = beside_known(replace(bench, allowed=lambda _: False), base, None)
+    assert (choice.base, choice.fit, choice.explained) == (base, base, False)

@@ -22,6 +22,7 @@ def test_frequencies_of_no_common_factor_agree_with_none() -> None:
     assert common_shift(np.array([5.0, 9.0, 13.0]), np.array([4.7, 30.0, 85.0, 165.0]))[1] < 0.99
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_beam_of_another_thickness_is_distinguished_from_a_fault(make: Callable[..., Campaign], rig: Rig) -> None:
     campaign = make()
     assert rig.beam is not None

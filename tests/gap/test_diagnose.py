@@ -30,6 +30,23 @@ def only(*names: str) -> Callable[[str], bool]:
     return lambda name: name in names
 
 
+@pytest.fixture(scope="module")
+def said() -> list[tuple[float, str]]:
+    """What was heard of the progress of `massed`."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def massed(make: Make, said: list[tuple[float, str]]) -> Diagnosis:
+    with heard_by(lambda share, stage: said.append((share, stage))):
+        return diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
+
+
+@pytest.fixture(scope="module")
+def struck(make: Make) -> Diagnosis:
+    return diagnose(make(tests=("impact",)))
+
+
 def test_a_bench_that_is_its_twin_has_no_gap(make: Make) -> None:
     found = diagnose(make())
     assert found.verdict == "no_gap"
@@ -41,10 +58,8 @@ def test_a_bench_that_is_its_twin_has_no_gap(make: Make) -> None:
     assert found.twin.zeta[:3] == pytest.approx((0.006 * np.linspace(0.7, 1.5, 15))[:3], rel=0.01)
 
 
-def test_a_mass_is_named_with_its_place_and_size(make: Make) -> None:
-    said: list[tuple[float, str]] = []
-    with heard_by(lambda share, stage: said.append((share, stage))):
-        found = diagnose(make(TIP), allowed=only("added_mass", "sensor_mass"))
+def test_a_mass_is_named_with_its_place_and_size(massed: Diagnosis, said: list[tuple[float, str]]) -> None:
+    found = massed
     # Whoever waits sees it move.
     assert len({share for share, _ in said}) >= 10
     assert any("round 1: explanations screened, 1 of" in stage for _, stage in said)
@@ -56,12 +71,14 @@ def test_a_mass_is_named_with_its_place_and_size(make: Make) -> None:
     assert "added mass" in sentence(found)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_the_same_mass_is_unknown_where_its_name_is_withheld(make: Make) -> None:
     found = diagnose(make(TIP), allowed=only("polarity"))
     assert (found.verdict, found.where.stage) == ("unknown", "structure")
     assert found.effects == []
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 @pytest.mark.parametrize(("gain", "name"), [(-0.3, "gain_error"), (-1.0, "polarity")])
 def test_a_channel_that_reads_against_the_others_is_named_with_its_size(make: Make, gain: float, name: str) -> None:
     wrong = Effect(effect="gain_error", parameters={"gain": gain}, place={"channel": 7})
@@ -84,6 +101,7 @@ def test_a_channel_that_reads_too_much_is_named(make: Make) -> None:
     assert sum(found.gap.by_band.values()) == pytest.approx(1)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_an_unnamed_fault_of_one_channel_is_found_there(make: Make) -> None:
     def late(volts: np.ndarray, _: Block) -> np.ndarray:
         volts[5] = np.roll(volts[5], 3)
@@ -136,12 +154,12 @@ def test_flat_tops_are_seen_with_their_level(make: Make) -> None:
     assert found.where.channels == ["a08"]
 
 
-def test_hits_alone_raise_no_alarm(make: Make) -> None:
-    assert diagnose(make(tests=("impact",))).verdict == "no_gap"
+def test_hits_alone_raise_no_alarm(struck: Diagnosis) -> None:
+    assert struck.verdict == "no_gap"
 
 
-def test_hits_alone_are_diagnosed_and_what_they_hide_is_said(make: Make) -> None:
-    assert any("Only an impact test" in n for n in diagnose(make(tests=("impact",))).notes)
+def test_hits_alone_are_diagnosed_and_what_they_hide_is_said(struck: Diagnosis) -> None:
+    assert any("Only an impact test" in n for n in struck.notes)
 
 
 def test_a_sine_test_alone_is_diagnosed_and_what_it_hides_is_said(make: Make) -> None:
@@ -166,9 +184,8 @@ def test_a_rig_without_a_beam_is_rejected(make: Make, rig: Rig) -> None:
         diagnose(Campaign(bare, campaign.blocks))
 
 
-def test_a_diagnosis_predicts_another_campaign(make: Make, rig: Rig) -> None:
-    found = diagnose(make(TIP), allowed=only("added_mass"))
-    read = Diagnosis.model_validate_json(found.model_dump_json())
+def test_a_diagnosis_predicts_another_campaign(massed: Diagnosis, make: Make, rig: Rig) -> None:
+    read = Diagnosis.model_validate_json(massed.model_dump_json())
     other = make(TIP, seed=9)
     predicted = predict(read, other)
     assert set(predicted) == {b.name for b in other.blocks}
@@ -199,12 +216,11 @@ def test_rules_say_which_records_no_fit_may_see(make: Make) -> None:
             split(blocks, wrong)
 
 
-def test_a_prediction_is_a_campaign_too(make: Make, tmp_path: Path) -> None:
+def test_a_prediction_is_a_campaign_too(massed: Diagnosis, make: Make, tmp_path: Path) -> None:
     other = make(TIP, seed=9)
-    found = diagnose(make(TIP), allowed=only("added_mass"))
-    write_campaign(predicted_campaign(found, other), tmp_path / "predicted.h5")
+    write_campaign(predicted_campaign(massed, other), tmp_path / "predicted.h5")
     read = read_campaign(tmp_path / "predicted.h5")
     rows = [c.index for c in read.rig.responses]
-    block, expected = read.blocks[0], predict(found, other)[read.blocks[0].name]
+    block, expected = read.blocks[0], predict(massed, other)[read.blocks[0].name]
     assert np.allclose(block.samples[rows] * block.scale[rows, None], expected)
     assert len(read.blocks) == len(other.blocks)

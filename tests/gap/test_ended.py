@@ -40,6 +40,7 @@ def test_a_beam_far_outside_its_tolerances_is_begun_again_from_the_poles(rig, ma
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.02, rtol=0.01)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
     prepared = prepare(make(Effect(effect="sensor_mass", parameters={"mass_each": 0.001}, place={"x": "all"})))
     bench = bench_of(prepared, prepared.blocks, free_of(prepared.campaign), lambda _: True)
@@ -51,6 +52,7 @@ def test_a_small_mass_on_every_sensor_is_begun_at_the_frequencies(rig, make):
     np.testing.assert_allclose(found.effects[0].parameters["mass_each"], 0.001, rtol=0.01)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_masses_that_every_sensor_has_are_one_number_again(rig, make):
     rough = rig.model_copy(update={"tolerance": Tolerance.usual()})
     heavy = make(Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"}))
@@ -86,18 +88,6 @@ def loud(rig, make, effect):
     return bench, short(bench, (candidate,), u, COARSE)
 
 
-@pytest.mark.parametrize("effect", ["shaker_mass", "gain_error"])
-def test_what_leaves_much_from_either_beginning_and_what_leaves_nothing_is_not_begun_again(
-    rig, make, monkeypatch, effect
-):
-    begun = []
-    monkeypatch.setattr(ending, "_from_rest", lambda bench, fit: begun.append(fit) or [])
-    bench, fit = loud(rig, make, effect)
-    found = ended(bench, fit, COARSE / 12, 100.0)
-    assert not begun
-    assert (found.gap > ending.FAR) is (effect != "gain_error")
-
-
 def test_two_beginnings_that_differ_or_leave_little_say_nothing(rig, make):
     bench, fit = loud(rig, make, "shaker_mass")
     much, more, little = (replace(fit, residual=np.full(100, left)) for left in (300.0, 500.0, 3.0))
@@ -106,6 +96,7 @@ def test_two_beginnings_that_differ_or_leave_little_say_nothing(rig, make):
     assert not ending.far_alike(bench, little, little)
 
 
+@pytest.mark.thorough("fits a whole campaign from several beginnings")
 def test_what_takes_half_of_the_gap_is_followed_though_others_that_were_finished_leave_less(rig, make):
     bench, right = loud(rig, make, "gain_error")
     _, wrong = loud(rig, make, "shaker_mass")
@@ -114,16 +105,3 @@ def test_what_takes_half_of_the_gap_is_followed_though_others_that_were_finished
         (followed,) = taking_half(bench, base, [wrong, right], COARSE / 12, workers, 2)
     assert [e.effect for e in followed.effects] == ["gain_error"]
     assert excess(followed) < 0.01 * excess(base)
-
-
-@pytest.mark.parametrize(("before", "again"), [(1000.0, False), (5.0, True)])
-def test_the_last_digit_of_a_large_gap_is_no_reason_to_begin_again(rig, make, monkeypatch, before, again):
-    bench, fit = loud(rig, make, "gain_error")
-    close = replace(fit, residual=np.full(100, 1.4))
-    begun = []
-    monkeypatch.setattr(ending, "annealed", lambda bench, fit, floor: begun.append(fit) or close)
-    monkeypatch.setattr(ending, "completed", lambda bench, fit: fit)
-    monkeypatch.setattr(ending, "_from_rest", lambda bench, fit: [])
-    monkeypatch.setattr(ending, "finish", lambda bench, fit, floor: fit)
-    ended(bench, fit, COARSE / 12, before)
-    assert (len(begun) > 1) is again

@@ -34,6 +34,7 @@ def assembled(rig, make, effect, allowed=lambda _: True):
     return replace(whole, data=whole.thin)
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     heavy = Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"})
     bench = assembled(rig, make, heavy, lambda name: name == "sensor_mass")
@@ -46,6 +47,7 @@ def test_what_the_assembly_does_as_well_is_found_by_the_frequencies(rig, make):
     np.testing.assert_allclose(best.effects[0].parameters["mass_each"], 0.008, rtol=0.3)
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 def test_side_by_side_the_best_ends_where_it_does_alone(rig, make):
     heavy = Effect(effect="sensor_mass", parameters={"mass_each": 0.008}, place={"x": "all"})
     listed = ("sensor_mass", "ground_spring")
@@ -80,6 +82,7 @@ def test_the_gain_that_all_sensitivities_do_as_well_relieves_them_most(rig, make
     assert begins[0].cost < begins[1].cost - 10
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 def test_what_hangs_on_the_beam_with_the_shaker_is_found_beside_the_beam_of_the_hits(rig, make):
     heavy = Effect(effect="shaker_mass", parameters={"mass": 0.02}, place={"x": 0.4})
     found = beside_the_hits(assembled(rig, make, heavy, lambda name: name == "shaker_mass"))
@@ -88,6 +91,7 @@ def test_what_hangs_on_the_beam_with_the_shaker_is_found_beside_the_beam_of_the_
     np.testing.assert_allclose(found.effects[0].parameters["mass"], 0.02, rtol=0.1)
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 @pytest.mark.parametrize("stiffness", [13.0, 28.6])
 def test_a_size_between_the_first_ones_is_found_beside_the_hits(rig, make, stiffness):
     stiff = Effect(effect="stinger_moment", parameters={"k_rot": stiffness}, place={"x": 0.4})
@@ -113,6 +117,7 @@ def test_a_soft_root_smaller_as_an_effect_is_a_stiffer_one(rig, make):
     assert [slot.value(u) for u in less] == pytest.approx([first, second])
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 def test_hits_beside_their_points_do_not_hide_what_the_sines_show(rig, make):
     beside = Effect(effect="hit_position", parameters={"dx": -0.09}, place={"where": "hit"})
     heavy = Effect(effect="added_mass", parameters={"mass": 0.2}, place={"x": 0.97})
@@ -142,6 +147,7 @@ def test_a_large_effect_begins_at_two_sizes_and_one_is_near_its_own(rig, make):
     assert max(sizes) > 4 * min(sizes)
 
 
+@pytest.mark.thorough("looks for an effect beside an assembly of many numbers")
 @pytest.mark.parametrize(("relative", "named"), [(-6e-4, True), (3e-4, True), (-1e-4, False)])
 def test_a_clock_that_the_generators_lines_show_is_no_matter_of_the_beam(rig, make, relative, named):
     slow = Effect(effect="clock_error", parameters={"relative": relative}, place={"channel": "all"})

@@ -1,12 +1,9 @@
 """Levels of the sines that disagree show what depends on the size of the motion, with or without overtones."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from modallab.core.effects import Effect
-from modallab.gap import searched
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.model.fit import Problem, seen
 from modallab.gap.model.nuisances import nuisances
@@ -36,23 +33,3 @@ def test_without_sines_no_level_can_disagree(rig, make):
     free = nuisances(rig, TOP_HZ)
     bench = bench_of(prepared, prepared.blocks, free, lambda _: True)
     assert frequencies_apart(seen(Problem(bench.data, free, ()), np.zeros(free.size))) == (0, 0)
-
-
-@pytest.mark.parametrize(("left", "first"), [(0.3, "linear"), (0.7, "stepped")])
-def test_where_levels_disagree_what_takes_more_than_half_goes_first(monkeypatch, left, first):
-    asked = []
-
-    def said(name):
-        return lambda *_: asked.append(name) or SimpleNamespace(explained=name == "linear")
-
-    monkeypatch.setattr(searched, "levels_differ", lambda base: True)
-    monkeypatch.setattr(searched, "excess", lambda fit: fit.cost)
-    monkeypatch.setattr(searched, "explain", lambda *_: ["all rounds"])
-    monkeypatch.setattr(
-        searched, "choose", lambda bench, levels, matters: SimpleNamespace(explained=levels == ["all rounds"])
-    )
-    monkeypatch.setattr(searched, "search_stepped", said("stepped"))
-    level = searched.Level(SimpleNamespace(cost=1.0), (SimpleNamespace(cost=left),))
-    choice = searched._by_levels(None, None, level, None, None)
-    assert choice.explained is (first == "linear")
-    assert asked == ([] if first == "linear" else ["stepped"])

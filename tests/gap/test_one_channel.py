@@ -8,6 +8,8 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.diagnosis import diagnose
 
+pytestmark = pytest.mark.thorough("diagnoses a whole campaign")
+
 Make = Callable[..., Campaign]
 ON_ONE = {"polarity", "loose_mount", "gain_error", "position_error"}
 

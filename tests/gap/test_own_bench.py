@@ -55,6 +55,7 @@ def test_a_bench_with_nothing_wrong_has_no_gap(sound: Campaign) -> None:
     assert 0.85 < float(np.median(sines)) < 1.15
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_mass_on_the_bench_is_named_weighed_and_found(massed: Diagnosis) -> None:
     assert massed.verdict == "known"
     assert [f.effect for f in massed.effects] == ["added_mass"]

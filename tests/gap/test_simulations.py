@@ -223,6 +223,7 @@ LAWS = {
 }
 
 
+@pytest.mark.thorough("runs MuJoCo in small steps")
 @pytest.mark.parametrize("law", LAWS)
 def test_mujoco_has_the_springs_that_depend_on_the_size_of_the_motion(rig: Rig, heavy: Campaign, law: str) -> None:
     diagnosis = made_diagnosis(rig, LAWS[law])

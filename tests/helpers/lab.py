@@ -83,6 +83,13 @@ class Lab:
             time.sleep(0.02)
         raise AssertionError(f"not within {within_s} s: {self.service.log.after(0, 1000)[-5:]}")
 
+    def events(self, kind: str) -> list[EventView]:
+        """All events of a kind so far, oldest first."""
+        found: list[EventView] = []
+        while page := self.service.log.after(found[-1].seq if found else 0, 10_000):
+            found += page
+        return [event for event in found if event.kind == kind]
+
     def wait_for_state(self, run: str, state: RunState, after: int = 0) -> EventView:
         """The event that says that a run is in a state."""
         return self.wait_for(lambda e: e.run == run and e.kind == "state" and e.content["state"] == state, after=after)

@@ -13,9 +13,12 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
+import pytest
 from sqlalchemy import create_engine, text
 from sqlalchemy.exc import OperationalError
 
+DATABASES = ("sqlite", pytest.param("postgresql", marks=pytest.mark.thorough("starts a PostgreSQL server")))
+"""For what must be true of either."""
 NOBODY = 65534
 OPTIONS = ("unix_socket_directories=", "listen_addresses=127.0.0.1", "max_connections=40")
 

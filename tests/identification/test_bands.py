@@ -43,6 +43,7 @@ def test_few_modes_are_one_band():
     assert (band.first, band.stop) == (0, LINES.size)
 
 
+@pytest.mark.thorough("identifies forty modes")
 def test_forty_modes_are_found_each_once(wide):
     found = np.sort(np.abs(estimate_poles(wide, "plscf").poles)) / (2 * np.pi)
     nearest = found[np.abs(found[:, None] - MANY).argmin(axis=0)]

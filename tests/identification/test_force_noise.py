@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import modal_bench as bench
 import numpy as np
+import pytest
 
 from modallab.identification.impact import identify_impact
 from modallab.identification.likelihood.force_noise import force_parts
@@ -74,6 +75,7 @@ def test_the_normal_equations_are_those_of_the_projected_slopes():
     np.testing.assert_allclose(data / size, slope[n_poles:] / size, atol=1e-6)
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_a_noisy_force_does_not_bias_what_the_responses_know_well():
     """Ten times the force noise with responses of little noise: the errors stay within the stated sigmas."""
     normalised = []

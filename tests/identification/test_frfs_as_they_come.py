@@ -63,6 +63,7 @@ def with_hum(seed):
     return replace(frf, coherence=1 / (1 + relative), averages=(AVERAGES,))
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_imported_coherence_weighs_the_lines():
     weighed = [identify_frf(with_hum(k), rig_of(with_hum(k)), Options())[0] for k in range(3)]
     plain = [identify_frf(replace(with_hum(k), coherence=None), rig_of(with_hum(k)), Options())[0] for k in range(3)]

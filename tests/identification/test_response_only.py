@@ -49,6 +49,7 @@ def test_all_modes_and_no_other_are_found_with_shapes():
         assert np.abs(shape).max() == pytest.approx(1)
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_the_sigmas_are_those_of_the_scatter():
     """Of eight seeds and three modes, each twice, 95 % would be 46 of 48; below 40 is one chance in a thousand."""
     held, f, sigma = 0, [], []

@@ -27,6 +27,7 @@ def test_true_poles_come_out_of_blocks_that_still_ring():
     np.testing.assert_allclose(model.damping_ratio, system.zeta, rtol=0.05)
 
 
+@pytest.mark.thorough("identifies many recordings")
 def test_stated_sigma_is_the_scatter():
     normalised = []
     for seed in range(4):

@@ -4,17 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from postgresql_server import Server, postgresql_server
+from postgresql_server import DATABASES
 from sqlalchemy import Engine
 
 from modallab.jobs import Jobs
 from modallab.storage.engine import open_engine
-
-
-@pytest.fixture(scope="session")
-def postgresql() -> Iterator[Server]:
-    with postgresql_server() as server:
-        yield server
 
 
 @pytest.fixture
@@ -24,7 +18,7 @@ def engine(tmp_path: Path) -> Iterator[Engine]:
     opened.dispose()
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=DATABASES)
 def each_engine(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Engine]:
     """A new database of each kind in turn."""
     url = f"sqlite:///{(tmp_path / 'jobs.db').as_posix()}"

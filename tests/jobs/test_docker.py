@@ -94,6 +94,7 @@ def test_what_is_copied_is_there_and_is_all_that_the_package_needs() -> None:
     assert {"pyproject.toml", "README.md", "LICENSE", "constraints.txt"} <= set(copied)
 
 
+@pytest.mark.thorough("starts what the containers start")
 def test_every_command_is_one_that_the_programs_know() -> None:
     (command,) = of("CMD")
     commands = [json.loads(command), *(s["command"] for s in services().values() if "command" in s)]
@@ -177,6 +178,7 @@ def place() -> Iterator[Path]:
     shutil.rmtree(folder, ignore_errors=True)
 
 
+@pytest.mark.thorough("starts what the containers start")
 def test_the_images_own_command_begins_outside_an_engine_with_the_secret_token(place: Path) -> None:
     """Entry, command, environment and user of the image and of compose; other ports, no database and no cluster."""
     (command,) = of("CMD")
@@ -255,6 +257,7 @@ def test_certificates_are_made_once_and_for_their_owner(tmp_path: Path) -> None:
     assert all(stat.S_IMODE((tmp_path / name).stat().st_mode) == 0o600 for name in first)
 
 
+@pytest.mark.thorough("starts what the containers start")
 def test_the_cluster_of_the_file_computes_a_job_over_tls(
     jobs: Jobs, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

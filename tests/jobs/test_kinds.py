@@ -38,6 +38,7 @@ def _campaign(inputs: tuple[str, ...]) -> Campaign:
     return read_campaign(DATA / "hammer_5hits.h5", read_rig(DATA / "hammer_rig.yaml"))
 
 
+@pytest.mark.thorough("computes every kind of job in a worker")
 def test_identify_and_report_give_what_they_give_in_this_process(jobs: Jobs, tmp_path: Path) -> None:
     here = identify_campaign(_campaign(("hammer_5hits",)), Options(method="peak", band_hz=(500.0, 1500.0)))
     with Runner(jobs, kinds(_campaign, tmp_path), workers=1):
@@ -88,6 +89,7 @@ def test_parameters_are_checked_before_a_job_is_ordered() -> None:
             parse_parameters(kind, given)
 
 
+@pytest.mark.thorough("diagnoses as a job")
 def test_runs_from_before_stand_for_the_simulation(jobs: Jobs, tmp_path: Path) -> None:
     with Runner(jobs, kinds(_mass_later, tmp_path), workers=1):
         found, alone = ended(

@@ -18,6 +18,8 @@ from modallab.jobs import Jobs
 from modallab.jobs.address import Tls
 from modallab.jobs.runner import Runner
 
+pytestmark = pytest.mark.thorough("starts schedulers and workers, and kills them")
+
 
 @pytest.fixture
 def lab(tmp_path: Path) -> Iterator[Machines]:

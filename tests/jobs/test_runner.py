@@ -61,6 +61,7 @@ def test_progress_is_seen_and_a_cancelled_job_stops_at_once(jobs: Jobs, runner: 
     assert jobs.get(job.id).result is None
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: Jobs, runner: Runner) -> None:
     long, after = ended(jobs, jobs.submit("spin", {"seconds": 600}, []), jobs.submit("square", {"x": 2}, []))
     assert (long.state, long.attempts) == ("failed", 1)
@@ -68,6 +69,7 @@ def test_what_looks_out_for_nothing_is_stopped_too_when_its_time_is_over(jobs: J
     assert after.state == "done"
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) -> None:
     deadly, good = ended(jobs, jobs.submit("die", {}, []), jobs.submit("square", {"x": 4}, []))
     assert (deadly.state, deadly.attempts) == ("failed", 3)
@@ -75,6 +77,7 @@ def test_a_job_that_kills_its_workers_is_given_up(jobs: Jobs, runner: Runner) ->
     assert good.state == "done"
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_path: Path) -> None:
     with Runner(jobs, kinds(tmp_path), workers=1) as runner:
         opened = tmp_path / "opened"
@@ -93,6 +96,7 @@ def test_a_killed_scheduler_is_started_anew_and_no_job_is_lost(jobs: Jobs, tmp_p
     until(lambda: not any(psutil.pid_exists(pid) for pid in (*before.values(), *after.values())))
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_who_asks_a_scheduler_that_dies_meanwhile_hears_of_it_at_once() -> None:
     with Cluster.connect(None, None, 0) as cluster, ThreadPoolExecutor(1) as pool:
         process = psutil.Process(cluster.processes["scheduler"])
@@ -109,6 +113,7 @@ def test_who_asks_a_scheduler_that_dies_meanwhile_hears_of_it_at_once() -> None:
         until(lambda: not cluster.alive, 5.0)
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_frozen_scheduler_is_given_up_and_ended() -> None:
     with Cluster.connect(None, None, 0) as cluster:
         process = psutil.Process(cluster.processes["scheduler"])
@@ -120,6 +125,7 @@ def test_a_frozen_scheduler_is_given_up_and_ended() -> None:
         assert not cluster.alive
 
 
+@pytest.mark.thorough("starts a scheduler and workers, and kills them")
 def test_a_runner_that_stops_leaves_its_jobs_to_the_next(jobs: Jobs, tmp_path: Path) -> None:
     with Runner(jobs, kinds(tmp_path), workers=1):
         job = jobs.submit("wait", {"x": 1, "steps": 10_000}, [])

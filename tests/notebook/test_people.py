@@ -124,6 +124,7 @@ def test_a_step_is_that_of_the_state_space_and_goes_on(twin: ml.DiagnosedTwin) -
     assert np.allclose(one_by_one, at_once)
 
 
+@pytest.mark.thorough("starts Python and a bench anew")
 def test_a_bench_is_tested_from_a_script_without_a_guard(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

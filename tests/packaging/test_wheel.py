@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.thorough("builds a wheel")
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("src/modallab", "drivers/modallab_drivers", "simulators/modallab_simulators")
 

@@ -122,11 +122,13 @@ def test_poles_are_chosen_on_the_diagram(recorded: Watched, campaign: str, serve
     recorded.picture("model")
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_a_diagnosis_is_put_into_the_simulation(corrected: Watched, served: ServiceProcess) -> None:
     corrected.page.wait_for_selector(DONE)
     assert served.client.campaigns()[0].name.endswith(", revision 2")
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_two_runs_are_laid_over_each_other(corrected: Watched, campaign: str, served: ServiceProcess) -> None:
     page = corrected.page
     run = served.client.campaigns()[0].runs[-1]
@@ -144,6 +146,7 @@ def test_two_runs_are_laid_over_each_other(corrected: Watched, campaign: str, se
     assert all(float(one) > 0.99 for one in mac[:3])
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_what_was_exported_comes_back_by_a_drop(corrected: Watched, campaign: str, served: ServiceProcess) -> None:
     page = corrected.page
     corrected.view("Campaigns")
@@ -163,6 +166,7 @@ def test_what_was_exported_comes_back_by_a_drop(corrected: Watched, campaign: st
     corrected.wrong.clear()  # The browser says itself that a request was rejected.
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_a_report_opens_beside_the_page(corrected: Watched) -> None:
     corrected.view("Campaigns")
     corrected.page.click("button[aria-label$='revision 2']")
@@ -180,6 +184,7 @@ def show(recorded: Watched, view: str, campaign: str) -> None:
     recorded.page.wait_for_selector(SEEN.get(view, "main section.panel, main .prompt"))
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_everybody_can_read_every_view(corrected: Watched, campaign: str, scheme: str) -> None:
     corrected.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
@@ -191,6 +196,7 @@ def test_everybody_can_read_every_view(corrected: Watched, campaign: str, scheme
         assert [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in SERIOUS] == [], view
 
 
+@pytest.mark.thorough("diagnoses on the page, and tests again")
 def test_on_a_phone_nothing_is_wider_than_the_screen(corrected: Watched, campaign: str) -> None:
     corrected.page.set_viewport_size({"width": 390, "height": 800})
     for view in VIEWS:

@@ -5,8 +5,11 @@ import signal
 from collections.abc import Callable
 
 import httpx
+import pytest
 from page_browser import LONG_SINE, Watched
 from service_process import ServiceProcess
+
+pytestmark = pytest.mark.thorough("freezes and kills the service behind the page")
 
 Open = Callable[..., Watched]
 STOPPED = ".prompt .large:text-is('Stopped')"

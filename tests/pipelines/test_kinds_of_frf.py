@@ -49,6 +49,7 @@ def constant(model: ModalModel) -> float:
     return float(np.abs(model.modal_constants[1, drives.POINT - 1, 0]) / true)
 
 
+@pytest.mark.thorough("records minutes of a random force")
 def test_noise_on_a_random_force_lowers_the_modal_constants_of_h1_and_not_of_h2() -> None:
     campaign, power = random_campaign(), 1 + NOISE**2
     kinds: tuple[FrfEstimator, ...] = ("H1", "Hv", "H2")
@@ -89,6 +90,7 @@ def test_an_frf_of_no_known_kind_is_rejected() -> None:
         Options(frf="H3")  # pyright: ignore[reportArgumentType]
 
 
+@pytest.mark.thorough("records minutes of a random force")
 def test_the_command_takes_the_kind_of_frf(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, page = tmp_path / "campaign.h5", tmp_path / "report.html"
     write_campaign(built(link(), tests=("impact",)), path)

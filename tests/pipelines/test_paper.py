@@ -11,6 +11,7 @@ def found() -> Paper:
     return paper()
 
 
+@pytest.mark.thorough("records and identifies the bench of a paper")
 def test_the_first_damping_is_that_of_the_block_whatever_the_beam(found: Paper) -> None:
     first = found.modes[0]
     assert 0.06 < first.plain[0] < first.plain[1] < 0.075
@@ -37,6 +38,7 @@ def test_lines_so_far_apart_exclude_not_even_an_ideal_clamp(found: Paper) -> Non
     assert any("Nor can such lines exclude the ideal clamp" in line for line in found.said)
 
 
+@pytest.mark.thorough("records and identifies the bench of a paper")
 def test_at_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gap", "paper"]) == 0
     assert "it is the block, not the beam" in " ".join(capsys.readouterr().out.split())

@@ -28,6 +28,7 @@ def diagram(campaign, options):
     return report_content(campaign, result, "a test").outcomes[0], result.identified[0].model
 
 
+@pytest.mark.thorough("identifies with every order, and draws")
 def test_modes_of_hits_stand_as_columns_of_the_diagram_and_the_page_draws_it(hits):
     result = identify_campaign(hits, Options())
     content = report_content(hits, result, "a test")

@@ -56,6 +56,7 @@ def test_two_files_are_an_effect_for_as_long_as_they_are_there(
         model_of(NAME)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_diagnosis_finds_it_in_the_simulated_bench(tmp_path: Path, link: Rig):
     with added(tmp_path, *page_files()):
         campaign, truth = make_trial(link, 3, (SPRING,))

@@ -72,6 +72,7 @@ def test_what_no_force_predicts_is_seen_in_a_trial(link: Rig, effect: Effect, nu
         assert found[0].place["channel"] == effect.place["channel"]
 
 
+@pytest.mark.thorough("fits whole trials")
 @pytest.mark.parametrize("rms_acc", [0.04, 0.4])
 def test_what_a_shaking_floor_adds_is_as_large_as_stated_in_both_tests(link: Rig, rms_acc: float):
     shaking = Effect(effect="floor_vibration", parameters={"rms_acc": rms_acc}, place={"where": "base"})

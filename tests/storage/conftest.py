@@ -4,16 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from postgresql_server import Server, postgresql_server
+from postgresql_server import DATABASES, Server
 
 from modallab.storage import Store
 from modallab.storage.address import name_database
-
-
-@pytest.fixture(scope="session")
-def postgresql() -> Iterator[Server]:
-    with postgresql_server() as server:
-        yield server
 
 
 @pytest.fixture
@@ -29,6 +23,6 @@ def pg_store(tmp_path: Path, postgresql: Server) -> Iterator[Store]:
         yield opened
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=DATABASES)
 def any_store(request: pytest.FixtureRequest) -> Store:
     return request.getfixturevalue("store" if request.param == "sqlite" else "pg_store")

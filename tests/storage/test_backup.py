@@ -56,6 +56,7 @@ def test_a_backup_is_a_data_folder_with_the_same_rows_and_samples(any_store: Sto
         assert (backup.folder / "results" / job.id / "report.html").read_text() == "a report"
 
 
+@pytest.mark.thorough("starts a PostgreSQL server")
 def test_a_backup_is_restored_to_a_server_and_both_count_on(store: Store, tmp_path: Path, postgresql: Server) -> None:
     run = _record(store, 10)
     job = Jobs(store.catalogue.engine).submit("identify", {}, [run])

@@ -45,6 +45,7 @@ def test_rows_of_blocks_are_never_changed_nor_deleted(any_store: Store) -> None:
             connection.execute(change)
 
 
+@pytest.mark.thorough("starts a PostgreSQL server")
 def test_many_who_open_a_new_server_database_at_once_all_find_its_tables(tmp_path: Path, postgresql: Server) -> None:
     url, opened, barrier = postgresql.new_database(), list[int](), threading.Barrier(6, timeout=60)
 
@@ -63,6 +64,7 @@ def test_many_who_open_a_new_server_database_at_once_all_find_its_tables(tmp_pat
     assert opened == [0] * 6
 
 
+@pytest.mark.thorough("starts a PostgreSQL server")
 def test_a_server_that_restarts_between_two_blocks_is_found_again(pg_store: Store) -> None:
     with begin(pg_store) as recorder:
         recorder.record(noise(1), BlockNote("b1", "impact", 0))

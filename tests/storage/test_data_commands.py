@@ -17,6 +17,7 @@ def data(tmp_path: Path) -> Path:
     return Path(shutil.copytree(OLD, tmp_path / "data"))
 
 
+@pytest.mark.thorough("starts a PostgreSQL server")
 def test_a_folder_goes_to_a_backup_and_to_a_server(
     data: Path, tmp_path: Path, postgresql: Server, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -32,6 +32,7 @@ def hung(make: Make) -> tuple[Campaign, Diagnosis]:
     return campaign, diagnose(campaign, allowed=nothing)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_mass_that_hangs_on_the_beam_is_placed_and_put_into_numbers(hung: tuple[Campaign, Diagnosis]) -> None:
     _, diagnosis = hung
     described = diagnosis.described
@@ -43,6 +44,7 @@ def test_a_mass_that_hangs_on_the_beam_is_placed_and_put_into_numbers(hung: tupl
     assert described.elements[0].parameters["hung_m"] == pytest.approx(0.05, rel=0.05)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_it_closes_the_gap_on_records_that_no_fit_has_seen(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
     described = diagnosis.described
@@ -55,6 +57,7 @@ def test_it_closes_the_gap_on_records_that_no_fit_has_seen(hung: tuple[Campaign,
     assert with_it < 0.05 * without
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_the_next_revision_carries_it_and_so_does_its_bench(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
     revised = with_diagnosis(campaign.rig, diagnosis, date(2026, 5, 4))
@@ -63,6 +66,7 @@ def test_the_next_revision_carries_it_and_so_does_its_bench(hung: tuple[Campaign
     assert "point_law" in facts["effects"]
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     campaign, diagnosis = hung
     assert "none of the known effects explains it. It behaves like a mass of" in sentence(diagnosis)
@@ -71,6 +75,7 @@ def test_it_is_said_as_a_likeness(hung: tuple[Campaign, Diagnosis]) -> None:
     assert "It is no cause" in page
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_saturating_channel_is_described_by_its_level(make: Make, rig: Rig) -> None:
     def saturates(volts: np.ndarray, block: Block) -> np.ndarray:
         volts = volts.copy()

@@ -25,6 +25,7 @@ def near(name: str) -> bool:
     return name in {"stiffness_loss", "added_mass", "force_gain"}
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_modes_of_twisting_are_described(make: Make) -> None:
     numbers = {"twist_hz": 141.0, "kg": 4.0, "zeta": 0.004}
     diagnosis = diagnose(make(made("side_modes", **numbers)), allowed=near)
@@ -36,6 +37,7 @@ def test_modes_of_twisting_are_described(make: Make) -> None:
     assert element.parameters["kg"] == pytest.approx(4.0, rel=0.03)
 
 
+@pytest.mark.thorough("diagnoses a whole campaign")
 def test_a_push_along_the_axis_is_called_by_no_effect_that_comes_near(make: Make) -> None:
     diagnosis = diagnose(make(made("beam_law", tension=-9.0)), allowed=near)
     _unknown_and_closed(diagnosis)

@@ -1,11 +1,23 @@
 """Revisions of a rig over HTTP, and which description counts after a start."""
 
+from collections.abc import Iterator
+
+import pytest
 from lab import RIG, Lab
+from lab_fixtures import URL
 
 from modallab.core.rig import DampingPrior, Rig
 from modallab.service.records.rig_revisions import RigRevisions
 
 API = f"/api/v1/rigs/{RIG}"
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:
+    """Of its own: nobody else's rig is to be revised."""
+    with Lab(tmp_path_factory.mktemp("revised") / "data", link_rig, URL) as made:
+        made.wait_until_idle()
+        yield made
 
 
 def revised(rig: Rig, damping_ratio: float) -> Rig:

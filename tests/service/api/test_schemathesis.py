@@ -12,6 +12,8 @@ from postgresql_server import postgresql_server
 
 from modallab.core.rig import Rig
 
+pytestmark = pytest.mark.thorough("asks the service thousands of questions")
+
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
 def furnished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, link_rig: Rig) -> Iterator[Lab]:

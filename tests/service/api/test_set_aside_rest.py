@@ -39,6 +39,6 @@ def test_a_run_and_its_campaign_go_and_come_back(lab: Lab) -> None:
         assert client.restore_campaign(campaign).runs == (run,)
         with pytest.raises(ServiceProblemError, match="there is no run"):
             client.delete_run("none")
-    kinds = [e.content["state"] for e in lab.service.log.after(0, 10_000) if e.kind == "set_aside"]
+    kinds = [e.content["state"] for e in lab.events("set_aside")]
     assert kinds[-3:] == ["archived", "deleted", "restored"]
     lab.service.leases.release(RIG, lease.id)

@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
-from postgresql_server import Server, postgresql_server
+from postgresql_server import DATABASES
 
 from modallab.core.documents.campaigns import CampaignNew
 from modallab.core.plan import ImpactPlan
@@ -18,13 +18,7 @@ from modallab.storage.address import name_database
 from modallab.storage.records import RunRecord
 
 
-@pytest.fixture(scope="module")
-def postgresql() -> Iterator[Server]:
-    with postgresql_server() as server:
-        yield server
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=DATABASES)
 def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Store]:
     if request.param == "postgresql":
         name_database(tmp_path / "data", request.getfixturevalue("postgresql").new_database())

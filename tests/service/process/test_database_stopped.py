@@ -5,10 +5,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import httpx
+import pytest
 from postgresql_server import postgresql_server
 from service_process import ServiceProcess
 
 from modallab.core.plan import ImpactPlan
+
+pytestmark = pytest.mark.thorough("starts a PostgreSQL server, and stops it")
 
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 

@@ -20,6 +20,7 @@ from modallab.core.plan import ImpactPlan, SinePlan
 
 LONG = ImpactPlan(points=(10, 6, 3), hits=200)
 DRIVEN = SinePlan(frequencies_hz=tuple(19.0 + n for n in range(40)), settle_s=2.0, ramp_s=0.5, wait_s=1.0)
+AGAIN = pytest.mark.thorough("kills processes of a running service")
 QUICK_BEAM = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 
 
@@ -34,7 +35,7 @@ def kill(service: ServiceProcess, name: str) -> None:
     os.kill(service.client.processes()[name], signal.SIGKILL)
 
 
-@pytest.mark.parametrize("victim", ["api", "rig"])
+@pytest.mark.parametrize("victim", [pytest.param("api", marks=AGAIN), "rig"])
 def test_a_killed_process_costs_nothing_that_was_acknowledged(tmp_path: Path, victim: str) -> None:
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=QUICK_BEAM) as service:
         lab = service.client
@@ -68,6 +69,7 @@ def _stopped(service: ServiceProcess, run: str, lease) -> bool:
     return service.client.run(run).state == "done"
 
 
+@AGAIN
 def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Path) -> None:
     data = tmp_path / "data"
     with ServiceProcess(data, "--no-jobs", bench=QUICK_BEAM) as service:
@@ -88,7 +90,9 @@ def test_the_services_own_death_leaves_a_failed_run_with_its_blocks(tmp_path: Pa
         require_kept(again.client, acknowledged)
 
 
-@pytest.mark.parametrize("found_by", ["the stop listener", "no sign of life of the REST process"])
+@pytest.mark.parametrize(
+    "found_by", ["the stop listener", pytest.param("no sign of life of the REST process", marks=AGAIN)]
+)
 def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_by: str) -> None:
     by_hand = found_by == "the stop listener"
     bench, env = f"{QUICK_BEAM}&pace=1", {"MODALLAB_HEARTBEAT_TIMEOUT_S": "60" if by_hand else "1"}
@@ -114,6 +118,7 @@ def test_a_frozen_rest_process_keeps_nobody_from_stopping(tmp_path: Path, found_
             assert lab.processes()["api"] == api
 
 
+@AGAIN
 def test_when_the_rest_process_is_gone_what_is_driven_is_stopped_and_latched(tmp_path: Path) -> None:
     with ServiceProcess(tmp_path / "data", "--no-jobs", bench=f"{QUICK_BEAM}&pace=1") as service:
         lab = service.client

@@ -31,6 +31,7 @@ def serve(data: Path, port: int) -> "subprocess.Popen[bytes]":
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
+@pytest.mark.thorough("kills processes of a running service")
 def test_no_process_outlives_the_supervisor_and_its_port_is_free_again(tmp_path: Path) -> None:
     port, data = free_port(), tmp_path / "data"
     for moment_s in MOMENTS_S:
@@ -46,6 +47,7 @@ def test_no_process_outlives_the_supervisor_and_its_port_is_free_again(tmp_path:
         assert service.url.endswith(str(port))
 
 
+@pytest.mark.thorough("kills processes of a running service")
 def test_a_frozen_rest_process_goes_with_its_supervisor(tmp_path: Path) -> None:
     with ServiceProcess(tmp_path / "data", "--no-jobs") as service:
         api = psutil.Process(service.client.processes()["api"])

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import httpx
+import pytest
 from pages import ROOT, fenced
 from service_process import ServiceProcess
 
@@ -14,6 +15,8 @@ from modallab.cli.demo_rig import demo_rig
 from modallab.core.documents.queue import QueueItem
 from modallab.core.plan import ImpactPlan, SinePlan
 from modallab.formats.rig.rig_file import write_rig
+
+pytestmark = pytest.mark.thorough("kills processes of a running service")
 
 BENCH = "sim://cantilever?seed=1&zeta=0.05&bad_hits=0"
 HIT = ImpactPlan(points=(10,), hits=1)

@@ -6,7 +6,10 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pytest
 from service_process import ServiceProcess
+
+pytestmark = pytest.mark.thorough("does all that the tutorial does, with a diagnosis")
 
 PAGE = Path(__file__).parents[3] / "docs" / "tutorial" / "rest-service.md"
 TRUE_HZ = (4.754950, 30.593408, 87.146358)
