@@ -24,4 +24,5 @@ def test_one_that_is_asked_to_leave_while_it_is_started_is_gone_when_it_is_close
         child.ask_to_leave()
         child.close()
         starting.join()
-        assert not multiprocessing.active_children()
+        # Of this name only: other tests of the same worker keep rigs of their own.
+        assert child.name not in {one.name for one in multiprocessing.active_children()}
