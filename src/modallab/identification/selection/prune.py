@@ -45,7 +45,8 @@ def _doubles(
 
     They are nearer than half a half-width, in a single FRF than a whole one, with shapes that cancel, and much worse
     known or not known at all. One force sees one shape at a frequency. From several, two modes there have modal
-    constants that differ.
+    constants that differ. Of two that share one mode neither may be known, so that their constants say nothing; one has
+    to stay for it.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
@@ -55,8 +56,9 @@ def _doubles(
     order = np.argsort(sigma[:, 0] / at.omega)
     for place, i in enumerate(order):
         for j in order[:place]:
-            near = abs(at.omega[i] - at.omega[j]) < reach * abs(at.zeta[i] * at.omega[i])
+            apart, width = abs(at.omega[i] - at.omega[j]), np.abs(at.zeta[[i, j]] * at.omega[[i, j]])
             worse = sigma[i, 0] > MUCH_WORSE * sigma[j, 0] or not good[i]
-            if near and worse and alike[i, j]:
+            one_mode = apart < reach * width.min() and not (good[i] or good[j])
+            if one_mode or (apart < reach * width[0] and worse and alike[i, j]):
                 double[i] = host[j] = True
     return double, host & ~double
