@@ -124,8 +124,8 @@ class _Body:
             FormatError: no rows, or something that is no number.
         """
         if not self.rows:
-            found = f"is cut off: no sample stands below line {self.names.number}"
-            raise FormatError(found, where=self.where, remedy="copy the file again")
+            what = f"is cut off: no sample stands below line {self.names.number}"
+            raise FormatError(what, where=self.where, remedy="copy the file again")
         found: list[list[float]] = [[] for _ in places]
         for line in self.rows:
             row = self.cells(line)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.search import MIN_ZETA
 from modallab.identification.selection.criteria import mac
 
 MIN_SIGNIFICANCE = 5.0
@@ -28,7 +29,8 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     at, sigma = fit.point.parameters, fit.pole_sigma
     frequency = at.omega / (2 * np.pi)
     inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
-    stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
+    # At the end of the search's range the damping comes out as none: a line, and no resonance.
+    stable = (at.zeta > 2 * MIN_ZETA) & (at.zeta < MAX_ZETA)
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
     constants, sigma_of_parts = fit.modal_constants
     seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma_of_parts), 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
