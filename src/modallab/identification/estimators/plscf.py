@@ -18,7 +18,7 @@ from modallab.core.frf import Frf
 from modallab.identification.estimator import Estimator, Order
 from modallab.identification.start.stabilisation import OrderPoles
 
-COLUMNS, LEAST_ORDER = 120, 40
+COLUMNS, LEAST_ORDER = 120, 60
 """Default order: as many columns of the polynomial as this, shared among the inputs, but no lower an order than this.
 Every input sees the same modes: however many inputs share the columns, a mode far below the highest line shows only
 from some order on.
@@ -178,7 +178,7 @@ ESTIMATOR = Estimator(
         meaning="order",
         lowest=2,
         highest=400,
-        default="120 shared among the inputs, 40 at least, at most what the lines of all FRFs can carry",
+        default="120 shared among the inputs, 60 at least, at most what the lines of all FRFs can carry",
         suits=_suits,
         modes=lambda frf: frf.values.shape[1] / 2,
         solve=plscf,
