@@ -76,7 +76,7 @@ def test_every_format_declares_all_that_it_must(name: str) -> None:
 def test_the_order_in_which_formats_are_tried_is_declared_and_no_two_share_a_place() -> None:
     tried = [f.priority for f in readers()]
     assert tried == sorted(set(tried))
-    assert [f.name for f in readers()] == ["mat", "wav", "netcdf", "hdf5", "npy", "tdms", "sep005", "uff", "csv"]
+    assert [f.name for f in readers()] == ["mat", "wav", "netcdf", "hdf5", "npy", "lvm", "tdms", "sep005", "uff", "csv"]
 
 
 def test_no_two_formats_share_an_ending() -> None:

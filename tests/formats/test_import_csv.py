@@ -104,7 +104,7 @@ def changed(row: int, column: int, field: str) -> str:
 
 CASES: list[tuple[str, type[ModallabError], str, str]] = [
     ("no number", FormatError, changed(8, 2, "1.2x"), "line 10, column 3 (a01): '1.2x' is no number"),
-    ("empty field", FormatError, changed(8, 2, ""), "line 10, column 3 (a01): '' is no number"),
+    ("empty field", FormatError, changed(8, 2, ""), "line 10, column 3 (a01): is empty"),
     (
         "NaN",
         DataError,

@@ -3,11 +3,12 @@ import pytest
 
 from modallab.core.errors import DataError, IdentificationError
 from modallab.core.frf import Frf
+from modallab.identification.estimate import estimate_poles
 from modallab.identification.estimators.plscf import plscf
 from modallab.identification.start.stabilisation import stable_poles
 
 
-def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, seed=None):
+def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, seed=None, noise=0.01):
     f = np.asarray(lines, float)
     s = shift + 2j * np.pi * f
     w = 2 * np.pi * np.asarray(frequency)
@@ -17,7 +18,7 @@ def frf(frequency, zeta, phi, inputs, lines, quantity="receptance", shift=0.0, s
     values = values * s ** {"receptance": 0, "mobility": 1, "inertance": 2}[quantity]
     if seed is not None:
         rng = np.random.default_rng(seed)
-        size = 0.01 * np.sqrt(np.mean(np.abs(values) ** 2))
+        size = noise * np.sqrt(np.mean(np.abs(values) ** 2))
         values = values + size / np.sqrt(2) * (
             rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
         )
@@ -95,8 +96,30 @@ def test_descending_frequencies_are_rejected():
 
 
 def test_too_few_lines_for_the_order_are_rejected():
-    with pytest.raises(IdentificationError, match="lines cannot carry order 60"):
+    with pytest.raises(IdentificationError, match="40 lines of 6 outputs and 1 inputs cannot carry order 60"):
         plscf(frf(FREQUENCY, ZETA, PHI, [0], LINES[:40]), 60)
+
+
+@pytest.mark.parametrize("n_inputs", [1, 3, 10])
+def test_a_mode_far_below_the_highest_line_is_found_from_any_number_of_inputs(n_inputs):
+    """A beam's modes, the lowest at a hundredth of the band: every input sees them all."""
+    order = np.arange(1, 8)
+    frequency = 4.75 * np.array([1.0, 6.27, 17.55, 34.4, 56.8, 84.9, 118.6])
+    phi = np.sin(np.outer((2 * order - 1) * np.pi / 2, np.linspace(0.1, 1, 10)))
+    lines = np.arange(3, 800, 0.9765625)
+    measured = frf(frequency, np.full(7, 0.006), phi, range(n_inputs), lines, "mobility", 5.6, 1, 1e-3)
+    found = [abs(p) / (2 * np.pi) for p in estimate_poles(measured, "plscf").poles]
+    assert max(min(abs(f / true - 1) for f in found) for true in frequency) < 1e-3
+
+
+def test_lines_are_counted_with_the_outputs_that_share_them():
+    """Six damped modes in 32 lines: one output cannot carry them, nine can."""
+    frequency = [63.6, 81.2, 93.0, 101.2, 114.8, 129.7]
+    zeta = [0.028, 0.037, 0.05, 0.046, 0.04, 0.04]
+    phi = np.random.default_rng(3).standard_normal((6, 9))
+    measured = frf(frequency, zeta, phi, [4], np.arange(5.0, 160.0, 5.0), "inertance")
+    found = [abs(p) / (2 * np.pi) for p in estimate_poles(measured, "plscf").poles]
+    assert max(min(abs(f / true - 1) for f in found) for true in frequency) < 1e-3
 
 
 def test_a_narrow_band_far_from_zero_keeps_its_modes():

@@ -13,7 +13,7 @@ from modallab.core.errors import ConfigurationError
 from modallab.formats.arrays.array_map import read_map
 from modallab.formats.campaign.campaign_hdf5 import write_campaign
 from modallab.formats.draft import assumptions, write_draft
-from modallab.formats.importer import draft_rig, import_sources
+from modallab.formats.importer import draft_rig, import_sources, taken_of
 from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import read_rig
 from modallab.pipelines.results import holds_results_only, import_results
@@ -33,6 +33,8 @@ def run(arguments: argparse.Namespace) -> int:
         variables=tuple(_pair(text) for text in arguments.variable or ()),
         array_map=None if arguments.map is None else read_map(arguments.map),
         group=arguments.group or "",
+        channels=tuple(arguments.channels or ()),
+        ignore=tuple(arguments.ignore or ()),
     )
     console = console_of(arguments)
     if arguments.rig is None and holds_results_only(arguments.sources[0]):
@@ -41,9 +43,10 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     with waiting("reading", progress=not arguments.hush):
         rig = draft_rig(arguments.sources[0], options) if arguments.rig is None else read_rig(arguments.rig)
+        rig = rig if arguments.rig is None else taken_of(rig, options)
         if arguments.test is None and rig.force is None:
             options = replace(options, test="random")
-        campaign = import_sources(arguments.sources, rig, options, arguments.frequency or ())
+        campaign = import_sources(arguments.sources, rig, options, arguments.frequency or (), arguments.level or ())
     write_campaign(campaign, out)
     console.print(_contents(campaign))
     for note in campaign.provenance.get("notes", "").splitlines():

@@ -76,7 +76,14 @@ def _add_import(commands: _Commands) -> None:
     command.add_argument(
         "--window", type=positive, metavar="S", help="time constant of the exponential window that FRFs were made with"
     )
-    command.add_argument("--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file calls a channel")
+    command.add_argument(
+        "--variable", nargs="+", metavar="CHANNEL=NAME", help="what a MATLAB file or a table calls a channel"
+    )
+    command.add_argument("--channels", nargs="+", metavar="NAME", help="take only these channels (default: all)")
+    command.add_argument("--ignore", nargs="+", metavar="NAME", help="leave these channels out")
+    command.add_argument(
+        "--level", nargs="+", metavar="NAME", help="what the structure was driven at in each file, or in all"
+    )
     command.add_argument("--map", type=Path, metavar="MAP.yaml", help="which variable of a MATLAB file is what")
     command.add_argument("--group", metavar="NAME", help="which group of a TDMS file to read (default: all that fit)")
     command.add_argument("--volts", action="store_true", help="numbers without a unit are volts")

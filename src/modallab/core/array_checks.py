@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from modallab.core.axis_checks import check_frequencies, check_rate, check_time
 from modallab.core.errors import DataError
@@ -84,7 +84,7 @@ def check_frf(
     where: str = "",
     *,
     even: bool = True,
-    resolution_hz: float = 0.0,
+    resolution_hz: ArrayLike = 0.0,
 ) -> None:
     """Reject what no measured FRF holds.
 

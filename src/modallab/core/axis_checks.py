@@ -8,6 +8,8 @@ from modallab.core.errors import DataError
 _any_number = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 """Axes of absurd numbers are rejected, without a warning from NumPy on the way."""
 
+Real = NDArray[np.float64]
+
 _SAME = 1e-9
 _SIGMAS = 6.0
 _EVEN = 0.01
@@ -26,7 +28,7 @@ def check_rate(rate_hz: float, where: str = "") -> float:
 
 
 @_any_number
-def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: float = 0.0) -> float:
+def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: ArrayLike = 0.0) -> float:
     """The rate in Hz of evenly spaced times.
 
     Where a whole number of Hz agrees with the times to within their resolution, it is that number.
@@ -34,18 +36,19 @@ def check_time(time_s: ArrayLike, where: str = "", *, resolution_s: float = 0.0)
     Args:
         time_s: (n,) times in s.
         where: file and record, for the message.
-        resolution_s: half of the last digit with which the times were written.
+        resolution_s: half of the last digit with which the times were written, of each (n,) or one for all.
 
     Raises:
         DataError: times that do not ascend, or are spaced unevenly, or written too coarsely to show it.
     """
     times = np.asarray(time_s, dtype=np.float64)
-    _check_ascending(times, "time", "s", where, resolution_s)
-    _check_even(times, "time", "s", where, resolution_s)
+    resolution = np.broadcast_to(np.asarray(resolution_s, np.float64), times.shape)
+    _check_ascending(times, "time", "s", where, resolution)
+    _check_even(times, "time", "s", where, resolution)
     n, places = len(times), np.arange(len(times)) - (len(times) - 1) / 2
     step = float(places @ (times - times[0]) / (places @ places))
     # Rounding is even within the last digit: sigma is its half over root 3, and that of a slope 12 / n^3 in square.
-    step_sigma = resolution_s / np.sqrt(3.0) * np.sqrt(12.0 / n**3)
+    step_sigma = np.sqrt(np.mean(resolution**2) / 3.0 * 12.0 / n**3)
     rate = 1.0 / step if step > 0 else 0.0
     slack = _SIGMAS * rate * rate * step_sigma
     return check_rate(whole_rate(float(rate), float(slack)), where)
@@ -60,7 +63,7 @@ def whole_rate(rate_hz: float, slack_hz: float) -> float:
 
 @_any_number
 def check_frequencies(
-    frequency_hz: ArrayLike, where: str = "", *, even: bool = True, resolution_hz: float = 0.0
+    frequency_hz: ArrayLike, where: str = "", *, even: bool = True, resolution_hz: ArrayLike = 0.0
 ) -> None:
     """Reject frequencies that are negative, do not ascend strictly or, if `even`, are spaced unevenly.
 
@@ -68,22 +71,23 @@ def check_frequencies(
         frequency_hz: (lines,) in Hz.
         where: file and record, for the message.
         even: whether the lines must be equally spaced, as those of an FFT are.
-        resolution_hz: half of the last digit with which the frequencies were written.
+        resolution_hz: half of the last digit with which the frequencies were written, of each or one for all.
 
     Raises:
         DataError: they are not as they must be.
     """
     lines = np.asarray(frequency_hz, dtype=np.float64)
-    _check_ascending(lines, "frequency", "Hz", where, resolution_hz)
+    resolution = np.broadcast_to(np.asarray(resolution_hz, np.float64), lines.shape)
+    _check_ascending(lines, "frequency", "Hz", where, resolution)
     if lines[0] < 0:
         raise DataError(
             f"the frequencies begin at {lines[0]:g} Hz", where=where, remedy="give the lines from 0 Hz upwards only"
         )
     if even:
-        _check_even(lines, "frequency", "Hz", where, resolution_hz)
+        _check_even(lines, "frequency", "Hz", where, resolution)
 
 
-def _check_ascending(values: NDArray[np.float64], what: str, unit: str, where: str, resolution: float) -> None:
+def _check_ascending(values: NDArray[np.float64], what: str, unit: str, where: str, resolution: Real) -> None:
     if values.ndim != 1 or len(values) < 2:
         raise DataError(
             f"the {what} axis has shape {values.shape}", where=where, remedy="give one axis with at least two values"
@@ -107,27 +111,30 @@ def _check_ascending(values: NDArray[np.float64], what: str, unit: str, where: s
     raise DataError(found, where=where, remedy=remedy)
 
 
-def _check_even(values: NDArray[np.float64], what: str, unit: str, where: str, resolution: float) -> None:
+def _check_even(values: NDArray[np.float64], what: str, unit: str, where: str, resolution: Real) -> None:
     step = (values[-1] - values[0]) / (len(values) - 1)
     away = np.abs(values - (values[0] + step * np.arange(len(values))))
-    worst = float(away.max())
-    if worst <= _EVEN * step:
+    if float(away.max()) <= _EVEN * step:
         return
     _check_digits(float(step), what, unit, where, resolution)
     # The ends are rounded as well, so the grid through them may deviate by as much again.
-    if not worst <= _EVEN * step + 2 * resolution:  # NaN, from absurd numbers, is uneven too
+    exceed = away - resolution - max(resolution[0], resolution[-1])
+    worst = int(exceed.argmax())
+    if not exceed[worst] <= _EVEN * step:  # NaN, from absurd numbers, is uneven too
         raise DataError(
-            f"the {what} axis is uneven: place {int(away.argmax())} stands {worst / step:.3g} steps of {step:g} {unit} "
+            f"the {what} axis is uneven: place {worst} stands {away[worst] / step:.3g} steps of {step:g} {unit} "
             "off an even grid",
             where=where,
             remedy=f"record or resample at an even {what} step; look for lost samples there",
         )
 
 
-def _check_digits(step: float, what: str, unit: str, where: str, resolution: float) -> None:
-    if 2 * resolution > step / 4:
+def _check_digits(step: float, what: str, unit: str, where: str, resolution: Real) -> None:
+    coarsest = float(resolution.max())
+    if 2 * coarsest > step / 4:
         raise DataError(
-            f"the {what} axis is written too coarsely: steps of {step:g} {unit}, digits of {2 * resolution:g} {unit}",
+            f"the {what} axis is written too coarsely: steps of {step:g} {unit}, digits of {2 * coarsest:g} {unit}",
             where=where,
-            remedy=f"write the {what} axis with more digits",
+            remedy=f"write the {what} axis with more digits"
+            + (", or leave it out and give the rate with --rate" if what == "time" else ""),
         )

@@ -18,7 +18,14 @@ STANDARD_GRAVITY = 9.80665
 
 TO_SI: dict[Quantity, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
-    "acceleration": {"m/s^2": 1.0, "m/s2": 1.0, "m/s**2": 1.0, "mm/s^2": 1e-3, "g": STANDARD_GRAVITY},
+    "acceleration": {
+        "m/s^2": 1.0,
+        "m/s2": 1.0,
+        "m/s**2": 1.0,
+        "mm/s^2": 1e-3,
+        "g": STANDARD_GRAVITY,
+        "mg": 1e-3 * STANDARD_GRAVITY,
+    },
     "velocity": {"m/s": 1.0, "mm/s": 1e-3},
     "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "mPa": 1e-3},

@@ -9,6 +9,7 @@ from modallab.core.frf import FrfQuantity
 from modallab.core.rig import Channel, Direction, Point, Rig
 from modallab.core.units import SI_UNIT, Quantity
 from modallab.formats.atomic import replacing
+from modallab.formats.options import ImportOptions
 from modallab.formats.rig.rig_file import dump_rig
 from modallab.formats.unit_text import quantity_of
 
@@ -74,6 +75,24 @@ def rig_of(
         surfaces=surfaces,
         channels=tuple(channels),
     )
+
+
+def wanted(said: Iterable[Said], options: ImportOptions) -> list[Said]:
+    """The channels that the user takes, as `options.channels` and `options.ignore` say.
+
+    Raises:
+        DataError: a channel that is to be taken is not there, or none is left.
+    """
+    every = list(said)
+    found = [one for one in every if options.takes(one.name)]
+    missing = [n for n in options.channels if n.lower() not in {one.name.lower() for one in every}]
+    if missing or not found:
+        what = f"there is no channel {', '.join(missing)}" if missing else "no channel is left"
+        there = ", ".join(one.name for one in every)
+        raise DataError(
+            f"{what}; there are {there}", remedy="name some of these with --channels, or fewer with --ignore"
+        )
+    return found
 
 
 def assumptions(rig: Rig) -> tuple[str, ...]:

@@ -1,9 +1,10 @@
-"""What FRFs are in where their file names no unit: the rig's channel over the rig's force."""
+"""What FRFs of a table or array are in: the units and directions of the rig's channel over those of its force."""
 
 from modallab.core.errors import DataError
 from modallab.core.frf import DERIVATIVES, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.core.units import DERIVATIVE, si_factor
+from modallab.signals.conversion import sign_of
 
 _QUANTITY: dict[int, FrfQuantity] = {order: quantity for quantity, order in DERIVATIVES.items()}
 
@@ -23,3 +24,8 @@ def assumed_factor(channel: Channel, rig: Rig, where: str) -> tuple[FrfQuantity,
         )
     force = 1.0 if rig.force is None else si_factor("force", rig.force.unit, where)
     return _QUANTITY[order], si_factor(channel.quantity, channel.unit, where) / force
+
+
+def turned(channel: Channel, rig: Rig) -> float:
+    """1 or -1: what turns the FRF of a channel to the direction of the drive, as its records are turned."""
+    return sign_of(rig, channel) * (1.0 if rig.force is None else sign_of(rig, rig.force))

@@ -11,6 +11,7 @@ from modallab.core.progress import counted
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
 from modallab.formats.check_campaign import check_recordings, check_structure
+from modallab.formats.draft import Said, wanted
 from modallab.formats.error_list import Collected
 from modallab.formats.options import ImportOptions
 from modallab.formats.sniff import sniff
@@ -22,6 +23,7 @@ def import_sources(
     rig: Rig,
     options: ImportOptions | None = None,
     frequencies_hz: Sequence[float] = (),
+    levels: Sequence[str] = (),
 ) -> Campaign:
     """Read recordings, in the order given, as one campaign on `rig`.
 
@@ -32,18 +34,19 @@ def import_sources(
         rig: the rig they were made on.
         options: what the files do not say themselves.
         frequencies_hz: what the generator was set to in each of the files of a sine test; one for all, or none.
+        levels: names of the levels that the structure was driven at in each of the files; one for all, or none.
 
     Raises:
         ModallabError: one error with everything that is wrong in any of the files.
     """
     options = options or ImportOptions()
-    each = _each(options, len(paths), frequencies_hz)
+    each = _each(options, len(paths), frequencies_hz, levels)
     for one in each:
         one.check(rig)
     errors, parts = Collected(), list[Campaign]()
     for path, own in zip(counted(map(Path, paths), len(paths), "files"), each, strict=True):
         with errors:
-            parts.append(_windowed(_checked(_read(path, rig, own)), own))
+            parts.append(_driven_at(_windowed(_checked(_read(path, rig, own)), own), own))
     errors.done()
     blocks = _in_order([block for part in parts for block in part.blocks])
     frfs = [frf for part in parts for frf in part.frfs]
@@ -77,17 +80,45 @@ def draft_rig(path: Path, options: ImportOptions | None = None) -> Rig:
     return found.draft(path, options or ImportOptions())
 
 
-def _each(options: ImportOptions, n: int, frequencies_hz: Sequence[float]) -> list[ImportOptions]:
+def _each(
+    options: ImportOptions, n: int, frequencies_hz: Sequence[float], levels: Sequence[str]
+) -> list[ImportOptions]:
     """The options of each file."""
+    if len(levels) not in (0, 1, n):
+        raise DataError(
+            f"{len(levels)} levels are given for {n} files",
+            remedy="give one for each file, in the order of the files, or one for all",
+        )
+    each = [replace(options, level=level) for level in (levels if len(levels) == n else list(levels) * n)]
+    each = each or [options] * n
     if not frequencies_hz:
-        return [options] * n
+        return each
     if len(frequencies_hz) not in (1, n):
         raise DataError(
             f"{len(frequencies_hz)} frequencies are given for {n} files",
             remedy="give one for each file, in the order of the files, or one for all",
         )
     every = frequencies_hz if len(frequencies_hz) == n else list(frequencies_hz) * n
-    return [replace(options, frequency_hz=f) for f in every]
+    return [replace(one, frequency_hz=f) for one, f in zip(each, every, strict=True)]
+
+
+def taken_of(rig: Rig, options: ImportOptions) -> Rig:
+    """The rig with the channels that the user takes.
+
+    Raises:
+        DataError: a channel that is to be taken is not on the rig, or none is left.
+    """
+    names = [one.name for one in wanted((Said(c.name) for c in rig.channels), options)]
+    kept = [c for c in rig.channels if c.name in names]
+    return rig.model_copy(update={"channels": tuple(c.model_copy(update={"index": k}) for k, c in enumerate(kept))})
+
+
+def _driven_at(campaign: Campaign, options: ImportOptions) -> Campaign:
+    """The campaign with the level that the user says, where the records say none."""
+    if options.level is None:
+        return campaign
+    blocks = tuple(replace(b, level=options.level) if b.level is None else b for b in campaign.blocks)
+    return replace(campaign, blocks=blocks)
 
 
 def _windowed(campaign: Campaign, options: ImportOptions) -> Campaign:

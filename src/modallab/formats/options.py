@@ -27,6 +27,9 @@ class ImportOptions:
         variables: (channel, name of its array, perhaps with :column from 1) where files call their arrays otherwise;
             instead of a channel also time, rate, frequency, frf, coherence, or all for all channels.
         array_map: what the arrays of a MATLAB file are; instead of `variables`.
+        level: name of the level that the structure was driven at.
+        channels: names of the channels to take for a drafted rig, or of a rig; () for all.
+        ignore: names of channels to leave out.
         group: name of the group of a TDMS file to read; "" for all that hold the channels of the rig.
     """
 
@@ -39,6 +42,14 @@ class ImportOptions:
     variables: tuple[tuple[str, str], ...] = ()
     array_map: ArrayMap | None = None
     group: str = ""
+    level: str | None = None
+    channels: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+
+    def takes(self, name: str) -> bool:
+        """Whether a channel of this name is wanted."""
+        low = name.lower()
+        return low not in map(str.lower, self.ignore) and (not self.channels or low in map(str.lower, self.channels))
 
     def unit(self, channel: Channel) -> str:
         """The unit of a channel's numbers where the file names none."""

@@ -15,6 +15,12 @@ _ALIASES = {
     "gn": "g",
     "Newton": "N",
     "newton": "N",
+    "Newtons": "N",
+    "newtons": "N",
+    "g's": "g",
+    "Gs": "g",
+    "seconds": "s",
+    "Seconds": "s",
     "lb": "lbf",
     "Lb": "lbf",
     "LBF": "lbf",
@@ -26,7 +32,6 @@ _ALIASES = {
     "volts": "V",
     "v": "V",
     "sec": "s",
-    "seconds": "s",
     "msec": "ms",
 }
 _WHOLE_FRF: dict[str, FrfQuantity] = {

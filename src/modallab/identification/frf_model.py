@@ -10,9 +10,12 @@ from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.frf.estimate import convert
 from modallab.identification.estimate import alone, estimate_poles
+from modallab.identification.likelihood.even_noise import WORDS, evenest
 from modallab.identification.likelihood.fit import Fit
 from modallab.identification.likelihood.frf_fit import fit_frf
+from modallab.identification.likelihood.line_weights import line_weights
 from modallab.identification.likelihood.search import FIRST_LOOK, MIN_ZETA, NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
@@ -51,8 +54,31 @@ def in_band(frf: Frf, band_hz: tuple[float, float] | None) -> Frf:
     return used
 
 
+def identify_given_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
+    """Modal model of FRFs of which nobody says what was measured: the same in whatever quantity they are given.
+
+    Where nothing says how well each line is known, noise is taken as even in the quantity in which what is left is.
+
+    Raises:
+        DataError, IdentificationError: as `identify_frf`.
+    """
+    used = in_band(frf, options.band_hz)
+    if not options.refined or line_weights(used) is not None:
+        return identify_frf(frf, rig, options)
+    try:
+        _, fit = found = identify_frf(convert(used, "inertance"), rig, options)
+    except IdentificationError:
+        return identify_frf(frf, rig, options)
+    quantity = evenest(fit)
+    model, fit = found if quantity == "inertance" else identify_frf(convert(used, quantity), rig, options)
+    note = WORDS.format(quantity=quantity)
+    return model.model_copy(update={"notes": (*model.notes, note)}), fit
+
+
 def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]:
     """Modal model of measured FRFs, taken as those of the structure: how they were truncated is not known.
+
+    Where nothing says how well each line is known, noise is taken as even in the quantity that they are given in.
 
     Raises:
         DataError: the FRF is not finite, its lines do not ascend, or it has no phase.
@@ -87,7 +113,7 @@ def identify_frf(frf: Frf, rig: Rig, options: Options) -> tuple[ModalModel, Fit]
     read = half_power_readings(used, found)
     notes = (
         NOT_FROM_RECORDS,
-        *_window_note(frf, found),
+        *_window_note(used, found),
         *lost,
         *(() if fit.refined.settled or not options.refined else (NOT_SETTLED,)),
     )

@@ -9,22 +9,21 @@ from numpy.typing import NDArray
 from modallab.core.errors import IdentificationError
 from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
-from modallab.core.progress import part
 from modallab.core.rig import Rig
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.sums import Estimator
-from modallab.identification.estimate import alone, estimate_poles
+from modallab.identification.estimate import PoleEstimate, alone, estimate_poles
+from modallab.identification.hit_search import HitSearch
 from modallab.identification.likelihood.fit import Fit
-from modallab.identification.likelihood.hit_blocks import Groups, Hits, line_blocks
+from modallab.identification.likelihood.hit_blocks import Groups, line_blocks
 from modallab.identification.likelihood.hit_scatter import factors_by_scatter
-from modallab.identification.likelihood.impact_search import again, as_estimated, first_look
+from modallab.identification.likelihood.impact_search import as_estimated
 from modallab.identification.likelihood.search import NOT_SETTLED
 from modallab.identification.model.modal_model import model_of_fit, without_sigma
 from modallab.identification.options import Options
 from modallab.identification.readings import floor_of_block, half_power_readings
-from modallab.identification.selection.confidence import least_strength, strength
-from modallab.identification.selection.operator_choice import chosen, in_fit, start_poles
-from modallab.identification.selection.pre_trigger_noise import model_error, model_error_notes
+from modallab.identification.selection.operator_choice import chosen, start_poles
+from modallab.identification.selection.pre_trigger_noise import model_error_notes
 from modallab.signals.block_sets import check_test
 from modallab.signals.signals import Signals
 
@@ -53,14 +52,17 @@ def identify_impact(signals: Sequence[Signals], rig: Rig, options: Options) -> t
     check_test(signals)
     groups = group_by_point(signals)
     band = options.band_hz or default_band(groups)
-    poles = _start_poles(groups, rig, band, options)
+    frf = start_frf(groups, rig, band)
+    estimate = estimate_poles(frf, options.method, options.max_order)
+    poles = _start_poles(frf, estimate, band, options)
     unknown, notes = line_blocks(groups, rig, band)
     if not options.refined:
         fit = as_estimated(unknown, poles, groups, band)
         keep = chosen(fit, band, options, first=True)
         readings = _readings(fit, groups, rig, band, keep)
         return without_sigma(model_of_fit(fit, keep, rig, "impact", band, readings, notes, options.method)), fit
-    fit, keep, ratio = _searched(unknown, poles, groups, signals, band, options)
+    found = HitSearch(unknown, groups, signals, band, options).found(frf, estimate, poles)
+    fit, keep, ratio = found.fit, found.keep, found.misfit
     if not np.any(keep):
         raise IdentificationError(
             f"no mode stands out of the noise between {band[0]:.4g} and {band[1]:.4g} Hz",
@@ -117,9 +119,9 @@ def start_frf(groups: Groups, rig: Rig, band_hz: tuple[float, float], estimator:
     return impact_frf(groups, rig, band_hz, estimator=estimator, damping_shift=float(shift))
 
 
-def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: Options) -> NDArray[np.complex128]:
-    frf = start_frf(groups, rig, band)
-    estimate = estimate_poles(frf, options.method, options.max_order)
+def _start_poles(
+    frf: Frf, estimate: PoleEstimate, band: tuple[float, float], options: Options
+) -> NDArray[np.complex128]:
     found = start_poles(estimate.poles, estimate.orders, options)
     if not found.size and options.refined:
         found = alone(frf, estimate)
@@ -133,44 +135,3 @@ def _start_poles(groups: Groups, rig: Rig, band: tuple[float, float], options: O
             f"no {sought}", remedy="widen the band or look at the FRFs: is there a resonance in them at all?"
         )
     return found
-
-
-def _searched(
-    unknown: Hits,
-    poles: NDArray[np.complex128],
-    groups: Groups,
-    signals: Sequence[Signals],
-    band: tuple[float, float],
-    options: Options,
-) -> tuple[Fit, NDArray[np.bool_], float]:
-    """The fit at the maximum of the likelihood, the poles that are modes, and the misfit over the pre-trigger noise."""
-    with part(0.0, 0.5, "first search"):
-        fit = first_look(unknown, poles, groups, band)
-    keep = chosen(fit, band, options, first=True)
-    if np.any(keep):
-        with part(0.5, 0.8, "search"):
-            fit = again(unknown, fit, in_fit(fit, keep, band, options), band)
-        keep = chosen(fit, band, options, first=False)
-    with part(0.8, 1.0, "poles that stand for errors"):
-        return _without_errors(unknown, fit, keep, signals, band, options)
-
-
-def _without_errors(
-    unknown: Hits,
-    fit: Fit,
-    keep: NDArray[np.bool_],
-    signals: Sequence[Signals],
-    band: tuple[float, float],
-    options: Options,
-) -> tuple[Fit, NDArray[np.bool_], float]:
-    """The fit without poles that may stand for what is wrong with the model, what is kept, and the misfit's ratio.
-
-    Where the operator has picked or dropped modes, nothing more is taken away.
-    """
-    ratio = model_error(fit, signals)
-    doubtful = keep & (strength(fit) < least_strength(fit, ratio))
-    by_hand = bool(options.pick_hz or options.drop_hz)
-    if by_hand or not np.any(doubtful) or np.array_equal(doubtful, keep):
-        return fit, keep, ratio
-    fit = again(unknown, fit, keep & ~doubtful, band)
-    return fit, chosen(fit, band, options, first=False), model_error(fit, signals)

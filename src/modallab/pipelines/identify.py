@@ -16,7 +16,7 @@ from modallab.core.verification import Verification
 from modallab.frf.broadband import driven_band
 from modallab.frf.estimate import group_by_point, impact_frf
 from modallab.frf.stepped import stepped_frf
-from modallab.identification.frf_model import identify_frf, in_band
+from modallab.identification.frf_model import identify_given_frf, in_band
 from modallab.identification.impact import default_band, identify_impact
 from modallab.identification.model.scale import with_scale
 from modallab.identification.options import Options
@@ -206,7 +206,7 @@ def _frf(campaign: Campaign, index: int, options: Options) -> Identified:
     own_model = options.own_model
     if own_model is not None:
         return Identified("frf", own_model(in_band(frf, options.band_hz), None), None, index=index)
-    model, fit = identify_frf(frf, campaign.rig, options)
+    model, fit = identify_given_frf(frf, campaign.rig, options)
     assessment = assess_frf(model, fit, frf)
     return _judged("frf", model, verify_frf(model, frf), assessment, index)
 

@@ -13,7 +13,7 @@ from modallab.core.frf import DERIVATIVES, Frf, FrfQuantity
 from modallab.core.rig import Channel, Rig
 from modallab.formats.arrays.array_map import ArrayMap, Axis, array_named, in_order
 from modallab.formats.arrays.channel_times import channel_times
-from modallab.formats.frf_factor import assumed_factor
+from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, normal_unit
 
@@ -73,7 +73,7 @@ def _frf(arrays: Arrays, said: ArrayMap, rig: Rig, options: ImportOptions, where
     inputs = said.inputs or ((options.drive_point,) if values.shape[1] == 1 else (None,) * values.shape[1])
     return Frf(
         frequency_hz=lines,
-        values=values.astype(np.complex128) * factors[:, None, None],
+        values=values.astype(np.complex128) * (factors * [turned(c, rig) for c in outputs])[:, None, None],
         quantity=quantity,
         outputs=names,
         output_points=tuple(c.point for c in outputs),

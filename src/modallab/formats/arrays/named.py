@@ -13,7 +13,7 @@ from modallab.core.frf import Frf
 from modallab.core.rig import Rig
 from modallab.formats.arrays.array_map import array_named, listed
 from modallab.formats.arrays.channel_times import RATE_NAMES, channel_times
-from modallab.formats.frf_factor import assumed_factor
+from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.starts import on_common_times
 
@@ -176,7 +176,8 @@ def _frf(found: Mapping[str, NDArray[Any] | None], rig: Rig, options: ImportOpti
     inputs = values.shape[1]
     return Frf(
         frequency_hz=lines,
-        values=values * np.array([factor for _, factor in assumed])[:, None, None],
+        values=values
+        * np.array([f * turned(c, rig) for c, (_, f) in zip(outputs, assumed, strict=True)])[:, None, None],
         quantity=assumed[0][0],
         outputs=names,
         output_points=tuple(channel.point for channel in outputs),

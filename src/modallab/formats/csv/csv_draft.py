@@ -9,13 +9,14 @@ from modallab.formats.csv.csv_frf_table import columns_of, holds_frfs
 from modallab.formats.csv.csv_heads import TIME_NAMES
 from modallab.formats.csv.csv_table import Table, read_table
 from modallab.formats.csv.frf_heading import FrfHeading, pair_of
-from modallab.formats.draft import MEASURED, Said, rig_of
+from modallab.formats.draft import MEASURED, Said, rig_of, wanted
+from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit, quantity_of
 
 _DIRECTIONS: dict[str, Direction] = {"+x": "+x", "-x": "-x", "+y": "+y", "-y": "-y", "+z": "+z", "-z": "-z"}
 
 
-def draft_csv(path: Path) -> Rig:
+def draft_csv(path: Path, options: ImportOptions) -> Rig:
     """The rig of a table: a channel for each column but the times, by its name and unit; for each response of an FRF.
 
     Raises:
@@ -30,13 +31,17 @@ def draft_csv(path: Path) -> Rig:
             remedy="add a header line with time and the names of the channels, or give a rig file with --rig",
         )
     if holds_frfs(table):
-        return _of_frfs(table, path)
+        return _of_frfs(table, path, options)
     units = table.units or ("",) * len(table.names)
     columns = [(n, u) for n, u in zip(table.names, units, strict=True) if n.lower() not in TIME_NAMES]
-    return rig_of([Said(name, quantity_of(unit), unit) for name, unit in columns], path)
+    said = wanted((Said(n, quantity_of(unit), unit) for n, unit in columns), options)
+    numbers = [one for one in said if table.names.index(one.name) not in table.no_numbers]
+    if not numbers:
+        table.require([table.names.index(one.name) for one in said])
+    return rig_of(numbers, path)
 
 
-def _of_frfs(table: Table, path: Path) -> Rig:
+def _of_frfs(table: Table, path: Path, options: ImportOptions) -> Rig:
     headings = [c.heading for c in columns_of(table, None, str(path)) if c.heading.part not in ("phase", "coherence")]
     pairs = [pair_of(h.of) for h in headings]
     drives = {p.input for p in pairs if p.input is not None}
@@ -46,7 +51,7 @@ def _of_frfs(table: Table, path: Path) -> Rig:
         if name not in responses or responses[name].quantity is None:
             responses[name] = Said(name, _quantity(heading), "", pair.point, _DIRECTIONS.get(pair.axis))
     force = Said("force", "force", "N", min(drives) if len(drives) == 1 else None)
-    return rig_of([force, *responses.values()], path, driven=drives)
+    return rig_of([force, *wanted(responses.values(), options)], path, driven=drives)
 
 
 def _quantity(heading: FrfHeading) -> Quantity | None:

@@ -13,7 +13,7 @@ from modallab.core.rig import Channel, Rig
 from modallab.formats.csv.csv_heads import FREQUENCY_NAMES
 from modallab.formats.csv.csv_table import Table
 from modallab.formats.csv.frf_heading import FrfHeading, Part, frf_heading, response_of
-from modallab.formats.frf_factor import assumed_factor
+from modallab.formats.frf_factor import assumed_factor, turned
 from modallab.formats.options import ImportOptions
 from modallab.formats.unit_text import frf_unit
 
@@ -96,7 +96,8 @@ def frf_of_table(table: Table, rig: Rig, options: ImportOptions, where: str) -> 
     quantities: set[FrfQuantity] = set()
     values = np.empty((len(outputs), len(points), len(frequency_hz)), np.complex128)
     for (output, point), parts in groups.items():
-        quantity, values[outputs.index(output), points.index(point)] = _values(parts, channels[output], rig, where)
+        quantity, found = _values(parts, channels[output], rig, where)
+        values[outputs.index(output), points.index(point)] = turned(channels[output], rig) * found
         quantities.add(quantity)
     if len(quantities) != 1:
         raise DataError(

@@ -22,9 +22,10 @@ _TIME_UNITS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6}
 def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
     """Read one block, or one matrix of FRFs.
 
-    Columns are known by the names in the header, whatever their order; units stand in brackets after the name or in
-    a line of their own, else numbers are in each channel's own unit (or volts, if the options say so). Without a
-    header, columns are times and then the channels in rig order.
+    Columns are known by the names in the header, whatever their order, or by those that the options name; others are
+    left out with a note. Units stand in brackets after the name or in a line of their own, else numbers are in each
+    channel's own unit (or volts, if the options say so). Without a header, columns are times and then the channels in
+    rig order.
 
     Raises:
         FormatError: no table, or cut off.
@@ -36,14 +37,34 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         return Campaign(rig, (), (frf_of(table, rig, where),), source=where)
     if holds_frfs(table):
         return Campaign(rig, (), (frf_of_table(table, rig, options, where),), source=where)
+    block, notes = record_of(table, rig, options, path.stem, where)
+    if not table.ended:
+        notes = (*notes, "the last line has no end; if the file was cut off there, its last number is wrong")
+    said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
+    return Campaign(rig, (block,), provenance=said, source=where)
+
+
+def record_of(table: Table, rig: Rig, options: ImportOptions, name: str, where: str) -> tuple[Block, tuple[str, ...]]:
+    """The record that a table holds, and notes on it.
+
+    Args:
+        table: with a column of times, or without one where the options give the rate.
+        rig: its channels are looked for by name.
+        options: what the table does not say.
+        name: of the record, if the table says none.
+        where: file and record, for messages.
+
+    Raises:
+        FormatError, DataError: as `read_csv`.
+    """
     names = table.names or _names_by_place(table, rig, options, where)
-    places = _places(names, rig, where)
+    places, left = _places(names, rig, options, where)
     time = _time_column(names)
-    rate = _rate(table, names, time, options, where)
-    units = [table.units[places[c.name]] if table.units else "" for c in rig.channels]
     order = [places[channel.name] for channel in rig.channels]
-    facts = facts_or_options(read_facts(table.remark, where), path.stem, rate, options)
-    samples = np.ascontiguousarray(table.values[:, order].T)
+    table.require(order if time is None else [time, *order])
+    rate = _rate(table, names, time, options, where)
+    units = [table.units[place] if table.units else "" for place in order]
+    facts = facts_or_options(read_facts(table.remark, where), name, rate, options)
     block = Block(
         name=facts.name,
         test=facts.test,
@@ -52,14 +73,13 @@ def read_csv(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
         level=facts.level,
         frequency_hz=facts.frequency_hz,
         first_sample=facts.first_sample,
-        samples=samples,
+        samples=np.ascontiguousarray(table.values[:, order].T),
         scale=np.ones(len(order)),
         units=tuple(unit or options.unit(c) for unit, c in zip(units, rig.channels, strict=True)),
         channels=tuple(channel.name for channel in rig.channels),
         drive_point=facts.drive_point if options.drive_point is None else options.drive_point,
     )
-    note = f"{path.name}: the last line has no end; if the file was cut off there, its last number is wrong"
-    return Campaign(rig, (block,), provenance={} if table.ended else {"notes": note}, source=where)
+    return block, (f"columns {', '.join(left)} are no channels of the rig, and left out",) if left else ()
 
 
 def _names_by_place(table: Table, rig: Rig, options: ImportOptions, where: str) -> tuple[str, ...]:
@@ -80,8 +100,10 @@ def _time_column(names: tuple[str, ...]) -> int | None:
     return next((place for place, name in enumerate(names) if name.lower() in TIME_NAMES), None)
 
 
-def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
-    """The column of each channel. Rejects channels that are missing, unknown or there twice."""
+def _places(
+    names: tuple[str, ...], rig: Rig, options: ImportOptions, where: str
+) -> tuple[dict[str, int], tuple[str, ...]]:
+    """The column of each channel, and the names of other columns. Rejects channels that are missing or there twice."""
     lowered = [name.lower() for name in names]
     if lowered[0] in FREQUENCY_NAMES:
         raise DataError(
@@ -89,20 +111,23 @@ def _places(names: tuple[str, ...], rig: Rig, where: str) -> dict[str, int]:
             where=where,
             remedy="name two columns for each FRF, as Re a1 and Im a1; spectra without a phase hold no modes",
         )
-    requested = {channel.name.lower(): channel.name for channel in rig.channels}
+    called = dict(options.variables)
+    requested = {called.get(channel.name, channel.name).lower(): channel.name for channel in rig.channels}
     missing = [name for low, name in requested.items() if low not in lowered]
-    unknown = [name for name in names if name.lower() not in requested and name.lower() not in TIME_NAMES]
-    twice = sorted({name for name in names if lowered.count(name.lower()) > 1})
+    other = tuple(name for name in names if name.lower() not in requested and name.lower() not in TIME_NAMES)
+    twice = sorted({name for name in names if lowered.count(name.lower()) > 1 and name.lower() in requested})
     parts = [f"no column for channel {', '.join(missing)}"] if missing else []
-    parts += [f"column {', '.join(map(repr, unknown))} is no channel of the rig"] if unknown else []
+    parts += [f"column {', '.join(map(repr, other))} is no channel of the rig"] if missing and other else []
     parts += [f"column {', '.join(twice)} is there twice"] if twice else []
     if parts:
+        example = f"{missing[0]}={other[0]!r}" if missing and other else "force=F"
         raise DataError(
             "; ".join(parts),
             where=where,
-            remedy=f"name the columns time, {', '.join(requested.values())}, and remove others; or correct the rig",
+            remedy=f"say which column is which with --variable {example}; or name the columns time, "
+            f"{', '.join(requested.values())}; or correct the rig",
         )
-    return {name: lowered.index(low) for low, name in requested.items()}
+    return {name: lowered.index(low) for low, name in requested.items()}, other
 
 
 def _rate(table: Table, names: tuple[str, ...], time: int | None, options: ImportOptions, where: str) -> float:
@@ -117,10 +142,12 @@ def _rate(table: Table, names: tuple[str, ...], time: int | None, options: Impor
     unit = normal_unit(table.units[time]) if table.units else ""
     if unit not in _TIME_UNITS:
         raise DataError(
-            f"unit {unit!r} is no unit of time", where=f"{where}, column {names[time]}", remedy="use s, ms or us"
+            f"unit {unit!r} is no unit of time",
+            where=f"{where}, column {names[time]}",
+            remedy="use s, ms or us",
         )
     factor = _TIME_UNITS[unit]
-    resolution = table.resolution * factor if time == 0 else 0.0
+    resolution = table.resolution * factor if time == 0 else np.zeros(1)
     rate = check_time(table.values[:, time] * factor, f"{where}, column {names[time]}", resolution_s=resolution)
     options.agree(rate, where)
     return rate

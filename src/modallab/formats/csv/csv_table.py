@@ -1,19 +1,21 @@
-"""The table in a text file: its delimiter, decimal mark, header, units and numbers."""
+"""The table in a text file: names and units of its columns, and their numbers."""
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.errors import FormatError
-from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, delimiter_of, n_cells, number, plain_complex
+from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, n_cells
 from modallab.formats.csv.csv_heads import headings
+from modallab.formats.csv.digits import half_last_digits
+from modallab.formats.csv.text_lines import Line, Lines, read_lines
 
-_COMMENTS = ("#", "%")
+Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,26 +25,32 @@ class Table:
     Attributes:
         names: heading of each column, () if the file has none.
         units: unit of each column, "" where none is written.
-        values: (rows, columns), the real part of complex numbers.
-        resolution: half of the last digit of the first column.
+        values: (rows, columns), the real part of complex numbers; NaN in columns that hold something else.
+        resolution: (rows,) half of the last digit of the first column.
         ended: whether the last line has its end.
         remark: the comment lines, one after the other.
         imaginary: (rows, columns), 0 in columns of real numbers; None if there are no complex ones.
+        no_numbers: by column, what stands there instead of a number.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    values: NDArray[np.float64]
-    resolution: float
+    values: Real
+    resolution: Real
     ended: bool
     remark: str = ""
-    imaginary: NDArray[np.float64] | None = None
+    imaginary: Real | None = None
+    no_numbers: Mapping[int, FormatError] = field(default_factory=dict[int, FormatError])
 
+    def require(self, columns: Sequence[int]) -> None:
+        """Reject columns that hold something else than numbers.
 
-@dataclass(frozen=True)
-class _Line:
-    number: int
-    text: str
+        Raises:
+            FormatError: names the line and what stands there.
+        """
+        for column in columns:
+            if column in self.no_numbers:
+                raise self.no_numbers[column]
 
 
 def read_table(path: Path) -> Table:
@@ -51,118 +59,97 @@ def read_table(path: Path) -> Table:
     Raises:
         FormatError: no text, no table, or cut off.
     """
-    where = str(path)
-    text = _decode(path)
-    lines = [_Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    comments = [line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENTS)]
-    lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENTS)]
-    delimiter, lines = _delimited(lines)
-    above = next((k for k, line in enumerate(lines) if _begins_with_number(line, delimiter)), len(lines))
-    body = [_Line(line.number, plain_complex(line.text)) for line in lines[above:]]
-    if not body:
-        raise FormatError("holds no numbers", where=where, remedy="give a header line and then rows of numbers")
-    columns = n_cells(body[-1].text if len(body) == 1 else body[-2].text, delimiter)
-    marked = [comment.lstrip("".join(_COMMENTS)).strip() for comment in comments]
-    names, units = headings([line.text for line in lines[:above]], marked, delimiter, columns)
-    if delimiter == BLANKS and above and not names:
-        raise _not_a_number([_Line(lines[0].number, lines[0].text)], delimiter, (), where)
-    ended = text.endswith(("\n", "\r"))
-    if not ended:
-        _check_end(body, delimiter, where)
-    values = _numbers(body, delimiter, names, where)
+    where, lines = str(path), read_lines(path)
+    columns = n_cells(lines.body[-1 if len(lines.body) == 1 else -2].text, lines.delimiter)
+    marked = [comment.lstrip("#%").strip() for comment in lines.comments]
+    names, units = headings([line.text for line in lines.above], marked, lines.delimiter, columns)
+    if lines.delimiter == BLANKS and lines.above and not names:
+        first = lines.above[0]
+        raise _not_a_number(first, 0, cells(first.text, BLANKS)[0], (), where)
+    if lines.clock and names:
+        names, units = ("time", *names[1:]), ("s", *units[1:])
+    if not lines.ended:
+        _check_end(lines, where)
+    values, others = _numbers(lines, names, where)
     imaginary = np.ascontiguousarray(values.imag) if np.iscomplexobj(values) else None
     real = np.ascontiguousarray(values.real)
-    return Table(names, units, real, _resolution(body, delimiter), ended, "".join(comments), imaginary)
+    texts = [cells(line.text, lines.delimiter)[0].replace(",", ".") for line in lines.body]
+    resolution = half_last_digits(texts, real[:, 0])
+    return Table(names, units, real, resolution, lines.ended, "".join(lines.comments), imaginary, others)
 
 
-def _decode(path: Path) -> str:
-    raw = path.read_bytes()
-    encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
-    for encoding in encodings:
-        try:
-            text = raw.decode(encoding)
-        except UnicodeError:
-            continue
-        if "\0" not in text:
-            return text
-    raise FormatError("is no text", where=str(path), remedy="name a CSV file, or one of another known kind")
-
-
-def _delimited(lines: list[_Line]) -> tuple[str, list[_Line]]:
-    """The delimiter, and the lines without the one that may say it."""
-    if lines and (said := re.fullmatch(r"sep=(.)", lines[0].text.strip())):
-        return said[1], lines[1:]
-    return delimiter_of([plain_complex(line.text) for line in lines[-20:]]), lines
-
-
-def _begins_with_number(line: _Line, delimiter: str) -> bool:
-    return number((cells(plain_complex(line.text), delimiter) or [""])[0]) is not None
-
-
-def _check_end(body: list[_Line], delimiter: str, where: str) -> None:
+def _check_end(lines: Lines, where: str) -> None:
     # Without its line end the last number may have lost digits. It has, if no other of its column has so few after
     # the decimal mark.
-    ends = [cells(line.text, delimiter)[-1] for line in body]
+    ends = [cells(line.text, lines.delimiter)[-1] for line in lines.body]
     places = [len(after) if mark else -1 for _, mark, after in (end.replace(",", ".").partition(".") for end in ends)]
     if len(ends) > 1 and places[-1] < min(places[:-1]):
         raise FormatError(
-            f"is cut off: line {body[-1].number} ends within a number, {ends[-1]!r}",
+            f"is cut off: line {lines.body[-1].number} ends within a number, {ends[-1]!r}",
             where=where,
             remedy="copy or export the file again",
         )
 
 
 def _numbers(
-    body: list[_Line], delimiter: str, names: tuple[str, ...], where: str
-) -> NDArray[np.float64] | NDArray[np.complex128]:
+    lines: Lines, names: tuple[str, ...], where: str
+) -> tuple[Real | NDArray[np.complex128], dict[int, FormatError]]:
+    body, delimiter = lines.body, lines.delimiter
     columns = len(names) or n_cells(body[0].text, delimiter)
     counts = np.array([n_cells(line.text, delimiter) for line in body])
     if (counts != columns).any():
-        wrong = int((counts != columns).argmax())
-        cut = wrong == len(body) - 1
-        raise FormatError(
-            f"{'is cut off: ' if cut else ''}line {body[wrong].number} has {counts[wrong]} columns, not {columns}",
+        raise _other_columns(lines, counts, columns, where)
+    if not any("j" in line.text for line in body):
+        texts = [line.text if delimiter == "," else line.text.replace(",", ".") for line in body]
+        split = None if delimiter == BLANKS else delimiter
+        try:
+            return np.loadtxt(texts, delimiter=split, dtype=np.float64, ndmin=2, comments=None, quotechar='"'), {}
+        except ValueError:
+            pass
+    return _cell_by_cell(body, delimiter, names, where)
+
+
+def _cell_by_cell(
+    body: Sequence[Line], delimiter: str, names: Sequence[str], where: str
+) -> tuple[Real | NDArray[np.complex128], dict[int, FormatError]]:
+    rows = [cells(line.text, delimiter) for line in body]
+    found = [[complex_number(cell) for cell in row] for row in rows]
+    others: dict[int, FormatError] = {}
+    for line, row, values in zip(body, rows, found, strict=True):
+        for k, value in enumerate(values):
+            if value is None and k not in others:
+                others[k] = _not_a_number(line, k, row[k], names, where)
+    if 0 in others or (others and not names):
+        raise next(iter(others.values()))
+    numbers = np.array([[np.nan if value is None else value for value in row] for row in found], np.complex128)
+    return (numbers if any("j" in line.text for line in body) else numbers.real), others
+
+
+def _other_columns(lines: Lines, counts: NDArray[np.int64], columns: int, where: str) -> FormatError:
+    body = lines.body
+    wrong = int((counts != columns).argmax())
+    if lines.delimiter == "," and (counts == 2 * columns).all():
+        return FormatError(
+            f"line {body[wrong].number} has {counts[wrong]} cells for {columns} columns: commas stand between the "
+            "columns and as decimal marks",
             where=where,
-            remedy="copy or export the file again" if cut else "give every line the same columns",
+            remedy="export it with decimal points, or with ; or tabs between the columns",
         )
-    if any("j" in line.text for line in body):
-        rows = [[complex_number(cell) for cell in cells(line.text, delimiter)] for line in body]
-        return np.array([[_there(cell, body, delimiter, names, where) for cell in row] for row in rows], np.complex128)
-    texts = [line.text if delimiter == "," else line.text.replace(",", ".") for line in body]
-    split = None if delimiter == BLANKS else delimiter
-    try:
-        return np.loadtxt(texts, delimiter=split, dtype=np.float64, ndmin=2, comments=None, quotechar='"')
-    except ValueError as error:
-        raise _not_a_number(body, delimiter, names, where) from error
+    cut = wrong == len(body) - 1
+    found = f"line {body[wrong].number} has {counts[wrong]} columns, not {columns}: {body[wrong].text.strip()[:40]!r}"
+    return FormatError(
+        f"is cut off: {found}" if cut else found,
+        where=where,
+        remedy="copy or export the file again" if cut else "give every line the same columns",
+    )
 
 
-def _there(cell: complex | None, body: list[_Line], delimiter: str, names: tuple[str, ...], where: str) -> complex:
-    if cell is None:
-        raise _not_a_number(body, delimiter, names, where)
-    return cell
-
-
-def _not_a_number(body: list[_Line], delimiter: str, names: Sequence[str], where: str) -> FormatError:
-    for line in body:
-        for column, field in enumerate(cells(line.text, delimiter)):
-            if complex_number(field) is None:
-                name = f" ({names[column]})" if column < len(names) else ""
-                return FormatError(
-                    f"line {line.number}, column {column + 1}{name}: {field!r} is no number",
-                    where=where,
-                    remedy="export the file again, with numbers only below the header",
-                )
-    return FormatError("holds something that is no number", where=where, remedy="export the file again")
-
-
-def _resolution(body: list[_Line], delimiter: str) -> float:
-    """Half of the last digit in the first column: the finest of plain numbers, the coarsest of those with exponents."""
-    sample = [*body[:: max(1, len(body) // 50)], body[-1]]
-    texts = [cells(line.text, delimiter)[0].replace(",", ".") for line in sample]
-    try:
-        exponents = [int(Decimal(text).as_tuple().exponent) for text in texts]
-    except (InvalidOperation, ValueError):
-        return 0.0
-    scientific = any("e" in text.lower() for text in texts)
-    last = max(exponents) if scientific else min(exponents)
-    return 0.5 * 10.0**last if -300 < last < 300 else 0.0
+def _not_a_number(line: Line, column: int, cell: str, names: Sequence[str], where: str) -> FormatError:
+    name = f" ({names[column]})" if column < len(names) else ""
+    found = f"{cell!r} is no number" if cell else "is empty"
+    option = f", or leave the column out with --ignore {names[column]!r}" if column < len(names) and column else ""
+    return FormatError(
+        f"line {line.number}, column {column + 1}{name}: {found}",
+        where=where,
+        remedy=f"export the file again, with numbers only below the header{option}",
+    )

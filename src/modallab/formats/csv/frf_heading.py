@@ -14,7 +14,7 @@ Part = Literal["re", "im", "magnitude", "phase", "coherence", "complex"]
 _WORDS: dict[Part, str] = {
     "re": r"re|real|realteil|reell",
     "im": r"im|imag|imaginary|imagin(?:ä|ae)r|imagin(?:ä|ae)rteil",
-    "magnitude": r"mag|magn|magnitude|amp|ampl|amplitude|abs|modulus|betrag",
+    "magnitude": r"mag|magn|magnitude|gain|amp|ampl|amplitude|abs|modulus|betrag",
     "phase": r"ph|phase|arg|angle|ang|winkel",
     "coherence": r"coh|coherence|koh(?:ä|ae)renz",
 }

@@ -37,7 +37,7 @@ def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None
 def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.csv.csv_draft import draft_csv
 
-    return draft_csv(path)
+    return draft_csv(path, options)
 
 
 FORMAT = Format(
@@ -47,7 +47,7 @@ FORMAT = Format(
     endings=_ENDINGS,
     is_no="table as text",
     holds=("records", "FRFs", "modes"),
-    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s"),
+    asks=("test", "drive_point", "volts", "rate_hz", "frequency_hz", "window_s", "variables"),
     priority=60,
     certain=False,
     fits=_fits,

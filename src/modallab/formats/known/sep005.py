@@ -29,7 +29,7 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.sep005.sep005_draft import draft_sep005
 
-    return draft_sep005(path)
+    return draft_sep005(path, options)
 
 
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:

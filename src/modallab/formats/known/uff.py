@@ -31,7 +31,7 @@ def _read(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
 def _draft(path: Path, options: ImportOptions) -> Rig:
     from modallab.formats.uff.uff_draft import draft_uff
 
-    return draft_uff(path)
+    return draft_uff(path, options)
 
 
 def _write(campaign: Campaign, path: Path, models: Sequence[ModalModel]) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Rig
-from modallab.formats.draft import Said, rig_of
+from modallab.formats.draft import Said, rig_of, wanted
 from modallab.formats.options import ImportOptions
 from modallab.formats.tdms.tdms_groups import chosen, fastest, is_time
 from modallab.formats.tdms.tdms_read import read_tdms_groups
@@ -27,4 +27,4 @@ def draft_tdms(path: Path, options: ImportOptions) -> Rig:
     for channel in fastest(groups, str(path)):
         unit = unit_said(channel)
         said.append(Said(channel.name, quantity_of(unit), unit))
-    return rig_of(said, path)
+    return rig_of(wanted(said, options), path)

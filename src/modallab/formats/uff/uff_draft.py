@@ -6,7 +6,8 @@ from pathlib import Path
 
 from modallab.core.errors import DataError
 from modallab.core.rig import Direction, Point, Rig
-from modallab.formats.draft import MEASURED, Said, rig_of
+from modallab.formats.draft import MEASURED, Said, rig_of, wanted
+from modallab.formats.options import ImportOptions
 from modallab.formats.uff.uff_functions import KINDS, Function, read_functions
 from modallab.formats.uff.uff_match import SPECIFIC
 from modallab.formats.uff.uff_results import read_results
@@ -16,7 +17,7 @@ from modallab.formats.unit_text import frf_unit, quantity_of
 _DIRECTIONS: dict[int, Direction] = {1: "+x", 2: "+y", 3: "+z", -1: "-x", -2: "-y", -3: "-z"}
 
 
-def draft_uff(path: Path) -> Rig:
+def draft_uff(path: Path, options: ImportOptions) -> Rig:
     """The rig that a universal file's time records or FRFs were made on, as far as it says.
 
     Raises:
@@ -43,7 +44,7 @@ def draft_uff(path: Path) -> Rig:
             return one
         return replace(one, direction=nodes.direction(one.point, one.direction, where))
 
-    said = [turned(one) for one in dict.fromkeys(_said(f, _name_at(used)) for f in used)]
+    said = wanted((turned(one) for one in dict.fromkeys(_said(f, _name_at(used)) for f in used)), options)
     if used[0].kind == 4:
         node, axis = used[0].reference_node, used[0].reference_direction
         said.insert(0, turned(Said("force", "force", "N", node or None, _DIRECTIONS.get(axis))))

@@ -14,6 +14,7 @@ from modallab.formats.uff.uff_functions import KINDS, Function, UniversalFile
 from modallab.formats.uff.uff_lines import axis_of
 from modallab.formats.uff.uff_match import divisor_unit_of, known_point, match_channel, sense, unit_of
 from modallab.formats.unit_text import frf_unit
+from modallab.signals.conversion import sign_of
 
 _Input = tuple[int, int]
 
@@ -27,7 +28,7 @@ class _Placed:
 
 
 def read_frf(content: UniversalFile, rig: Rig, where: str) -> tuple[Frf, ...]:
-    """All FRFs as one matrix in SI units, in the directions of the rig; () if there are none.
+    """All FRFs as one matrix in SI units, along the rig's drive; () if there are none.
 
     Raises:
         DataError: uneven or unequal lines, magnitudes without phase, unknown units, outputs or inputs, or a gap in
@@ -72,7 +73,7 @@ def _place_all(content: UniversalFile, kind: int, rig: Rig, where: str) -> dict[
                 where=where,
                 remedy="leave one of them out",
             )
-        placed[key] = _Placed(function, match.channel, at, match.sign * turned)
+        placed[key] = _Placed(function, match.channel, at, match.sign * turned * int(sign_of(rig, match.channel)))
     return placed
 
 

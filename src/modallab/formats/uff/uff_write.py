@@ -27,6 +27,7 @@ from modallab.formats.uff.uff_lines import (
     traces_82,
     units_164,
 )
+from modallab.signals.conversion import sign_of
 
 _SPECIFIC: dict[Quantity, int] = {"displacement": 8, "velocity": 11, "acceleration": 12, "force": 13}
 _ORDINATE: dict[FrfQuantity, tuple[int, str, str]] = {
@@ -113,7 +114,9 @@ def _frf(frf: Frf, rig: Rig) -> Iterator[bytes]:
             labels = [(18, "Frequency", "Hz"), _ORDINATE[frf.quantity], (13, "Force", "N"), _NONE]
             lines = len(frf.frequency_hz)
             yield binary_58(
-                function_head(ids, 4, place, reference, (6, lines), labels), frf.frequency_hz, frf.values[i, j]
+                function_head(ids, 4, place, reference, (6, lines), labels),
+                frf.frequency_hz,
+                sign_of(rig, channel) * frf.values[i, j],
             )
             if frf.coherence is not None:
                 labels = [(18, "Frequency", "Hz"), (0, "Coherence", "NONE"), _NONE, _NONE]

@@ -18,10 +18,14 @@ from modallab.core.frf import Frf
 from modallab.identification.estimator import Estimator, Order
 from modallab.identification.start.stabilisation import OrderPoles
 
-COLUMNS = 120
-"""Default order: this many polynomial columns, shared among the inputs."""
-EVERY_ORDER_UP_TO = 120
-"""Columns up to which every order is solved: the cost grows with their cube, what one more order shows does not."""
+COLUMNS, LEAST_ORDER = 120, 60
+"""Default order: as many columns of the polynomial as this, shared among the inputs, but no lower an order than this.
+Every input sees the same modes: however many inputs share the columns, a mode far below the highest line shows only
+from some order on.
+"""
+EVERY_ORDER_UP_TO, LEAST_ORDERS = 120, 20
+"""Columns up to which every order is solved: the cost grows with their cube, what one more order shows does not. Of
+fewer orders a pole that holds has too few to show it."""
 
 
 def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
@@ -37,16 +41,31 @@ def plscf(frf: Frf, max_order: int, min_order: int = 2) -> list[OrderPoles]:
         IdentificationError: too few lines for the order.
     """
     check_frf(frf.frequency_hz, frf.values, frf.outputs, even=False)
-    n_lines = frf.frequency_hz.size
-    if n_lines < 2 * (max_order + 1):
+    most = carried(frf)
+    if max_order > most:
+        n_out, n_in, n_lines = frf.values.shape
         raise IdentificationError(
-            f"{n_lines} lines cannot carry order {max_order}",
-            remedy=f"widen the band, or use an order of at most {n_lines // 2 - 1}",
+            f"{n_lines} lines of {n_out} outputs and {n_in} inputs cannot carry order {max_order}",
+            remedy=f"use an order of at most {most}, widen the band, or give FRFs with finer lines",
         )
     step = 1 / (2 * _circle(frf.frequency_hz))
     reduced = _reduced_normal_matrix(frf, max_order, step)
-    stride = -(-max_order * frf.values.shape[1] // EVERY_ORDER_UP_TO)
+    stride = min(-(-max_order * frf.values.shape[1] // EVERY_ORDER_UP_TO), max(1, max_order // LEAST_ORDERS))
     return [_solve_order(reduced, n, frf, step) for n in range(min_order, max_order + 1, stride)]
+
+
+def carried(frf: Frf) -> int:
+    """The highest order for which there are twice as many equations as coefficients of the polynomials.
+
+    Each line gives two of an input and output. An input has order * inputs coefficients in the denominator, and
+    order + 1 in the numerator of each output.
+    """
+    n_out, n_in, n_lines = frf.values.shape
+    return int(n_out * (n_lines - 1) / (n_in + n_out))
+
+
+def _suits(frf: Frf) -> int:
+    return max(2, min(max(COLUMNS // frf.values.shape[1], LEAST_ORDER), carried(frf)))
 
 
 def _reduced_normal_matrix(frf: Frf, order: int, step: float) -> NDArray[np.float64]:
@@ -159,8 +178,8 @@ ESTIMATOR = Estimator(
         meaning="order",
         lowest=2,
         highest=400,
-        default="120 shared among the inputs, at most what half of the lines can carry",
-        suits=lambda frf: max(2, min(COLUMNS // frf.values.shape[1], frf.frequency_hz.size // 2 - 1)),
+        default="120 shared among the inputs, 60 at least, at most what the lines of all FRFs can carry",
+        suits=_suits,
         modes=lambda frf: frf.values.shape[1] / 2,
         solve=plscf,
     ),

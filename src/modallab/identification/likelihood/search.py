@@ -19,6 +19,7 @@ FIRST_LOOK = 12
 NOT_SETTLED = "The search for the poles had not settled when it was ended; the uncertainties may be too small."
 LEAST_DAMPING = 1e-6
 """Of the search, not of a mode: less does not change a step, and takes many trials to become more."""
+LEAST_KNOWN = 1e-200
 MAX_ZETA = 0.5
 HIGHEST = 0.98
 """Share of half the sampling rate that no pole goes beyond."""
@@ -194,8 +195,9 @@ def _at_an_end(problem: Problem, at: Parameters, pull: Real) -> NDArray[np.bool_
 
 def covariance_of(matrix: Real) -> Real:
     """Covariance of the parameters of normal equations J^T J (n, n) in noise units, even if some are undetermined."""
-    # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten.
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    # Scaled to a unit diagonal first: rad/s beside damping ratios differ by many powers of ten. What is not known at
+    # all has a variance that can still be multiplied.
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), LEAST_KNOWN))
     scaled = matrix * np.outer(scale, scale)
     inverse = _inverse(scaled)
     if inverse is not None:

@@ -100,6 +100,28 @@ def with_lost(
     return fixed, np.ones(fixed.point.parameters.omega.size, bool), (note,)
 
 
+def overlooked(
+    frf: Frf, fit: Fit, keep: NDArray[np.bool_], orders: Sequence[OrderPoles], band_hz: tuple[float, float]
+) -> Complex:
+    """Poles (poles,) in rad/s that some orders of the estimator show, and that explain what no mode of a fit does.
+
+    Args:
+        frf: the FRFs that the estimator has seen.
+        fit: of whatever records.
+        keep: (poles,) which of its poles are modes.
+        orders: the estimator's poles by order.
+        band_hz: where modes are looked for.
+    """
+    at = fit.point.parameters
+    kept = _poles(at.omega[keep], at.zeta[keep])
+    lost = _candidates(orders, kept, band_hz)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _standing(frf, kept, lost, SHARE)
+    except IdentificationError:
+        return lost[:0]
+
+
 def _alone(
     frf: Frf, fit: Fit, known: NDArray[np.bool_], band_hz: tuple[float, float]
 ) -> tuple[Fit, NDArray[np.bool_], tuple[str, ...]]:

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.search import MIN_ZETA
 from modallab.identification.selection.criteria import mac
 
 MIN_SIGNIFICANCE = 5.0
@@ -28,7 +29,8 @@ def is_mode(fit: Fit, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
     at, sigma = fit.point.parameters, fit.pole_sigma
     frequency = at.omega / (2 * np.pi)
     inside = (frequency > band_hz[0]) & (frequency < band_hz[1])
-    stable = (at.zeta > 0) & (at.zeta < MAX_ZETA)
+    # At the end of the search's range the damping comes out as none: a line, and no resonance.
+    stable = (at.zeta > 2 * MIN_ZETA) & (at.zeta < MAX_ZETA)
     known = (sigma[:, 0] < MAX_FREQUENCY_SIGMA * at.omega) & (sigma[:, 1] < MAX_DAMPING_SIGMA * np.abs(at.zeta))
     constants, sigma_of_parts = fit.modal_constants
     seen = np.max(np.abs(constants) / np.maximum(np.abs(sigma_of_parts), 1e-300), axis=(1, 2)) > MIN_SIGNIFICANCE
@@ -45,7 +47,8 @@ def _doubles(
 
     They are nearer than half a half-width, in a single FRF than a whole one, with shapes that cancel, and much worse
     known or not known at all. One force sees one shape at a frequency. From several, two modes there have modal
-    constants that differ.
+    constants that differ. Of two that share one mode neither may be known, so that their constants say nothing; one has
+    to stay for it.
     """
     at, sigma = fit.point.parameters, fit.pole_sigma
     likeness = mac(*(constants.reshape(at.omega.size, -1),) * 2)
@@ -55,8 +58,9 @@ def _doubles(
     order = np.argsort(sigma[:, 0] / at.omega)
     for place, i in enumerate(order):
         for j in order[:place]:
-            near = abs(at.omega[i] - at.omega[j]) < reach * abs(at.zeta[i] * at.omega[i])
+            apart, width = abs(at.omega[i] - at.omega[j]), np.abs(at.zeta[[i, j]] * at.omega[[i, j]])
             worse = sigma[i, 0] > MUCH_WORSE * sigma[j, 0] or not good[i]
-            if near and worse and alike[i, j]:
+            one_mode = apart < reach * width.min() and not (good[i] or good[j])
+            if one_mode or (apart < reach * width[0] and worse and alike[i, j]):
                 double[i] = host[j] = True
     return double, host & ~double

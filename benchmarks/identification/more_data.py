@@ -1,0 +1,81 @@
+"""Does a plan with more points and hits find every mode that a part of it finds?
+
+    OPENBLAS_NUM_THREADS=1 python benchmarks/identification/more_data.py --seeds 10 --out FOLDER
+
+For every seed, on the ideal bench and on one put together as in a lab, `--hits` hits at each of ten points are recorded
+once, and plans of 1 to 10 points and of fewer hits are cut out of them. A mode that a plan finds and a larger one,
+which holds all of its hits, does not find is lost. Prints the modes lost and those that are none, and writes
+FOLDER/more_data.csv.
+"""
+
+import argparse
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import modallab as ml
+from modallab.core.block import Campaign
+from modallab.core.plan import ImpactPlan
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.identification.options import Options
+from modallab.pipelines.identify import identify_campaign
+from modallab.pipelines.report import truth_of
+
+POINTS = tuple(range(10, 0, -1))
+SIZES = (1, 2, 3, 5, 7, 10)
+SAME = 1e-3
+
+
+def recorded(folder: Path, seed: int, tolerances: str, most: int) -> Campaign:
+    path = folder / f"{tolerances}_{seed}_{most}.h5"
+    if not path.exists():
+        plan = ImpactPlan(points=POINTS, hits=most)
+        ml.simulate(seed=seed, tolerances=tolerances, plan=plan, progress=False).save(path)  # type: ignore[arg-type]
+    return read_campaign(path)
+
+
+def part(campaign: Campaign, points: int, hits: int) -> Campaign:
+    of = [[b for b in campaign.blocks if b.drive_point == p][:hits] for p in POINTS[:points]]
+    return replace(campaign, blocks=tuple(b for blocks in of for b in blocks))
+
+
+def unlike(frequency_hz: np.ndarray, others_hz: np.ndarray) -> list[float]:
+    return [float(f) for f in frequency_hz if np.min(np.abs(others_hz / f - 1), initial=np.inf) > SAME]
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--seeds", type=int, default=10)
+    arguments.add_argument("--first", type=int, default=1)
+    arguments.add_argument("--hits", type=int, default=10)
+    arguments.add_argument("--out", type=Path, required=True)
+    asked = arguments.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    sizes = [h for h in SIZES if h <= asked.hits]
+    with (asked.out / "more_data.csv").open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(["seed", "tolerances", "points", "hits", "modes", "lost_hz", "spurious_hz"])
+        for seed in range(asked.first, asked.first + asked.seeds):
+            for tolerances in ("none", "usual"):
+                campaign = recorded(asked.out, seed, tolerances, asked.hits)
+                true = truth_of(campaign).frequency_hz
+                found: dict[tuple[int, int], np.ndarray] = {}
+                for points in SIZES:
+                    for hits in sizes:
+                        model = identify_campaign(part(campaign, points, hits), Options()).identified[0].model
+                        smaller = [f for (p, h), f in found.items() if p <= points and h <= hits]
+                        known = np.concatenate([*smaller, np.empty(0)])
+                        real = known[[not unlike(np.array([f]), true) for f in known]] if known.size else known
+                        found[points, hits] = model.frequency_hz
+                        missed = unlike(real, model.frequency_hz), unlike(model.frequency_hz, true)
+                        lost, none = (" ".join(map(str, sorted({round(f, 1) for f in of}))) for of in missed)
+                        out.writerow([seed, tolerances, points, hits, model.n_modes, lost, none])
+                        if lost or none:
+                            print(seed, tolerances, points, hits, f"lost: {lost}; spurious: {none}", flush=True)
+                        file.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,157 @@
+"""The lines of a text file, brought to one form: one delimiter, no quotes, and times in seconds."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from modallab.core.errors import FormatError
+from modallab.formats.csv.clock_times import is_clock, is_date, seconds_of
+from modallab.formats.csv.csv_cells import cells, delimiter_of, number, plain_complex
+
+_COMMENTS = ("#", "%")
+_SHOWN = 20
+"""Lines at the end that show what delimits the columns."""
+_QUOTED = re.compile(r'"[^"]*"')
+_POINT_AFTER, _COMMA_AFTER = re.compile(r"\d,\d{3}\.\d"), re.compile(r"\d\.\d{3},\d")
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line and its number in the file, from 1."""
+
+    number: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """A file's lines.
+
+    Attributes:
+        above: those before the numbers.
+        body: those with numbers.
+        comments: those with the mark of a comment, without blanks before it.
+        delimiter: of the columns of `above` and `body`.
+        ended: whether the last line has its end.
+        clock: whether the first column held clock times, which are seconds now.
+    """
+
+    above: tuple[Line, ...]
+    body: tuple[Line, ...]
+    comments: tuple[str, ...]
+    delimiter: str
+    ended: bool
+    clock: bool = False
+
+
+def read_lines(path: Path) -> Lines:
+    """The lines of a text file with a table.
+
+    Raises:
+        FormatError: no text, or no numbers.
+    """
+    text = decoded(path)
+    lines = [Line(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    comments = tuple(line.text.lstrip() for line in lines if line.text.lstrip().startswith(_COMMENTS))
+    lines = [line for line in lines if not line.text.lstrip().startswith(_COMMENTS)]
+    delimiter, lines = _delimited(lines)
+    first = next((k for k, line in enumerate(lines) if _begins(line, delimiter)), None)
+    if first is None:
+        raise _no_numbers(lines, delimiter, str(path))
+    body = [replace(line, text=plain_complex(line.text)) for line in lines[first:]]
+    found = Lines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
+    return _with_seconds(_without_groups(_without_end(found)))
+
+
+def decoded(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        FormatError: it is none.
+    """
+    raw = path.read_bytes()
+    encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
+    for encoding in encodings:
+        try:
+            text = raw.decode(encoding)
+        except UnicodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise FormatError("is no text", where=str(path), remedy="name a CSV file, or one of another known kind")
+
+
+def _delimited(lines: list[Line]) -> tuple[str, list[Line]]:
+    """The delimiter, and the lines without the one that may say it, and without quotes."""
+    said = re.fullmatch(r"sep=(.)", lines[0].text.strip()) if lines else None
+    lines = lines[1:] if said else lines
+    shown = [_QUOTED.sub('""', plain_complex(line.text)) for line in lines[-_SHOWN:]]
+    delimiter = said[1] if said else delimiter_of(shown)
+    if delimiter == "\t" or not any('""' in line for line in shown):
+        return delimiter, lines
+    # Within quotes a comma may be a decimal mark.
+    return "\t", [replace(line, text="\t".join(cells(line.text, delimiter))) for line in lines]
+
+
+def _begins(line: Line, delimiter: str) -> bool:
+    row = cells(plain_complex(line.text), delimiter)
+    first = row[0] if row else ""
+    return number(first) is not None or is_clock(first) or (is_date(first) and len(row) > 1 and is_clock(row[1]))
+
+
+def _no_numbers(lines: Sequence[Line], delimiter: str, where: str) -> FormatError:
+    if not lines:
+        return FormatError("holds no numbers", where=where, remedy="give a header line and then rows of numbers")
+    last = lines[-1]
+    first = (cells(last.text, delimiter) or [""])[0]
+    begins = f"the last one, line {last.number}, begins with {first[:20]!r}"
+    return FormatError(
+        f"holds no numbers: no line begins with a number or a time; {begins}",
+        where=where,
+        remedy="give a header line and then rows that begin with a time or a frequency",
+    )
+
+
+def _without_end(lines: Lines) -> Lines:
+    """Without a last column that is empty in every row, as a delimiter at the end of lines makes it."""
+    mark = lines.delimiter
+    while mark.strip(" ") and all(line.text.rstrip(" ").endswith(mark) for line in lines.body):
+        columns = len(cells(lines.body[0].text, mark))
+        body = tuple(replace(line, text=line.text.rstrip(" ")[:-1]) for line in lines.body)
+        above = tuple(_shortened(line, mark, columns) for line in lines.above)
+        lines = replace(lines, above=above, body=body)
+    return lines
+
+
+def _shortened(line: Line, mark: str, columns: int) -> Line:
+    row = cells(line.text, mark)
+    return replace(line, text=line.text.rstrip(" ").rpartition(mark)[0]) if len(row) == columns else line
+
+
+def _without_groups(lines: Lines) -> Lines:
+    """Without marks between thousands, which show where a number has both marks."""
+    if lines.delimiter == ",":
+        return lines
+    for pattern, mark in ((_POINT_AFTER, ","), (_COMMA_AFTER, ".")):
+        if any(pattern.search(line.text) for line in lines.body):
+            return replace(lines, body=tuple(replace(x, text=x.text.replace(mark, "")) for x in lines.body))
+    return lines
+
+
+def _with_seconds(lines: Lines) -> Lines:
+    """With seconds where the first column holds clock times, or the first two date and clock."""
+    mark = lines.delimiter
+    rows = [cells(line.text, mark) for line in lines.body]
+    joined = is_date(rows[0][0]) and not is_clock(rows[0][0])
+    moments = [" ".join(row[: 1 + joined]) for row in rows]
+    if not is_clock(moments[0]):
+        return lines
+    mark = "\t" if mark == "," else mark
+    body = [
+        replace(line, text=mark.join([seconds, *row[1 + joined :]]))
+        for line, seconds, row in zip(lines.body, seconds_of(moments), rows, strict=True)
+    ]
+    above = [cells(line.text, lines.delimiter) for line in lines.above]
+    heads = [replace(line, text=mark.join(row[joined:])) for line, row in zip(lines.above, above, strict=True)]
+    return replace(lines, above=tuple(heads), body=tuple(body), delimiter=mark, clock=True)

@@ -1,0 +1,89 @@
+"""LabVIEW measurement files as records: a segment a record, its channels by their names."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from modallab.core.axis_checks import check_time
+from modallab.core.block import Block, Campaign
+from modallab.core.errors import DataError
+from modallab.core.rig import Rig
+from modallab.formats.csv.csv_read import record_of
+from modallab.formats.csv.csv_table import Table
+from modallab.formats.draft import Said, rig_of, wanted
+from modallab.formats.lvm.lvm_read import LvmChannel, read_lvm
+from modallab.formats.options import ImportOptions
+from modallab.formats.starts import Start, on_common_times, start_of, start_of_text
+from modallab.formats.unit_text import normal_unit, quantity_of
+
+
+def campaign_of_lvm(path: Path, rig: Rig, options: ImportOptions) -> Campaign:
+    """Read the records of a file.
+
+    Raises:
+        FormatError: cut off or damaged.
+        DataError: not the channels of the rig, rates that differ, or records that do not overlap.
+    """
+    where, segments = str(path), read_lvm(path)
+    blocks: list[Block] = []
+    notes: dict[str, None] = {}
+    for k, segment in enumerate(segments, start=1):
+        name = path.stem if len(segments) == 1 else f"{path.stem}_{k}"
+        place = f"{where}, segment {k}"
+        table, note = _table(segment, rig, options, place)
+        block, more = record_of(table, rig, options, name, place)
+        blocks.append(block)
+        notes |= dict.fromkeys([*([note] if note else []), *more])
+    said = {"notes": "\n".join(f"{path.name}: {note}" for note in notes)} if notes else {}
+    return Campaign(rig, tuple(blocks), provenance=said, source=where)
+
+
+def draft_lvm(path: Path, options: ImportOptions) -> Rig:
+    """The rig of a file: the channels of its first segment, by their names and units.
+
+    Raises:
+        FormatError: cut off or damaged.
+        DataError: none of the channels that are to be taken.
+    """
+    units = [(c.name, normal_unit(c.unit)) for c in read_lvm(path)[0]]
+    return rig_of(wanted((Said(name, quantity_of(unit), unit) for name, unit in units), options), path)
+
+
+def _table(segment: Sequence[LvmChannel], rig: Rig, options: ImportOptions, where: str) -> tuple[Table, str]:
+    """The channels of the rig, over the time that all of them cover, and a note."""
+    called = dict(options.variables)
+    needed = {called.get(c.name, c.name).lower() for c in rig.channels}
+    used = [c for c in segment if c.name.lower() in needed] or list(segment)
+    rates = {c.name: _rate(c, options, where) for c in used}
+    if len(set(rates.values())) > 1:
+        listed = ", ".join(f"{name} {rate:g} Hz" for name, rate in rates.items())
+        raise DataError(f"the channels differ in rate: {listed}", where=where, remedy="leave some out with --ignore")
+    rate = next(iter(rates.values()))
+    rows = [c.samples for c in used]
+    samples, note = on_common_times(rows, _starts(used, where), rate, list(rates), where)
+    n = samples.shape[1]
+    left = [c for c in segment if c not in used]
+    values = np.column_stack([np.arange(n) / rate, samples.T, np.full((n, len(left)), np.nan)])
+    names = ("time", *(c.name for c in used), *(c.name for c in left))
+    units = ("s", *(normal_unit(c.unit) for c in used), *("" for _ in left))
+    return Table(names, units, values, np.zeros(n), ended=True), note
+
+
+def _rate(channel: LvmChannel, options: ImportOptions, where: str) -> float:
+    if channel.step > 0:
+        return 1 / channel.step
+    if channel.x.size > 1:
+        return check_time(channel.x, f"{where}, x of {channel.name}")
+    if options.rate_hz is None:
+        found = f"channel {channel.name} has neither Delta_X nor a column of x"
+        raise DataError(found, where=where, remedy="give the rate with --rate")
+    return options.rate_hz
+
+
+def _starts(used: Sequence[LvmChannel], where: str) -> list[Start]:
+    offsets = [start_of(float(c.x[0]) if c.x.size else c.x0) for c in used]
+    if len({c.start for c in used}) < 2:
+        return offsets
+    days = [start_of_text(c.start, where) for c in used]
+    return [Start(o.at_s + d.at_s, o.resolution_s + d.resolution_s) for o, d in zip(offsets, days, strict=True)]

@@ -1,0 +1,112 @@
+"""The search for the modes of hits: until every pole that is left is a mode, and no mode is left out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.frf import Frf
+from modallab.core.progress import part
+from modallab.identification.estimate import PoleEstimate
+from modallab.identification.likelihood.fit import Fit
+from modallab.identification.likelihood.hit_blocks import Groups, Hits
+from modallab.identification.likelihood.impact_search import again, first_look
+from modallab.identification.options import Options
+from modallab.identification.selection.confidence import MODEL_ERROR_FROM, least_strength, strength
+from modallab.identification.selection.lost_modes import overlooked
+from modallab.identification.selection.operator_choice import chosen, in_fit
+from modallab.identification.selection.pre_trigger_noise import model_error
+from modallab.signals.signals import Signals
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Found:
+    """End of a search: the fit, which of its poles (poles,) are modes, and its residual over the pre-trigger noise."""
+
+    fit: Fit
+    keep: NDArray[np.bool_]
+    misfit: float
+
+    @property
+    def poles(self) -> Complex:
+        """The modes' (modes,) rad/s."""
+        at = self.fit.point.parameters
+        return np.asarray(-at.zeta[self.keep] * at.omega[self.keep] + 1j * at.omega[self.keep], np.complex128)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HitSearch:
+    """The hits of a test, and where their modes are looked for.
+
+    Attributes:
+        unknown: the blocks at their lines, with what each has to itself.
+        groups: the hits by point.
+        signals: all of them.
+        band: of the lines, Hz.
+        options: what the operator picks or drops.
+    """
+
+    unknown: Hits
+    groups: Groups
+    signals: Sequence[Signals]
+    band: tuple[float, float]
+    options: Options
+
+    def found(self, frf: Frf, estimate: PoleEstimate, poles: Complex) -> Found:
+        """The modes from these start poles; where they leave more than noise, also those that only some orders show.
+
+        Args:
+            frf: what was estimated from.
+            estimate: poles by order.
+            poles: (poles,) rad/s, where the search begins.
+        """
+        first = self._from(poles)
+        explained = first.misfit <= MODEL_ERROR_FROM
+        if self._by_hand or explained or not np.any(first.keep):
+            return first
+        more = overlooked(frf, first.fit, first.keep, estimate.orders, self.band)
+        if not more.size:
+            return first
+        second = self._from(np.concatenate([first.poles, more]))
+        return second if np.count_nonzero(second.keep) > np.count_nonzero(first.keep) else first
+
+    @property
+    def _by_hand(self) -> bool:
+        return bool(self.options.pick_hz or self.options.drop_hz)
+
+    def _from(self, poles: Complex) -> Found:
+        with part(0.0, 0.5, "first search"):
+            fit = first_look(self.unknown, poles, self.groups, self.band)
+        keep = chosen(fit, self.band, self.options, first=True)
+        with part(0.5, 0.8, "search"):
+            found = self._until_all_stand(fit, keep)
+        with part(0.8, 1.0, "poles that stand for errors"):
+            return self._without_errors(found)
+
+    def _until_all_stand(self, fit: Fit, keep: NDArray[np.bool_]) -> Found:
+        """The fit of the kept poles, searched again while some turn out to be none: these share what others are.
+
+        Where the operator has picked or dropped modes, it is searched once.
+        """
+        begun = 0
+        while np.any(keep) and np.count_nonzero(keep) != begun:
+            begun = np.count_nonzero(keep)
+            fit = again(self.unknown, fit, in_fit(fit, keep, self.band, self.options), self.band)
+            keep = chosen(fit, self.band, self.options, first=False)
+            if self._by_hand:
+                break
+        return Found(fit, keep, model_error(fit, self.signals))
+
+    def _without_errors(self, found: Found) -> Found:
+        """The fit without poles that may stand for what is wrong with the model.
+
+        Where the operator has picked or dropped modes, nothing more is taken away.
+        """
+        fit, keep = found.fit, found.keep
+        doubtful = keep & (strength(fit) < least_strength(fit, found.misfit))
+        if self._by_hand or not np.any(doubtful) or np.array_equal(doubtful, keep):
+            return found
+        return self._until_all_stand(fit, keep & ~doubtful)

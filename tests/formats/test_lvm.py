@@ -1,0 +1,108 @@
+"""LabVIEW measurement files, in the layouts that LabVIEW can be set to."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError, FormatError
+from modallab.core.rig import Channel, Rig
+from modallab.formats.importer import draft_rig, import_sources
+from modallab.formats.options import ImportOptions
+
+RATE_HZ, N = 2000.0, 300
+RIG = Rig(
+    name="one sensor",
+    model="unknown",
+    channels=(
+        Channel(index=0, name="Force", quantity="force", unit="N"),
+        Channel(index=1, name="Acc 1", quantity="acceleration", unit="g"),
+    ),
+)
+_RNG = np.random.default_rng(1)
+SAMPLES = _RNG.normal(size=(2, N))
+
+
+def number(value: float, mark: str) -> str:
+    return f"{value:.8E}".replace(".", mark)
+
+
+def header(mark: str, columns: str, separator: str) -> list[str]:
+    pairs = {"Writer_Version": "2", "Separator": "Comma" if separator == "," else "Tab", "Decimal_Separator": mark}
+    pairs |= {"Multi_Headings": "Yes", "X_Columns": columns, "Time_Pref": "Absolute", "Operator": "somebody"}
+    rows = ["LabVIEW Measurement", *(separator.join(pair) for pair in pairs.items()), "***End_of_Header***"]
+    return [row + separator for row in rows] + [separator]
+
+
+def segment(mark: str, columns: str, separator: str, late: int = 0, samples: int = N) -> list[str]:
+    """The second channel begins `late` samples after the first."""
+    x0 = (number(0, mark), number(late / RATE_HZ, mark))
+    step = number(1 / RATE_HZ, mark)
+    facts = [("Channels", "2"), ("Samples", f"{samples}", f"{samples}"), ("Date", "2026/11/26", "2026/11/26")]
+    facts += [("Time", f"10:00:01{mark}5", f"10:00:01{mark}5"), ("Y_Unit_Label", "Newtons", "g"), ("X0", *x0)]
+    facts += [("Delta_X", step, step), ("***End_of_Header***",)]
+    heads = ["X_Value", "Force", *(["X_Value"] if columns == "Multi" else []), "Acc 1", "Comment"]
+    rows: list[str] = [separator.join((*fact, "", "")) for fact in facts] + [separator.join(heads)]
+    for k in range(samples):
+        first = number(k / RATE_HZ, mark) if columns != "No" else ""
+        between = [number((k + late) / RATE_HZ, mark)] if columns == "Multi" else []
+        second = number(SAMPLES[1, k + late], mark) if k + late < N else ""
+        rows.append(separator.join([first, number(SAMPLES[0, k], mark), *between, second]))
+    rows[-1] += f"{separator}a comment"
+    return [*rows, ""]
+
+
+def read(folder: Path, lines: list[str], options: ImportOptions | None = None) -> Campaign:
+    path = folder / "hit.lvm"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return import_sources([path], RIG, options)
+
+
+@pytest.mark.parametrize("columns", ["No", "One", "Multi"])
+@pytest.mark.parametrize(("mark", "separator"), [(".", "\t"), (",", "\t"), (".", ",")])
+@pytest.mark.parametrize("hits", [1, 3])
+def test_every_layout_gives_the_same_records(
+    tmp_path: Path, columns: str, mark: str, separator: str, hits: int
+) -> None:
+    text = header(mark, columns, separator) + hits * segment(mark, columns, separator)
+    blocks = read(tmp_path, text).blocks
+    assert len(blocks) == hits
+    for block in blocks:
+        assert (block.rate_hz, block.units) == (RATE_HZ, ("N", "g"))
+        np.testing.assert_allclose(block.samples, SAMPLES, atol=1e-7)
+
+
+def test_what_a_program_keeps_for_itself_is_left_out(tmp_path: Path) -> None:
+    special = ["***Start_Special***", "anything\tat all", "***End_Special***"]
+    text = [*header(".", "One", "\t"), *special, *segment(".", "One", "\t")]
+    assert len(read(tmp_path, text).blocks) == 1
+
+
+def test_channels_that_begin_at_different_times_are_aligned(tmp_path: Path) -> None:
+    campaign = read(tmp_path, header(".", "Multi", "\t") + segment(".", "Multi", "\t", late=6))
+    np.testing.assert_allclose(campaign.blocks[0].samples, SAMPLES[:, 6:], atol=1e-7)
+    assert "begin at different times" in campaign.provenance["notes"]
+
+
+def test_a_rig_is_drafted_from_names_and_units(tmp_path: Path) -> None:
+    path = tmp_path / "hit.lvm"
+    path.write_text("\n".join(header(".", "No", "\t") + segment(".", "No", "\t")), encoding="utf-8")
+    channels = draft_rig(path, ImportOptions()).channels
+    assert [(c.name, c.quantity, c.unit) for c in channels] == [("Force", "force", "N"), ("Acc 1", "acceleration", "g")]
+
+
+def test_a_cut_file_and_a_wrong_mark_are_named(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="header that begins at line 11 has no end"):
+        read(tmp_path, header(".", "One", "\t") + segment(".", "One", "\t")[:4])
+    with pytest.raises(FormatError, match=r"is no number with the decimal mark '\.'"):
+        read(tmp_path, header(".", "One", "\t") + segment(",", "One", "\t"))
+
+
+def test_a_channel_that_is_missing_is_named(tmp_path: Path) -> None:
+    sensor = RIG.channels[1].model_copy(update={"index": 2, "name": "a9"})
+    rig = RIG.model_copy(update={"channels": (*RIG.channels, sensor)})
+    path = tmp_path / "hit.lvm"
+    path.write_text("\n".join(header(".", "One", "\t") + segment(".", "One", "\t")), encoding="utf-8")
+    with pytest.raises(DataError, match="no column for channel a9"):
+        import_sources([path], rig)
