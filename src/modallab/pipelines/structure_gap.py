@@ -17,8 +17,16 @@ from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
 
 
-def gap_of(campaign: Campaign, reference: ModalModel, named: str = "a modal model") -> StructureGap:
+def gap_of(
+    campaign: Campaign, reference: ModalModel, named: str = "a modal model", own: Rig | None = None
+) -> StructureGap:
     """What differs between a modal model and the structure of a campaign, beyond the tolerances of its rig.
+
+    Args:
+        campaign: of the structure as it is.
+        reference: the modal model.
+        named: it in words.
+        own: its rig; the campaign's where it has none.
 
     Returns:
         the diagnosis, with all that its report shows.
@@ -27,7 +35,7 @@ def gap_of(campaign: Campaign, reference: ModalModel, named: str = "a modal mode
         DataError: no force was measured, or the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return gap_between(campaign, reference, _identified(campaign), named)
+    return gap_between(campaign, reference, _identified(campaign), named, own=own)
 
 
 def gap_against(campaign: Campaign, path: Path) -> StructureGap:

@@ -10,6 +10,7 @@ from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.freedoms import Freedom
@@ -144,20 +145,23 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     """Numbers by name and their sigmas; of a mass or a spring that of the logarithm."""
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
+    number = kind_of(candidate.effect).parameters[0].name
     if candidate.freedoms:
-        return {"mass" if candidate.effect == "added_mass" else "k": float(np.exp(v[0]))}, [float(sigma[0])]
+        return {number: float(np.exp(v[0]))}, [float(sigma[0])]
     if candidate.effect == "position_error":
         tangents = c.shapes.tangents(_freedom(c, candidate.channel or 0))
         names = ("dx", "dy", "dz")
         return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
             sigma[:2] ** 2 @ tangents**2
         ).tolist()
-    return {"gain": float(v[0])}, [float(sigma[0])]
+    return {number: float(v[0])}, [float(sigma[0])]
 
 
 def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
+    if candidate.effect in EVERY:
+        return {"channels": "all"}
     if not candidate.freedoms:
         force = c.rig.force_channel.name
         return {"channel": force if candidate.channel is None else c.model.outputs[candidate.channel]}
@@ -165,7 +169,7 @@ def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
     at = c.shapes.at_m[c.shapes.index(freedom)] + v[1:3] @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
     place: dict[str, object] = {"point": c.shapes.freedoms[nearest][0], "at_m": at.tolist()}
-    return place | ({"axis": freedom[1]} if candidate.effect == "ground_spring" else {})
+    return place | ({"axis": freedom[1]} if candidate.effect != "added_mass" else {})
 
 
 def _freedom(c: Compared, output: int) -> Freedom:

@@ -20,6 +20,10 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
+DAMPING = 0.15
+"""By how much the damping of a mode differs from one test to the next, relative: cables, clamps, the air."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Change:
     """What may have been changed beyond all tolerances.
@@ -80,21 +84,29 @@ class Free:
     @property
     def deviations(self) -> Real:
         """(numbers,) what one unit of each stands for; 0 for what is not free."""
-        t = self.of.rig.tolerance
+        t, damping = self.of.rig.tolerance, self._damping
+        pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
             np.hypot(t.youngs_modulus, 3 * t.thickness),
             np.hypot(t.density, t.thickness),
             np.hypot(t.stiffness_field, t.mass_field),
-            log(self.of.rig.damping_ratio.factor),
+            damping,
             t.sensitivity,
             FORCE_SHARE * t.sensitivity,
             t.hit_gain,
             t.position_m,
             t.hit_position_m,
             t.sensor_mass_kg,
-            log(self.of.rig.damping_ratio.factor) / 2,
+            np.array(pairs),
         )
         return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
+
+    @property
+    def _damping(self) -> Real:
+        """(modes,) deviation of the logarithm of each damping ratio: as guessed, or as one test after the other."""
+        c = self.of
+        measured = np.hypot(DAMPING, c.model.damping_sigma / c.model.damping_ratio)
+        return np.where(np.isfinite(measured), measured, log(c.rig.damping_ratio.factor))
 
     @property
     def size(self) -> int:
@@ -112,12 +124,12 @@ class Free:
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
-        delay = np.zeros(gain.size)
-        for o, late_s in change.delays:
-            delay[o] += late_s
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
+        # A delay turns what is identified as the shape at an output, mode by mode.
+        for o, late_s in change.delays:
+            moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         upper = np.triu_indices(self.modes)
@@ -132,7 +144,6 @@ class Free:
             out=moved,
             into=driven,
             gain=gain,
-            delay=delay,
             applied=applied,
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),

@@ -179,5 +179,5 @@ def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
         return best
     starts = nearby(fine.of, best.candidate, best.v, NEARBY)
     nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
-    other = min(nearly, key=lambda f: f.cost)
+    other = min(nearly, key=lambda f: f.cost, default=best)
     return min(best, fit(fine, other.candidate, other.u, other.v), key=lambda f: f.cost)
