@@ -151,7 +151,7 @@ def _against(campaign: Campaign, reference: Model | Recording | MeasuredFrf | Pa
     if isinstance(reference, Model):
         return gap_of(campaign, reference.modal)
     before = campaign_in(reference)
-    return gap_of(campaign, model_to_compare(before), "what was measured before", before.rig)
+    return gap_of(campaign, model_to_compare(before), "what was measured before", before)
 
 
 def _kept(path: Path, campaign: Campaign) -> Diagnosis:

@@ -53,8 +53,8 @@ def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: 
     for n, (name, put) in enumerate(zip(names, puts, strict=True)):
         with part(n / len(puts), (n + 1) / len(puts), name):
             rng = np.random.default_rng((request.seed, 1, n))
-            bench = _model(with_noise(with_effect(frf, put), variance, rng), rig)
-            _keep(folder, name, diagnose_by_model(reference, bench, rig))
+            there = with_noise(with_effect(frf, put), variance, rng)
+            _keep(folder, name, diagnose_by_model(reference, _model(there, rig), rig, frfs=(frf, there)))
     trials = [judged(name, _opened(folder, name), _answer(folder, name)) for name in names]
     return MeasuredOutcome(campaign=named, sealed=sealed, figures=figures(trials), trials=trials)
 

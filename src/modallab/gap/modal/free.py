@@ -5,7 +5,6 @@ sensitivities, the force of each driven point, where sensors and hits really are
 """
 
 from dataclasses import dataclass
-from math import log
 from typing import Any
 
 import numpy as np
@@ -14,14 +13,11 @@ from numpy.typing import NDArray
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
+from modallab.gap.modal.floor import of_structure
 from modallab.gap.modal.state import Hung, State
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
-
-
-DAMPING = 0.15
-"""By how much the damping of a mode differs from one test to the next, relative: cables, clamps, the air."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,12 +80,13 @@ class Free:
     @property
     def deviations(self) -> Real:
         """(numbers,) what one unit of each stands for; 0 for what is not free."""
-        t, damping = self.of.rig.tolerance, self._damping
+        t = self.of.rig.tolerance
+        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig)
         pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
-            np.hypot(t.youngs_modulus, 3 * t.thickness),
-            np.hypot(t.density, t.thickness),
-            np.hypot(t.stiffness_field, t.mass_field),
+            stiffness,
+            mass,
+            of_place[np.triu_indices(self.modes)],
             damping,
             t.sensitivity,
             FORCE_SHARE * t.sensitivity,
@@ -100,13 +97,6 @@ class Free:
             np.array(pairs),
         )
         return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
-
-    @property
-    def _damping(self) -> Real:
-        """(modes,) deviation of the logarithm of each damping ratio: as guessed, or as one test after the other."""
-        c = self.of
-        measured = np.hypot(DAMPING, c.model.damping_sigma / c.model.damping_ratio)
-        return np.where(np.isfinite(measured), measured, log(c.rig.damping_ratio.factor))
 
     @property
     def size(self) -> int:

@@ -35,6 +35,7 @@ class Fitted:
         v: (numbers of the change,).
         cost: sum of squares of misfit and priors.
         covariance: of u and v.
+        measured: whether the size comes from the measured FRFs themselves.
     """
 
     candidate: Candidate | None
@@ -42,6 +43,7 @@ class Fitted:
     v: Real
     cost: float
     covariance: Real
+    measured: bool = False
 
     @property
     def counted(self) -> float:
