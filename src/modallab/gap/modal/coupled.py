@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from modallab.core.frf import DERIVATIVES, Frf
 from modallab.gap.modal.compared import Compared
-from modallab.gap.modal.errors import sizes
+from modallab.gap.modal.errors import ERROR, sizes
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.search import Fitted
 from modallab.gap.modal.state import Hung
@@ -56,6 +56,17 @@ def _receptance(frf: Frf, lines: Real, c: Compared) -> Complex | None:
     rows, columns = [frf.outputs.index(n) for n in c.model.outputs], [frf.input_points.index(p) for p in driven]
     values = frf.values[rows][:, columns][..., np.searchsorted(frf.frequency_hz, lines)]
     return np.asarray(np.moveaxis(values, -1, 0) / (2j * np.pi * lines[:, None, None]) ** DERIVATIVES[frf.quantity])
+
+
+def unlike(pair: Pair, c: Compared) -> Real:
+    """(outputs, inputs) by how much the two models differ otherwise than the measured FRFs do, over these.
+
+    What both models miss of the FRFs alike does not count; what an identification makes of the noise of one does.
+    """
+    rate = pair.s[:, None, None]
+    by_models = synthesised(c.bench, pair.s) - synthesised(c.model, pair.s)
+    left = rate * (by_models - (pair.after - pair.before))
+    return np.asarray(np.hypot(ERROR, np.linalg.norm(left, axis=0) / np.linalg.norm(rate * pair.after, axis=0)))
 
 
 def refined(free: Free, fitted: Fitted, pair: Pair) -> Fitted:

@@ -13,7 +13,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
-from modallab.gap.modal.coupled import pair_of, refined
+from modallab.gap.modal.coupled import Pair, pair_of, refined, unlike
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.freedoms import Freedom
 from modallab.gap.modal.judged import Judged, judged, strain
@@ -90,14 +90,16 @@ def explained_by_model(
     """
     known = with_tolerances(rig)
     free = Free(compared(reference, bench, known, mesh=mesh, own=own))
+    pair = None if frfs is None else pair_of(*frfs, free.of)
+    if pair is not None:
+        free = Free(free.of.off_by(unlike(pair, free.of)))
     base, tried = explanations(levels(reference, bench, known, free, mesh, own))
-    found = _from_frfs(free, judged(free, base, tried), frfs)
+    found = _from_frfs(free, judged(free, base, tried), pair)
     return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
 
 
-def _from_frfs(free: Free, found: Judged, frfs: tuple[Frf, Frf] | None) -> Judged:
+def _from_frfs(free: Free, found: Judged, pair: Pair | None) -> Judged:
     """The same with the size of what hangs at a driven point from the FRFs themselves."""
-    pair = None if frfs is None else pair_of(*frfs, free.of)
     if pair is None:
         return found
     better = {id(f): refined(free, f, pair) for f, _ in found.ranked}
