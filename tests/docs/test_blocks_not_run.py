@@ -14,6 +14,7 @@ NOT_RUN = {
     "docs/explanation/identification-uncertainty.md": ["takes hours"],
     "docs/explanation/simulated-bench.md": ["takes minutes"],
     HOW_TO + "check-the-diagnosis.md": ["takes hours"],
+    HOW_TO + "check-on-your-own-structure.md": ["needs a campaign of yours"],
     HOW_TO + "first-connection.md": ["needs somebody at the sensor"],
     HOW_TO + "run-on-a-server.md": ["needs Docker"],
     HOW_TO + "run-the-service.md": ["opens the service to the network"],

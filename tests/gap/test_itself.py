@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from phased_line import PSI, ZETA, model, rig, with_mass
+from phased_line import OMEGA, PSI, ZETA, model, rig, with_mass
 
 from modallab.core.model import ModalModel
 from modallab.gap.modal.diagnosis import diagnose_by_model
@@ -53,3 +53,36 @@ def test_a_mass_is_named_at_every_phase(degrees: float) -> None:
     (effect,) = found.effects
     assert effect.effect == "added_mass"
     assert effect.parameters["mass"] == pytest.approx(1.0, rel=0.1)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 12.0])
+def test_a_late_trigger_is_named_with_its_time(degrees: float) -> None:
+    late = model(degrees=degrees)
+    turned = np.exp(-2j * np.pi * late.frequency_hz * 4e-4)[:, None, None]
+    bench = late.model_copy(update={"modal_constants": late.modal_constants * turned})
+    (effect,) = diagnose_by_model(model(degrees=degrees), bench, rig()).effects
+    assert effect.effect == "trigger_delay"
+    assert effect.parameters["seconds"] == pytest.approx(4e-4, rel=0.02)
+
+
+def test_a_damper_is_named() -> None:
+    """By the poles of the state matrix, with shapes that the damper makes complex."""
+    c, n = 60.0, OMEGA.size
+    damping = np.diag(2 * ZETA * OMEGA) + c * np.outer(PSI[:, 0], PSI[:, 0])
+    poles, vectors = np.linalg.eig(np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(OMEGA**2), -damping]]))
+    chosen = np.argsort(poles.imag)[n:]
+    poles, vectors = poles[chosen], vectors[:n, chosen]
+    # Normed so that an FRF is the sum of v v^T / (s - pole) and its conjugate.
+    scale = np.array([v @ (2 * p * np.eye(n) + damping) @ v for p, v in zip(poles, vectors.T, strict=True)])
+    shapes = (vectors * np.sqrt(2j * poles.imag / scale)).T @ PSI
+    found = diagnose_by_model(model(), model(shapes, np.abs(poles), zeta=-poles.real / np.abs(poles)), rig())
+    (effect,) = found.effects
+    assert (effect.effect, effect.place["point"]) == ("local_damper", 1)
+    assert effect.parameters["c"] == pytest.approx(c, rel=0.2)
+
+
+@pytest.mark.parametrize("kg", [0.3, 1.0])
+def test_one_sensor_at_one_driven_point_shows_a_mass_there(kg: float) -> None:
+    (effect,) = diagnose_by_model(model(sensors=(1,)), with_mass(kg, 1, sensors=(1,)), rig()).effects
+    assert effect.effect == "added_mass"
+    assert effect.parameters["mass"] == pytest.approx(kg, rel=0.1)

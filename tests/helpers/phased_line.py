@@ -34,8 +34,8 @@ def model(
     constants = out[:, :, None] * into[:, None, :] * np.exp(-1j * np.radians(degrees))
     nothing, hz = np.full(omega.size, np.nan), omega / (2 * np.pi)
     return ModalModel(
-        method="plscf", band_hz=(10.0, 95.0), frequency_hz=hz, damping_ratio=zeta, frequency_sigma_hz=nothing,
-        damping_sigma=nothing, outputs=tuple(f"a{p}" for p in sensors), output_points=sensors, input_points=driven,
+        method="plscf", band_hz=(10.0, 95.0), frequency_hz=hz, damping_ratio=zeta, frequency_sigma_hz=1e-5 * hz,
+        damping_sigma=0.002 * zeta, outputs=tuple(f"a{p}" for p in sensors), output_points=sensors, input_points=driven,
         modal_constants=constants, modal_constant_sigma=np.full(constants.shape, np.nan),
         residuals=np.zeros((0, *constants.shape[1:])), half_power=nothing, half_power_floor=nothing,
     )  # fmt: skip

@@ -13,6 +13,8 @@ from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 
+from modallab.blind.measured.draw import MeasuredRequest
+from modallab.blind.measured.score import MeasuredOutcome
 from modallab.blind.outcome import BlindOutcome
 from modallab.blind.page import render
 from modallab.blind.request import BlindRequest
@@ -23,10 +25,15 @@ from modallab.core.extras import optional_package
 from modallab.core.field_errors import sentences
 from modallab.core.progress import heard_by
 from modallab.formats.atomic import replacing
+from modallab.formats.campaign.campaign_hdf5 import read_campaign
+from modallab.formats.rig.rig_file import read_rig
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Make, seal, answer and open trials, or answer the campaigns of a folder."""
+    if arguments.on is not None:
+        return _on(arguments)
+    only_with("--on", rig=arguments.rig)
     console, out, folder = Console(), cast("Path", arguments.out), cast("Path | None", arguments.folder)
     if folder is None:
         only_with("--folder", truth=arguments.truth)
@@ -48,6 +55,32 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(_table(found))
     console.print(f"written: {out / 'blind.json'}, {out / 'blind.html'}", markup=False, soft_wrap=True)
     return 0
+
+
+def _on(arguments: argparse.Namespace) -> int:
+    # Imported here: the other trials need no identification, which takes a second to load.
+    from modallab.pipelines.structure_trials import trials_on
+
+    console, out = Console(), cast("Path", arguments.out)
+    rig = None if arguments.rig is None else read_rig(arguments.rig)
+    none = arguments.none if arguments.none is not None else -(-arguments.trials // 4)
+    with (
+        console.status("blind trials") as status,
+        heard_by(lambda share, words: status.update(f"{share:.0%} {words}")),
+    ):
+        found = trials_on(read_campaign(arguments.on, rig), out, _measured(arguments.trials, none, arguments.seed))
+    _write(out / "blind.json", found.model_dump_json(indent=1) + "\n")
+    for table in tables_of(found):
+        console.print(table)
+    console.print(f"written: {out / 'blind.json'}", markup=False, soft_wrap=True)
+    return 0
+
+
+def _measured(trials: int, none: int, seed: int) -> MeasuredRequest:
+    try:
+        return MeasuredRequest(trials=trials, none=none, seed=seed)
+    except ValidationError as error:
+        raise PlanError("; ".join(sentences(error)), remedy="correct the options of modallab gap blind") from error
 
 
 def _request(arguments: argparse.Namespace) -> BlindRequest:
@@ -78,6 +111,22 @@ def _pool(arguments: argparse.Namespace) -> Generator[Executor]:
     workers = arguments.workers or os.cpu_count() or 1
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         yield pool
+
+
+def tables_of(found: MeasuredOutcome) -> tuple[Table, Table]:
+    """The figures of semi-real trials, and the trials one by one."""
+    shares = Table("figure", "value", "of", title=f"{len(found.trials)} trials on {found.campaign}")
+    for figure in found.figures:
+        if figure.value is not None:
+            shares.add_row(figure.name, f"{figure.value:.3g}", str(figure.count))
+    each = Table("done", "size", "at", "said", "size", "at", "probability")
+    for t in found.trials:
+        numbers = ("" if v is None else f"{v:.3g}" for v in (t.value, t.said_value))
+        done, said = numbers
+        each.add_row(
+            t.effect, done, t.place, t.said, said, t.said_place, f"{t.probability:.2f}" if t.probability else ""
+        )
+    return each, shares
 
 
 def _table(found: BlindOutcome) -> Table:

@@ -106,6 +106,10 @@ def _add_blind(actions: _Commands) -> None:
         help="how accurate the simulated benches are: ideal, or as in a usual lab",
     )
     command.add_argument("--no-later", action="store_true", help="do not check the diagnoses on a later campaign")
+    command.add_argument(
+        "--on", type=Path, metavar="CAMPAIGN", help="put known effects into these measured FRFs, of any structure"
+    )
+    command.add_argument("--rig", type=Path, metavar="RIG.yaml", help="of --on, if it is neither inside nor beside it")
     command.add_argument("--folder", type=Path, metavar="CAMPAIGNS", help="diagnose these instead of making trials")
     command.add_argument(
         "--truth", type=Path, metavar="TRUTHS", help="true effects of --folder, read after all diagnoses are written"

@@ -150,7 +150,8 @@ def _against(campaign: Campaign, reference: Model | Recording | MeasuredFrf | Pa
         return gap_against(campaign, Path(reference))
     if isinstance(reference, Model):
         return gap_of(campaign, reference.modal)
-    return gap_of(campaign, model_to_compare(campaign_in(reference)), "what was measured before")
+    before = campaign_in(reference)
+    return gap_of(campaign, model_to_compare(before), "what was measured before", before)
 
 
 def _kept(path: Path, campaign: Campaign) -> Diagnosis:

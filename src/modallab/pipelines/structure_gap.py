@@ -4,6 +4,7 @@ from pathlib import Path
 
 from modallab.core.block import Campaign
 from modallab.core.errors import DataError, RigError
+from modallab.core.frf import Frf
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
@@ -17,8 +18,16 @@ from modallab.pipelines.model_file import read_models
 from modallab.reporting.structure_report import StructureGap
 
 
-def gap_of(campaign: Campaign, reference: ModalModel, named: str = "a modal model") -> StructureGap:
+def gap_of(
+    campaign: Campaign, reference: ModalModel, named: str = "a modal model", before: Campaign | None = None
+) -> StructureGap:
     """What differs between a modal model and the structure of a campaign, beyond the tolerances of its rig.
+
+    Args:
+        campaign: of the structure as it is.
+        reference: the modal model.
+        named: it in words.
+        before: the campaign that it was identified from, if it was.
 
     Returns:
         the diagnosis, with all that its report shows.
@@ -27,7 +36,7 @@ def gap_of(campaign: Campaign, reference: ModalModel, named: str = "a modal mode
         DataError: no force was measured, or the two have nothing in common.
         IdentificationError: the campaign holds no mode.
     """
-    return gap_between(campaign, reference, _identified(campaign), named)
+    return gap_between(campaign, reference, _identified(campaign), named, before=before)
 
 
 def gap_against(campaign: Campaign, path: Path) -> StructureGap:
@@ -43,8 +52,8 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
     """
     identified = _identified(campaign)
     bench = identified.identified[0]
-    reference, mesh, own = read_reference(path, campaign.rig, bench.model)
-    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh, own)
+    reference, mesh, before = read_reference(path, campaign.rig, bench.model)
+    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh, before)
 
 
 def gap_between(
@@ -53,7 +62,7 @@ def gap_between(
     identified: Result,
     named: str,
     mesh: Mesh | None = None,
-    own: Rig | None = None,
+    before: Campaign | None = None,
 ) -> StructureGap:
     """What differs between a reference and the first model that a campaign gave.
 
@@ -63,15 +72,24 @@ def gap_between(
         identified: what it gave.
         named: the reference in words.
         mesh: its shapes at nodes between the points, where it was computed.
-        own: the reference's rig, where it is another.
+        before: the campaign that the reference was identified from, if it was.
 
     Raises:
         DataError: the two have nothing in common.
     """
     bench = identified.identified[0]
-    explained = explained_by_model(reference, bench.model, campaign.rig, mesh, own)
+    own = None if before is None else before.rig
+    frfs = _frfs(before, campaign, bench)
+    explained = explained_by_model(reference, bench.model, campaign.rig, mesh, own, frfs)
     records = None if bench.verification is None else bench.verification.measured
     return StructureGap(campaign.rig, explained, named, records, _beside(identified, explained, bench))
+
+
+def _frfs(before: Campaign | None, campaign: Campaign, bench: Identified) -> tuple[Frf, Frf] | None:
+    """FRFs of both that came as such from the same channels; those of records hold the end of a block."""
+    if before is None or not before.frfs or not campaign.frfs or before.rig.channels != campaign.rig.channels:
+        return None
+    return before.frfs[0], campaign.frfs[bench.index]
 
 
 def _what(path: Path) -> str:
@@ -114,10 +132,10 @@ def _identified(campaign: Campaign) -> Result:
     return identify_campaign(campaign, Options())
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None, Rig | None]:
+def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None, Campaign | None]:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
 
-    With it the shapes at the nodes of a finite-element model, where it says its places, and the rig of a campaign.
+    With it the shapes at the nodes of a finite-element model, where it says its places, or the campaign.
 
     Args:
         path: of it.
@@ -140,7 +158,7 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel,
         how = (fem, rig, bench.band_hz, driven)
         return model_of_elements(*how), mesh_of_elements(*how), None
     before = _on_its_own_rig(path, rig)
-    return model_to_compare(before), None, before.rig
+    return model_to_compare(before), None, before
 
 
 def _on_its_own_rig(path: Path, rig: Rig) -> Campaign:

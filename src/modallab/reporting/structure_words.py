@@ -20,6 +20,8 @@ def spoken(change: FoundChange) -> str:
 def place_of_change(change: FoundChange) -> str:
     """On a channel, or near a point; of a spring with the axis along which it pulls."""
     place = cast("Mapping[str, object]", change.place)
+    if "channels" in place:
+        return "of all channels"
     if "channel" in place:
         return f"of {place['channel']}" if change.effect == "position_error" else f"on {place['channel']}"
     along = f", along {place['axis']}" if "axis" in place else ""

@@ -1,4 +1,4 @@
-"""The changes that are looked for: a mass or a spring at a point, a sensor's gain, the force's, a sensor's place."""
+"""The changes that are looked for: on the structure at a point, on a channel, or in the time of all channels."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -20,8 +20,20 @@ MASSES = np.geomspace(0.004, 1.5, 8)
 """Masses to begin with, over the modal mass seen from there."""
 SPRINGS = np.geomspace(0.004, 10.0, 9)
 """Springs, over the modal stiffness seen from there."""
-HANGS = {"added_mass": "mass_kg", "ground_spring": "stiffness"}
-"""Which number of what hangs there is its size."""
+DAMPERS = np.geomspace(0.05, 20.0, 8)
+"""Dampers, over the modal damping seen from there."""
+HANGS = {
+    "added_mass": ("mass_kg", MASSES),
+    "ground_spring": ("stiffness", SPRINGS),
+    "local_damper": ("damping", DAMPERS),
+}
+"""Which number of what hangs there is its size, and the sizes to begin with."""
+EVERY = ("trigger_delay", "channel_skew")
+"""Effects in the time of all channels."""
+DELAYS = np.array([-0.6, -0.2, -0.07, 0.07, 0.2, 0.6])
+"""Delays to begin with, as a phase at the highest mode; rad."""
+PHASE = 0.02
+"""By how much the phase of the chain is off at a point, rad; and besides by as much as it is."""
 GAINS = (-1.0, 0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
 SHIFTS = (0.1, 0.3, 0.8)
 """Of a sensor, over the distance to the nearest point."""
@@ -60,8 +72,8 @@ class Candidate:
 
 def candidates(c: Compared) -> list[Candidate]:
     """All of them; without a driving point none whose size needs the modal mass."""
-    hung = [*_hung(c, "added_mass"), *_hung(c, "ground_spring")] if c.shapes.scaled else []
-    return [*hung, *_gains(c), *_places(c)]
+    hung = [one for effect in HANGS for one in _hung(c, effect)] if c.shapes.scaled else []
+    return [*hung, *_gains(c), *_places(c), *_delays(c)]
 
 
 def spacing(c: Compared) -> float:
@@ -79,7 +91,7 @@ def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
         seen = _seen(c, effect, group)
         if seen <= 0:
             continue
-        sizes = (MASSES if effect == "added_mass" else SPRINGS) / seen
+        sizes = HANGS[effect][1] / seen
         tangents = c.shapes.tangents(group[0])
         free = np.linalg.norm(tangents, axis=1) > 0
         step = spacing(c)
@@ -88,9 +100,9 @@ def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
             group,
             None,
             _hanging(c, effect, group, tangents, step, local, np.log(sizes[[0, -1]]) + np.array([-ROOM, ROOM])),
-            tuple(np.array([np.log(size), 0.0, 0.0, 0.0]) for size in sizes),
-            np.array([np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9]),
-            np.zeros(4),
+            tuple(np.array([np.log(size), 0.0, 0.0, 0.0, 0.0]) for size in sizes),
+            np.array([np.inf, *np.where(free, step, 1e-9), COMPLIANCE_SPREAD if local else 1e-9, _phase(c)]),
+            np.zeros(5),
         )
 
 
@@ -99,9 +111,20 @@ def _seen(c: Compared, effect: str, group: Sequence[Freedom]) -> float:
 
 
 def _felt(c: Compared, effect: str, psi: Complex) -> float:
-    """Inverse of the least modal mass, or stiffness, that is seen where the shapes are `psi` (modes, directions)."""
+    """Inverse of the least modal mass, stiffness or damping seen where the shapes are `psi` (modes, directions)."""
     omega = 2 * np.pi * c.model.frequency_hz
-    return float(np.max(np.sum(np.abs(psi) ** 2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
+    own = {
+        "added_mass": np.ones(omega.size),
+        "ground_spring": omega**2,
+        "local_damper": 2 * c.model.damping_ratio * omega,
+    }
+    return float(np.max(np.sum(np.abs(psi) ** 2, axis=1) / own[effect]))
+
+
+def _phase(c: Compared) -> float:
+    """Deviation of the phase by which the chain turns what hangs on the structure, rad."""
+    turned = abs(np.angle(c.shapes.turn))
+    return float(np.hypot(min(turned, np.pi - turned), PHASE))
 
 
 def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
@@ -114,7 +137,7 @@ def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Can
     psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in found.freedoms])
     felt = _felt(c, found.effect, psi.T)
     return [
-        (o, np.array([v[0] + np.log(felt / _seen(c, o.effect, o.freedoms)), 0.0, 0.0, v[3]])) for o in others[:count]
+        (o, np.array([v[0] + np.log(felt / _seen(c, o.effect, o.freedoms)), 0.0, 0.0, *v[3:]])) for o in others[:count]
     ]
 
 
@@ -134,12 +157,12 @@ def _hanging(
             Hung(
                 seen + away,
                 driven + away,
-                **{HANGS[effect]: size},
+                **{HANGS[effect][0]: size},
                 outputs=outputs,
                 inputs=inputs,
                 compliance=local * float(np.exp(np.clip(v[3], -MOST_SPREAD, MOST_SPREAD))),
                 near=float(np.exp(-((np.linalg.norm(offset) / (0.5 * step)) ** 2))) if step else 1.0,
-                turn=c.shapes.turn,
+                turn=c.shapes.turn * complex(np.exp(1j * v[4])),
             )
         )
 
@@ -183,4 +206,22 @@ def _places(c: Compared) -> Iterator[Candidate]:
             np.append(np.where(free, np.inf, 1e-9), np.ones(modes)),
             np.zeros(2 + modes),
             modes,
+        )
+
+
+def _delays(c: Compared) -> Iterator[Candidate]:
+    index = {channel.name: channel.index for channel in c.rig.channels}
+    scanned = np.array([index[name.split("@")[0]] for name in c.model.outputs], float) - c.rig.force_channel.index
+    for effect, late in (("trigger_delay", np.ones(scanned.size)), ("channel_skew", scanned)):
+        if effect == "channel_skew" and np.ptp(scanned) == 0:
+            continue
+        first = DELAYS / (2 * np.pi * float(c.model.frequency_hz.max()) * np.abs(late).max())
+        yield Candidate(
+            effect,
+            (),
+            None,
+            lambda v, late=late: Change(delays=tuple((o, float(v[0] * share)) for o, share in enumerate(late))),
+            tuple(np.array([start]) for start in first),
+            np.array([np.inf]),
+            np.zeros(1),
         )

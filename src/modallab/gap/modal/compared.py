@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.gap.modal.errors import sizes, weights
+from modallab.gap.modal.errors import ERROR, sizes, weights
 from modallab.gap.modal.freedoms import freedoms_of
 from modallab.gap.modal.matching import in_common
 from modallab.gap.modal.mesh import Mesh
@@ -55,6 +55,7 @@ class Compared:
             outside the band; m/N.
         measured: (lines, outputs, inputs) the bench's receptances.
         weights: of misfits.
+        error: share of its size by which a line is off by itself, (outputs, inputs) or of all FRFs.
     """
 
     rig: Rig
@@ -69,11 +70,17 @@ class Compared:
     outside: Complex
     measured: Complex
     weights: Weights
+    error: Real | float = ERROR
+
+    def off_by(self, error: Real) -> "Compared":
+        """With errors of the lines that were measured, (outputs, inputs)."""
+        own = weights(self.model, self.bench, self.s, self.measured, error)
+        return replace(self, error=error, weights=own)
 
     def thinned(self, lines: slice) -> "Compared":
         """On some of the lines."""
         s, measured = self.s[lines], self.measured[lines]
-        own = weights(self.model, self.bench, s, measured)
+        own = weights(self.model, self.bench, s, measured, self.error)
         return replace(self, s=s, outside=self.outside[lines], measured=measured, weights=own)
 
     @property

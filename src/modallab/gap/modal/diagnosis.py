@@ -1,16 +1,19 @@
 """The diagnosis of a structure that no beam describes: its modal model stands for the simulation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.diagnosis import CandidateSet
 from modallab.core.effects import kind_of
+from modallab.core.frf import Frf
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
+from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
+from modallab.gap.modal.coupled import Pair, pair_of, refined, unlike
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.freedoms import Freedom
 from modallab.gap.modal.judged import Judged, judged, strain
@@ -49,7 +52,12 @@ class Explained:
 
 
 def diagnose_by_model(
-    reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None, own: Rig | None = None
+    reference: ModalModel,
+    bench: ModalModel,
+    rig: Rig,
+    mesh: Mesh | None = None,
+    own: Rig | None = None,
+    frfs: tuple[Frf, Frf] | None = None,
 ) -> ModalDiagnosis:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
@@ -59,15 +67,21 @@ def diagnose_by_model(
         rig: points, channels and tolerances; the usual ones where it states none.
         mesh: the reference's shapes at nodes between the points, where it was computed.
         own: the reference's rig, where it is another.
+        frfs: of reference and bench, as they were measured, where nothing of a block's end is in them.
 
     Raises:
         DataError: the two share no band, output or driven point.
     """
-    return explained_by_model(reference, bench, rig, mesh, own).diagnosis
+    return explained_by_model(reference, bench, rig, mesh, own, frfs).diagnosis
 
 
 def explained_by_model(
-    reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None, own: Rig | None = None
+    reference: ModalModel,
+    bench: ModalModel,
+    rig: Rig,
+    mesh: Mesh | None = None,
+    own: Rig | None = None,
+    frfs: tuple[Frf, Frf] | None = None,
 ) -> Explained:
     """The same with the fits behind it, from which FRFs can be drawn.
 
@@ -76,9 +90,21 @@ def explained_by_model(
     """
     known = with_tolerances(rig)
     free = Free(compared(reference, bench, known, mesh=mesh, own=own))
+    pair = None if frfs is None else pair_of(*frfs, free.of)
+    if pair is not None:
+        free = Free(free.of.off_by(unlike(pair, free.of)))
     base, tried = explanations(levels(reference, bench, known, free, mesh, own))
-    found = judged(free, base, tried)
+    found = _from_frfs(free, judged(free, base, tried), pair)
     return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
+
+
+def _from_frfs(free: Free, found: Judged, pair: Pair | None) -> Judged:
+    """The same with the size of what hangs at a driven point from the FRFs themselves."""
+    if pair is None:
+        return found
+    better = {id(f): refined(free, f, pair) for f, _ in found.ranked}
+    ranked = [(better[id(f)], p) for f, p in found.ranked]
+    return replace(found, best=better.get(id(found.best), found.best), ranked=ranked)
 
 
 def levels(
@@ -119,9 +145,9 @@ def changed(c: Compared, fitted: Fitted, probability: float) -> FoundChange:
     candidate = fitted.candidate
     assert candidate is not None
     # What the best explanation leaves is the scale of an error, as in the probabilities.
-    widened = max(1.0, np.sqrt(fitted.cost / fitted.u.size))
+    widened = 1.0 if fitted.measured else max(1.0, np.sqrt(fitted.cost / fitted.u.size))
     sigma = np.sqrt(np.diag(fitted.covariance))[fitted.u.size :] * widened
-    if candidate.freedoms:
+    if candidate.freedoms and not fitted.measured:
         sigma[0] = np.hypot(sigma[0], TRUNCATED)
     values, spread = _numbers(c, fitted, sigma)
     within = {
@@ -144,20 +170,23 @@ def _numbers(c: Compared, fitted: Fitted, sigma: Real) -> tuple[dict[str, float]
     """Numbers by name and their sigmas; of a mass or a spring that of the logarithm."""
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
+    number = kind_of(candidate.effect).parameters[0].name
     if candidate.freedoms:
-        return {"mass" if candidate.effect == "added_mass" else "k": float(np.exp(v[0]))}, [float(sigma[0])]
+        return {number: float(np.exp(v[0]))}, [float(sigma[0])]
     if candidate.effect == "position_error":
         tangents = c.shapes.tangents(_freedom(c, candidate.channel or 0))
         names = ("dx", "dy", "dz")
         return dict(zip(names, (v[:2] @ tangents).tolist(), strict=True)), np.sqrt(
             sigma[:2] ** 2 @ tangents**2
         ).tolist()
-    return {"gain": float(v[0])}, [float(sigma[0])]
+    return {number: float(v[0])}, [float(sigma[0])]
 
 
 def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
     candidate, v = fitted.candidate, fitted.v
     assert candidate is not None
+    if candidate.effect in EVERY:
+        return {"channels": "all"}
     if not candidate.freedoms:
         force = c.rig.force_channel.name
         return {"channel": force if candidate.channel is None else c.model.outputs[candidate.channel]}
@@ -165,7 +194,7 @@ def _place(c: Compared, fitted: Fitted) -> dict[str, object]:
     at = c.shapes.at_m[c.shapes.index(freedom)] + v[1:3] @ c.shapes.tangents(freedom)
     nearest = int(np.argmin(np.linalg.norm(c.shapes.at_m - at, axis=1)))
     place: dict[str, object] = {"point": c.shapes.freedoms[nearest][0], "at_m": at.tolist()}
-    return place | ({"axis": freedom[1]} if candidate.effect == "ground_spring" else {})
+    return place | ({"axis": freedom[1]} if candidate.effect != "added_mass" else {})
 
 
 def _freedom(c: Compared, output: int) -> Freedom:

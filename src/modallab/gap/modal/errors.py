@@ -35,15 +35,25 @@ def sizes(measured: Complex) -> Real:
     return np.hypot(size, SMALL * _rms(size))
 
 
-def weights(reference: ModalModel, bench: ModalModel, s: Complex, measured: Complex) -> Weights:
-    """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench's model."""
+def weights(
+    reference: ModalModel, bench: ModalModel, s: Complex, measured: Complex, error: Real | float = ERROR
+) -> Weights:
+    """Of misfits between the reference and FRFs `measured` (lines, outputs, inputs) of the bench's model.
+
+    Args:
+        reference: of the comparison.
+        bench: of the comparison.
+        s: (lines,) complex frequencies.
+        measured: receptances of the bench's model there.
+        error: share of its size by which a line is off by itself, (outputs, inputs) or of all FRFs.
+    """
     terms, of_terms = _of_residuals(reference, bench, s)
     constants = np.abs(bench.modal_constants)
     of_modes = SHAPE * np.hypot(constants, SMALL * _rms(constants))
     # A modal constant is complex: it may be off in size and in phase.
     modes = kernels(bench, s).T
     shapes = np.concatenate([terms, modes, 1j * modes])
-    return Weights.of(ERROR * sizes(measured), shapes, np.concatenate([of_terms, of_modes, of_modes]))
+    return Weights.of(error * sizes(measured), shapes, np.concatenate([of_terms, of_modes, of_modes]))
 
 
 def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple[Complex, Real]:

@@ -5,7 +5,6 @@ sensitivities, the force of each driven point, where sensors and hits really are
 """
 
 from dataclasses import dataclass
-from math import log
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.rig import FORCE_SHARE
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.derivatives import derivatives
+from modallab.gap.modal.floor import of_structure
 from modallab.gap.modal.state import Hung, State
 
 Real = NDArray[np.float64]
@@ -81,18 +81,20 @@ class Free:
     def deviations(self) -> Real:
         """(numbers,) what one unit of each stands for; 0 for what is not free."""
         t = self.of.rig.tolerance
+        stiffness, mass, of_place, damping = of_structure(self.of.model, self.of.bench, self.of.rig)
+        pairs = [(damping[r] + damping[q]) / 4 for r, q in self.of.close_pairs]
         each = (
-            np.hypot(t.youngs_modulus, 3 * t.thickness),
-            np.hypot(t.density, t.thickness),
-            np.hypot(t.stiffness_field, t.mass_field),
-            log(self.of.rig.damping_ratio.factor),
+            stiffness,
+            mass,
+            of_place[np.triu_indices(self.modes)],
+            damping,
             t.sensitivity,
             FORCE_SHARE * t.sensitivity,
             t.hit_gain,
             t.position_m,
             t.hit_position_m,
             t.sensor_mass_kg,
-            log(self.of.rig.damping_ratio.factor) / 2,
+            np.array(pairs),
         )
         return np.concatenate([np.full(n, value) for n, value in zip(self.sizes, each, strict=True)])
 
@@ -112,12 +114,12 @@ class Free:
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
-        delay = np.zeros(gain.size)
-        for o, late_s in change.delays:
-            delay[o] += late_s
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
+        # A delay turns what is identified as the shape at an output, mode by mode.
+        for o, late_s in change.delays:
+            moved[o] = moved[o] * np.exp(-2j * np.pi * c.model.frequency_hz * late_s)
         driven = c.into_psi + np.einsum("ij,ijm->im", struck.reshape(-1, 2), c.into_slopes)
         applied = np.exp(hits - force[0]) / change.force_gain
         upper = np.triu_indices(self.modes)
@@ -132,7 +134,6 @@ class Free:
             out=moved,
             into=driven,
             gain=gain,
-            delay=delay,
             applied=applied,
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),

@@ -12,6 +12,15 @@ Freedom = tuple[int, str]
 """A point and the axis of motion there: x, y or z; positive along the axis, or along the drive where it is its axis."""
 
 
+def with_points(model: ModalModel, rig: Rig) -> ModalModel:
+    """The model with the points of the rig's channels where it has none of its own: a file of FRFs may name none."""
+    points = {channel.name: channel.point for channel in rig.channels}
+    outputs = (points.get(n) if p is None else p for n, p in zip(model.outputs, model.output_points, strict=True))
+    driven = None if rig.force is None else rig.force.point
+    inputs = (driven if p is None and len(model.input_points) == 1 else p for p in model.input_points)
+    return model.model_copy(update={"output_points": tuple(outputs), "input_points": tuple(inputs)})
+
+
 def freedoms_of(model: ModalModel, rig: Rig) -> tuple[tuple[Freedom, ...], tuple[Freedom, ...]]:
     """Freedoms of outputs and inputs.
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from modallab.core.diagnosis import Verdict
 from modallab.core.rig import FORCE_SHARE
+from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.search import Fitted
 
@@ -97,7 +98,7 @@ def moves(free: Free, fitted: Fitted) -> float:
 def within_tolerance(free: Free, fitted: Fitted) -> str:
     """Why a change is no gap though it explains one: it is within its own tolerance; "" where it is not."""
     t, candidate, v = free.of.rig.tolerance, fitted.candidate, fitted.v
-    if candidate is None or candidate.freedoms:
+    if candidate is None or candidate.freedoms or candidate.effect in EVERY:
         return ""
     name = candidate.effect.replace("_", " ")
     if candidate.effect == "position_error":

@@ -9,7 +9,7 @@ from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.core.units import BROADBAND
-from modallab.gap.modal.freedoms import Freedom, freedoms_of, senses_of
+from modallab.gap.modal.freedoms import Freedom, freedoms_of, senses_of, with_points
 
 Real = NDArray[np.float64]
 
@@ -32,6 +32,7 @@ def in_common(reference: ModalModel, own: Rig, bench: ModalModel, rig: Rig) -> t
         DataError: they share no output or no driven point, or several shakers drove the bench at once.
     """
     points = _points(own, rig)
+    reference, bench = with_points(reference, own), with_points(bench, rig)
     outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(reference, own))
     wanted, driven = freedoms_of(bench, rig)
     rows = [o for o, f in enumerate(wanted) if f in outputs]

@@ -1,5 +1,7 @@
 """What a comparison with a modal model found, in one sentence."""
 
+from typing import Any
+
 from modallab.core.effects import kind_of
 from modallab.core.modal_diagnosis import FoundChange, ModalDiagnosis
 
@@ -24,9 +26,16 @@ def _words(effect: FoundChange) -> str:
         if value or low != high
     )
     place = effect.place
-    at = f"of {place['channel']}" if "channel" in place else f"near point {place['point']}, {_at(place['at_m'])}"
-    return f"{effect.effect.replace('_', ' ')} {at}: {', '.join(numbers)}, probability {effect.probability:.2f}"
+    return (
+        f"{effect.effect.replace('_', ' ')} {_where(place)}: {', '.join(numbers)}, probability {effect.probability:.2f}"
+    )
 
 
 def _at(place_m: list[float]) -> str:
     return f"at ({', '.join(f'{x:.3g}' for x in place_m)}) m"
+
+
+def _where(place: dict[str, Any]) -> str:
+    if "channels" in place:
+        return "of all channels"
+    return f"of {place['channel']}" if "channel" in place else f"near point {place['point']}, {_at(place['at_m'])}"

@@ -35,6 +35,7 @@ class Fitted:
         v: (numbers of the change,).
         cost: sum of squares of misfit and priors.
         covariance: of u and v.
+        measured: whether the size comes from the measured FRFs themselves.
     """
 
     candidate: Candidate | None
@@ -42,6 +43,7 @@ class Fitted:
     v: Real
     cost: float
     covariance: Real
+    measured: bool = False
 
     @property
     def counted(self) -> float:
@@ -179,5 +181,5 @@ def _from_nearby(closer: Free, fine: Free, best: Fitted) -> Fitted:
         return best
     starts = nearby(fine.of, best.candidate, best.v, NEARBY)
     nearly = [fit(closer, candidate, best.u, v, FIRST_STEPS) for candidate, v in starts]
-    other = min(nearly, key=lambda f: f.cost)
+    other = min(nearly, key=lambda f: f.cost, default=best)
     return min(best, fit(fine, other.candidate, other.u, other.v), key=lambda f: f.cost)

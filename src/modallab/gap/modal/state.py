@@ -85,7 +85,6 @@ class State:
         out: (outputs, modes) shapes at the outputs.
         into: (inputs, modes) shapes at the inputs.
         gain: (outputs,) factors on what the outputs read.
-        delay: (outputs,) s by which they read late.
         applied: (inputs,) force that acts over the force that is read.
         stiffness: kappa.
         mass: mu.
@@ -101,7 +100,6 @@ class State:
     out: Complex
     into: Complex
     gain: Real
-    delay: Real
     applied: Real
     stiffness: float
     mass: float
@@ -143,10 +141,6 @@ class State:
         y_changed = y - (flexibility @ hung.driven.T) @ through @ of
         return x_changed, y_changed, whole - to @ through @ of
 
-    def read(self, s: Complex) -> Complex:
-        """(lines, outputs) what the outputs read over the motion there."""
-        return np.asarray(self.gain * np.exp(-s[:, None] * self.delay), np.complex128)
-
     def receptance(self, s: Complex, outside: Complex) -> Complex:
         """(lines, outputs, inputs), with the reference's part `outside` the band, (lines, outputs, inputs)."""
-        return np.asarray(self.read(s)[:, :, None] * self.paths(s, outside)[2] * self.applied)
+        return np.asarray(self.gain[:, None] * self.paths(s, outside)[2] * self.applied)

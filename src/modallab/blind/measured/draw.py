@@ -1,0 +1,131 @@
+"""Which effects are put into measured FRFs: those that can be put exactly, of sizes from small to plain."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from modallab.blind.measured.put import Put
+from modallab.core.frozen import Frozen
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.gap.modal.freedoms import freedoms_of
+
+Real = NDArray[np.float64]
+
+ON_STRUCTURE = ("added_mass", "ground_spring", "local_damper")
+HANGING = (0.005, 0.2)
+"""Masses and springs, over the least modal mass or stiffness at their point."""
+DAMPING = (0.2, 3.0)
+"""Dampers, over the modal damping there."""
+GAIN = (0.05, 0.5)
+"""By how much a sensor reads too much or too little."""
+DIFFERENT = 0.1
+"""Share of a sensor's modal constants by which it has to read otherwise where it is moved to."""
+DELAY = (0.03, 0.6)
+"""Delays, as a phase at the highest mode; rad."""
+
+
+class MeasuredRequest(Frozen):
+    """Which trials are made of a campaign.
+
+    Attributes:
+        trials: with one effect.
+        none: without.
+        seed: draws everything.
+    """
+
+    trials: Annotated[int, Field(ge=0, le=10_000)] = 20
+    none: Annotated[int, Field(ge=0, le=10_000)] = 5
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = 0
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not self.trials + self.none:
+            raise ValueError("no trial is asked for")
+        return self
+
+
+def drawn(model: ModalModel, rig: Rig, request: MeasuredRequest) -> list[Put | None]:
+    """The effects of all trials, None for nothing done, in an order that says nothing."""
+    rng = np.random.default_rng(request.seed)
+    kinds = _kinds(model, rig)
+    found: list[Put | None] = [kinds[int(rng.integers(len(kinds)))](rng) for _ in range(request.trials)]
+    found += [None] * request.none
+    return [found[n] for n in rng.permutation(len(found))]
+
+
+def driving_points(model: ModalModel, rig: Rig) -> list[tuple[int, int]]:
+    """(output, input) of each sensor that stands at a driven point, along the drive."""
+    outputs, inputs = freedoms_of(model, rig)
+    return [(o, i) for o, f in enumerate(outputs) for i, g in enumerate(inputs) if f == g]
+
+
+def _kinds(model: ModalModel, rig: Rig) -> list[Callable[[np.random.Generator], Put]]:
+    outputs = len(model.outputs)
+    kinds: list[Callable[[np.random.Generator], Put]] = [
+        lambda rng: Put("gain_error", _gain(rng), output=int(rng.integers(outputs))),
+        lambda rng: Put("trigger_delay", _sign(rng) * _log(rng, DELAY) / float(_omega(model).max())),
+    ]
+    if driving_points(model, rig):
+        kinds += [partial(_hanging, model, rig, effect) for effect in ON_STRUCTURE]
+    if any(_places_beside(model, rig, o) for o in range(outputs)):
+        kinds.append(partial(_moved, model, rig))
+    return kinds
+
+
+def _hanging(model: ModalModel, rig: Rig, effect: str, rng: np.random.Generator) -> Put:
+    points = driving_points(model, rig)
+    output, driven = points[int(rng.integers(len(points)))]
+    omega, zeta = _omega(model), model.damping_ratio
+    own = {"added_mass": np.ones(omega.size), "ground_spring": omega**2, "local_damper": 2 * zeta * omega}[effect]
+    least = float(np.min(own / np.abs(model.modal_constants[:, output, driven])))
+    share = _log(rng, DAMPING if effect == "local_damper" else HANGING)
+    sense = -1.0 if np.sum(model.modal_constants[:, output, driven].real) < 0 else 1.0
+    return Put(effect, share * least, output, driven, sense=sense)
+
+
+def _moved(model: ModalModel, rig: Rig, rng: np.random.Generator) -> Put:
+    there = [(o, others) for o in range(len(model.outputs)) if (others := _places_beside(model, rig, o))]
+    output, others = there[int(rng.integers(len(there)))]
+    return Put("position_error", output=output, other=others[0])
+
+
+def _places_beside(model: ModalModel, rig: Rig, output: int) -> list[int]:
+    """Outputs along the same axis at other places that move otherwise, the nearest first."""
+    freedoms, _ = freedoms_of(model, rig)
+    at = places_of(model, rig)
+    away = np.linalg.norm(at - at[output], axis=1)
+    there = [int(o) for o in np.argsort(away) if away[o] > 0 and freedoms[o][1] == freedoms[output][1]]
+    return [o for o in there if _differs(model, output, o)]
+
+
+def _differs(model: ModalModel, one: int, other: int) -> bool:
+    """Whether the modes move otherwise there: where they do not, a moved sensor has not been moved."""
+    constants = model.modal_constants[:, [one, other]]
+    return float(np.linalg.norm(constants[:, 0] - constants[:, 1])) > DIFFERENT * float(np.linalg.norm(constants[:, 0]))
+
+
+def places_of(model: ModalModel, rig: Rig) -> Real:
+    """(outputs, 3) where they stand, m."""
+    points = {p.id: (p.x_m, p.y_m, p.z_m) for p in rig.points}
+    return np.array([points[p or 0] for p in model.output_points])
+
+
+def _gain(rng: np.random.Generator) -> float:
+    return -1.0 if rng.random() < 0.2 else 1 + _sign(rng) * _log(rng, GAIN)
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def _log(rng: np.random.Generator, within: tuple[float, float]) -> float:
+    return float(np.exp(rng.uniform(*np.log(within))))
+
+
+def _omega(model: ModalModel) -> Real:
+    return 2 * np.pi * model.frequency_hz

@@ -1,0 +1,94 @@
+"""Semi-real trials from the draw to the outcome: sealed, diagnosed, opened."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modallab.blind.measured.draw import MeasuredRequest, drawn, places_of
+from modallab.blind.measured.noise import variance_of, with_noise
+from modallab.blind.measured.put import Put, with_effect
+from modallab.blind.measured.score import MeasuredOutcome, Truth, figures, judged
+from modallab.blind.seal import opened, publish, seal
+from modallab.core.frf import Frf
+from modallab.core.modal_diagnosis import ModalDiagnosis
+from modallab.core.model import ModalModel
+from modallab.core.progress import part, report
+from modallab.core.rig import Rig
+from modallab.gap.modal.diagnosis import diagnose_by_model
+from modallab.gap.modal.freedoms import with_points
+from modallab.identification.frf_model import identify_frf
+from modallab.identification.options import Options
+
+ANSWERS = "answers"
+
+
+def blind_on(frf: Frf, rig: Rig, folder: Path, request: MeasuredRequest, named: str = "") -> MeasuredOutcome:
+    """Put effects into measured FRFs, seal what was done, diagnose all, open the seals, and sum up.
+
+    Each trial is the measured structure with one effect, or none, and with noise drawn anew; it is held against the
+    model of the FRFs as they were measured.
+
+    Args:
+        frf: measured.
+        rig: its points and channels.
+        folder: for the sealed truths and the answers; empty.
+        request: which trials.
+        named: the campaign, in words.
+
+    Raises:
+        DataError: the folder holds other trials, or the FRFs have no points.
+        IdentificationError: the FRFs hold no mode.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    report(0.0, "identifying")
+    reference = _model(frf, rig)
+    puts = drawn(reference, rig, request)
+    names = [f"trial_{n:03d}" for n in range(len(puts))]
+    truths = [_truth(put, reference, rig) for put in puts]
+    hashes = {name: seal(folder, name, _as_document(truth)) for name, truth in zip(names, truths, strict=True)}
+    sealed = publish(folder, request.model_dump(mode="json") | {"on": named}, hashes)
+    variance = variance_of(frf)
+    for n, (name, put) in enumerate(zip(names, puts, strict=True)):
+        with part(n / len(puts), (n + 1) / len(puts), name):
+            rng = np.random.default_rng((request.seed, 1, n))
+            there = with_noise(with_effect(frf, put), variance, rng)
+            _keep(folder, name, diagnose_by_model(reference, _model(there, rig), rig, frfs=(frf, there)))
+    trials = [judged(name, _opened(folder, name), _answer(folder, name)) for name in names]
+    return MeasuredOutcome(campaign=named, sealed=sealed, figures=figures(trials), trials=trials)
+
+
+def _model(frf: Frf, rig: Rig) -> ModalModel:
+    return with_points(identify_frf(frf, rig, Options())[0], rig)
+
+
+def _truth(put: Put | None, model: ModalModel, rig: Rig) -> Truth:
+    if put is None or put.output is None:
+        return Truth(put, "")
+    if put.input is not None:
+        return Truth(put, str(model.input_points[put.input]))
+    at = places_of(model, rig)
+    moved = 0.0 if put.other is None else float(np.linalg.norm(at[put.other] - at[put.output]))
+    return Truth(put, model.outputs[put.output], moved)
+
+
+def _as_document(truth: Truth) -> dict[str, Any]:
+    return asdict(truth)
+
+
+def _opened(folder: Path, name: str) -> Truth:
+    content = opened(folder, name)
+    put = content["put"]
+    return Truth(None if put is None else Put(**put), content["place"], content["moved_m"])
+
+
+def _keep(folder: Path, name: str, found: ModalDiagnosis) -> None:
+    place = folder / ANSWERS / f"{name}.json"
+    place.parent.mkdir(exist_ok=True)
+    place.write_text(found.model_dump_json(indent=1) + "\n", encoding="utf-8", newline="\n")
+
+
+def _answer(folder: Path, name: str) -> ModalDiagnosis:
+    text = (folder / ANSWERS / f"{name}.json").read_text(encoding="utf-8")
+    return ModalDiagnosis.model_validate_json(text)

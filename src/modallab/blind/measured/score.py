@@ -1,0 +1,131 @@
+"""The score of semi-real trials, as a document."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.blind.measured.put import Put
+from modallab.blind.outcome import Share
+from modallab.core.frozen import Frozen
+from modallab.core.modal_diagnosis import ModalDiagnosis
+
+SIZE = 0.1
+"""Relative error up to which a size is right; of a gain that of its distance from 1."""
+SURE = 0.9
+"""Probability from which a name is a claim."""
+
+
+class MeasuredTrial(Frozen):
+    """What was done and what was said of it.
+
+    Attributes:
+        name: of the trial.
+        effect: that was put in; "none" for none.
+        value: its number, SI.
+        place: of it: a channel or a point; "" for all.
+        said: effect that was named, else the verdict.
+        probability: of the name; 0 without one.
+        said_value: its number.
+        said_place: its channel or point.
+        right: whether the name is right, or nothing was done and nothing said.
+        size_error: relative; None where none was named right, or it has no size.
+        place_right: None where none was named right, or it has no place.
+    """
+
+    name: str
+    effect: str
+    value: float | None
+    place: str
+    said: str
+    probability: float
+    said_value: float | None
+    said_place: str
+    right: bool
+    size_error: float | None
+    place_right: bool | None
+
+
+class MeasuredOutcome(Frozen):
+    """What semi-real trials have shown.
+
+    Attributes:
+        campaign: whose FRFs they were made of.
+        sealed: SHA-256 over the hashes of all truths, published before the first answer.
+        figures: shares and medians over all trials.
+        trials: one by one.
+    """
+
+    campaign: str
+    sealed: str
+    figures: list[Share]
+    trials: list[MeasuredTrial]
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """A trial's effect with its place in words, and how far a moved sensor went."""
+
+    put: Put | None
+    place: str
+    moved_m: float = 0.0
+
+
+def judged(name: str, truth: Truth, found: ModalDiagnosis) -> MeasuredTrial:
+    """A diagnosis held against what was done."""
+    put, named = truth.put, found.effects[0] if found.effects else None
+    value = None if put is None else (put.value if put.other is None else truth.moved_m)
+    said = None if named is None else _number(named.parameters)
+    there = "" if named is None else str(named.place.get("channel", named.place.get("point", "")))
+    right = found.verdict == "no_gap" if put is None else named is not None and named.effect == put.effect
+    counts = right and put is not None
+    return MeasuredTrial(
+        name=name,
+        effect="none" if put is None else put.effect,
+        value=value,
+        place=truth.place,
+        said=found.verdict if named is None else named.effect,
+        probability=0.0 if named is None else named.probability,
+        said_value=said,
+        said_place=there,
+        right=right,
+        size_error=_off(put, said, value) if counts else None,
+        place_right=there == truth.place if counts and truth.place else None,
+    )
+
+
+def _off(put: Put | None, said: float | None, value: float | None) -> float | None:
+    """Relative error of a size; of a gain that of its distance from 1."""
+    if put is None or said is None or value is None:
+        return None
+    return abs(said - value) / abs(value - (1.0 if put.effect == "gain_error" else 0.0))
+
+
+def _number(parameters: dict[str, float]) -> float:
+    """The number of an effect; of a move its length."""
+    values = list(parameters.values())
+    return values[0] if len(values) == 1 else float(np.linalg.norm(values))
+
+
+def figures(trials: Sequence[MeasuredTrial]) -> list[Share]:
+    """The figures they are judged by."""
+    done = [t for t in trials if t.effect != "none"]
+    sizes = [t for t in trials if t.size_error is not None]
+    placed = [t for t in trials if t.place_right is not None]
+    sure = [t for t in trials if t.probability > SURE]
+    return [
+        _share("named right", done, lambda t: t.right),
+        _share("size within 10 %, of those named right", sizes, lambda t: (t.size_error or 0.0) <= SIZE),
+        _share("place right, of those named right", placed, lambda t: bool(t.place_right)),
+        _share("right where it names above 0.9", sure, lambda t: t.right),
+        _share("no gap though something was done", done, lambda t: t.said == "no_gap", expected=False),
+        _share("false alarms", [t for t in trials if t.effect == "none"], lambda t: not t.right, expected=False),
+    ]
+
+
+def _share(
+    name: str, trials: Sequence[MeasuredTrial], test: Callable[[MeasuredTrial], bool], expected: bool = True
+) -> Share:
+    matches = [test(t) for t in trials]
+    misses = tuple(t.name for t, match in zip(trials, matches, strict=True) if match is not expected)
+    return Share(name=name, value=float(np.mean(matches)) if matches else None, count=len(trials), misses=misses)

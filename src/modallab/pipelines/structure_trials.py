@@ -1,0 +1,52 @@
+"""Semi-real trials on anybody's campaign: its FRFs as they were measured, with known effects put into them."""
+
+from pathlib import Path
+
+from modallab.blind.measured.draw import MeasuredRequest
+from modallab.blind.measured.run import blind_on
+from modallab.blind.measured.score import MeasuredOutcome
+from modallab.core.block import Campaign
+from modallab.core.errors import DataError
+from modallab.core.frf import Frf
+from modallab.frf.estimate import group_by_point, impact_frf
+from modallab.identification.impact import default_band
+from modallab.identification.options import Options
+from modallab.pipelines.identify import identify_campaign, usable
+
+
+def trials_on(campaign: Campaign, folder: Path, request: MeasuredRequest) -> MeasuredOutcome:
+    """Semi-real trials on the first FRFs that a campaign holds or gives.
+
+    Args:
+        campaign: of any structure, with a force.
+        folder: for the sealed truths and the answers; empty.
+        request: which trials.
+
+    Raises:
+        DataError: it gives no FRFs, or no force was measured.
+        IdentificationError: the FRFs hold no mode.
+    """
+    return blind_on(measured_frf(campaign), campaign.rig, folder, request, Path(campaign.source).name)
+
+
+def measured_frf(campaign: Campaign) -> Frf:
+    """FRFs of a campaign: those it came with, of its hits, or of its drive.
+
+    Raises:
+        DataError: it gives none.
+    """
+    if campaign.frfs:
+        return campaign.frfs[0]
+    if campaign.rig.force is None:
+        raise DataError(
+            "no force was measured, so that there are no FRFs",
+            where=campaign.source,
+            remedy="name a campaign with a force channel",
+        )
+    if campaign.of("impact"):
+        groups = group_by_point(usable(campaign, campaign.of("impact"))[0])
+        return impact_frf(groups, campaign.rig, default_band(groups))
+    verified = identify_campaign(campaign, Options()).identified[0].verification
+    if verified is None:
+        raise DataError("gives no FRFs", where=campaign.source, remedy="name a campaign of hits, sines or a drive")
+    return verified.measured
