@@ -13,7 +13,7 @@ from modallab.core.errors import FormatError
 from modallab.formats.csv.csv_cells import BLANKS, cells, complex_number, n_cells
 from modallab.formats.csv.csv_heads import headings
 from modallab.formats.csv.digits import half_last_digits
-from modallab.formats.csv.text_lines import Line, Lines, read_lines
+from modallab.formats.csv.text_lines import Line, TextLines, read_lines
 
 Real = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def read_table(path: Path) -> Table:
     return Table(names, units, real, resolution, lines.ended, "".join(lines.comments), imaginary, others)
 
 
-def _check_end(lines: Lines, where: str) -> None:
+def _check_end(lines: TextLines, where: str) -> None:
     # Without its line end the last number may have lost digits. It has, if no other of its column has so few after
     # the decimal mark.
     ends = [cells(line.text, lines.delimiter)[-1] for line in lines.body]
@@ -92,7 +92,7 @@ def _check_end(lines: Lines, where: str) -> None:
 
 
 def _numbers(
-    lines: Lines, names: tuple[str, ...], where: str
+    lines: TextLines, names: tuple[str, ...], where: str
 ) -> tuple[Real | NDArray[np.complex128], dict[int, FormatError]]:
     body, delimiter = lines.body, lines.delimiter
     columns = len(names) or n_cells(body[0].text, delimiter)
@@ -125,7 +125,7 @@ def _cell_by_cell(
     return (numbers if any("j" in line.text for line in body) else numbers.real), others
 
 
-def _other_columns(lines: Lines, counts: NDArray[np.int64], columns: int, where: str) -> FormatError:
+def _other_columns(lines: TextLines, counts: NDArray[np.int64], columns: int, where: str) -> FormatError:
     body = lines.body
     wrong = int((counts != columns).argmax())
     if lines.delimiter == "," and (counts == 2 * columns).all():

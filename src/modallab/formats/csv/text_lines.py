@@ -25,7 +25,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class TextLines:
     """A file's lines.
 
     Attributes:
@@ -45,7 +45,7 @@ class Lines:
     clock: bool = False
 
 
-def read_lines(path: Path) -> Lines:
+def read_lines(path: Path) -> TextLines:
     """The lines of a text file with a table.
 
     Raises:
@@ -60,7 +60,7 @@ def read_lines(path: Path) -> Lines:
     if first is None:
         raise _no_numbers(lines, delimiter, str(path))
     body = [replace(line, text=plain_complex(line.text)) for line in lines[first:]]
-    found = Lines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
+    found = TextLines(tuple(lines[:first]), tuple(body), comments, delimiter, text.endswith(("\n", "\r")))
     return _with_seconds(_without_groups(_without_end(found)))
 
 
@@ -113,7 +113,7 @@ def _no_numbers(lines: Sequence[Line], delimiter: str, where: str) -> FormatErro
     )
 
 
-def _without_end(lines: Lines) -> Lines:
+def _without_end(lines: TextLines) -> TextLines:
     """Without a last column that is empty in every row, as a delimiter at the end of lines makes it."""
     mark = lines.delimiter
     while mark.strip(" ") and all(line.text.rstrip(" ").endswith(mark) for line in lines.body):
@@ -129,7 +129,7 @@ def _shortened(line: Line, mark: str, columns: int) -> Line:
     return replace(line, text=line.text.rstrip(" ").rpartition(mark)[0]) if len(row) == columns else line
 
 
-def _without_groups(lines: Lines) -> Lines:
+def _without_groups(lines: TextLines) -> TextLines:
     """Without marks between thousands, which show where a number has both marks."""
     if lines.delimiter == ",":
         return lines
@@ -139,7 +139,7 @@ def _without_groups(lines: Lines) -> Lines:
     return lines
 
 
-def _with_seconds(lines: Lines) -> Lines:
+def _with_seconds(lines: TextLines) -> TextLines:
     """With seconds where the first column holds clock times, or the first two date and clock."""
     mark = lines.delimiter
     rows = [cells(line.text, mark) for line in lines.body]

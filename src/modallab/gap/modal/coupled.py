@@ -24,7 +24,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Pair:
+class CoupledPair:
     """Measured FRFs of the reference and of the bench on common lines.
 
     Attributes:
@@ -38,7 +38,7 @@ class Pair:
     after: Complex
 
 
-def pair_of(reference: Frf, bench: Frf, c: Compared) -> Pair | None:
+def pair_of(reference: Frf, bench: Frf, c: Compared) -> CoupledPair | None:
     """The FRFs of what is compared; None where they are not on the same lines, or lack an output or an input."""
     low, high = c.s.imag[[0, -1]] / (2 * np.pi)
     lines = np.intersect1d(reference.frequency_hz, bench.frequency_hz)
@@ -46,7 +46,7 @@ def pair_of(reference: Frf, bench: Frf, c: Compared) -> Pair | None:
     before, after = (_receptance(frf, lines, c) for frf in (reference, bench))
     if before is None or after is None or lines.size < 2:
         return None
-    return Pair(np.asarray(2j * np.pi * lines), before, after)
+    return CoupledPair(np.asarray(2j * np.pi * lines), before, after)
 
 
 def _receptance(frf: Frf, lines: Real, c: Compared) -> Complex | None:
@@ -58,7 +58,7 @@ def _receptance(frf: Frf, lines: Real, c: Compared) -> Complex | None:
     return np.asarray(np.moveaxis(values, -1, 0) / (2j * np.pi * lines[:, None, None]) ** DERIVATIVES[frf.quantity])
 
 
-def unlike(pair: Pair, c: Compared) -> Real:
+def unlike(pair: CoupledPair, c: Compared) -> Real:
     """(outputs, inputs) by how much the two models differ otherwise than the measured FRFs do, over these.
 
     What both models miss of the FRFs alike does not count; what an identification makes of the noise of one does.
@@ -69,7 +69,7 @@ def unlike(pair: Pair, c: Compared) -> Real:
     return np.asarray(np.hypot(ERROR, np.linalg.norm(left, axis=0) / np.linalg.norm(rate * pair.after, axis=0)))
 
 
-def refined(free: Free, fitted: Fitted, pair: Pair) -> Fitted:
+def refined(free: Free, fitted: Fitted, pair: CoupledPair) -> Fitted:
     """The explanation with its size from measured FRFs, if these are explained better so than by the modal model.
 
     One that does not hang at a driven point where a sensor stands is given back as it is.
@@ -98,7 +98,7 @@ def _hung_there(fitted: Fitted, v: Real) -> Hung:
     return hung
 
 
-def _coupled(pair: Pair, hung: Hung) -> Complex:
+def _coupled(pair: CoupledPair, hung: Hung) -> Complex:
     o, i = hung.outputs[0], hung.inputs[0]
     assert o is not None
     assert i is not None
@@ -107,7 +107,7 @@ def _coupled(pair: Pair, hung: Hung) -> Complex:
     return np.asarray(pair.before - pair.before[:, :, [i]] * through[:, None, None] * pair.before[:, [o]])
 
 
-def _by_modes(free: Free, fitted: Fitted, pair: Pair) -> Complex:
+def _by_modes(free: Free, fitted: Fitted, pair: CoupledPair) -> Complex:
     """The measured FRFs of the reference, with what the modal model says that is changed."""
     c = free.of
     predicted = free.state(fitted.u, fitted.change).receptance(pair.s, beside(c.model, pair.s, c.out_psi, c.into_psi))

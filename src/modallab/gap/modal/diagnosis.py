@@ -13,7 +13,7 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.candidates import EVERY
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
-from modallab.gap.modal.coupled import Pair, pair_of, refined, unlike
+from modallab.gap.modal.coupled import CoupledPair, pair_of, refined, unlike
 from modallab.gap.modal.free import Free
 from modallab.gap.modal.freedoms import Freedom
 from modallab.gap.modal.judged import Judged, judged, strain
@@ -98,7 +98,7 @@ def explained_by_model(
     return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
 
 
-def _from_frfs(free: Free, found: Judged, pair: Pair | None) -> Judged:
+def _from_frfs(free: Free, found: Judged, pair: CoupledPair | None) -> Judged:
     """The same with the size of what hangs at a driven point from the FRFs themselves."""
     if pair is None:
         return found
