@@ -1,0 +1,145 @@
+"""Effects added, exchanged and deleted one by one, all candidates of a round against each other by evidence.
+
+Stepwise selection with successive halving (Jamieson and Talwalkar, AISTATS 2016, 240): many starts get a few steps, the
+better half goes on, the best are fitted to the records.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.progress import report
+from modallab.gap.inference.posterior import Posterior, descended
+from modallab.gap.inference.screen import Screen
+from modallab.gap.inference.settings import DEFAULT, Settings
+from modallab.gap.inference.view import View, sparse
+from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.search.clock import clock_shows
+from modallab.gap.search.fitting import Bench, completed, left_out, within_tolerances
+from modallab.twin.candidate import Candidate
+from modallab.twin.effects import model_of
+
+Array = NDArray[np.float64]
+
+HALVING = ((3, 6), (2, 3), (10, 3))
+"""Evaluations of the slopes in each stage, and how many go on; the first stage takes the nuisances' from the screen."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Level:
+    """One round of a search.
+
+    Attributes:
+        base: the fit it began from.
+        fits: the fits that were finished, best first.
+    """
+
+    base: Fit
+    fits: tuple[Fit, ...]
+
+
+class Selection:
+    """Rounds of linear effects beside what a bench is believed to be."""
+
+    def __init__(self, bench: Bench, base: Fit, settings: Settings = DEFAULT) -> None:
+        """Begin without effects.
+
+        Args:
+            bench: what to search.
+            base: the twin without further effects, fitted to the records.
+            settings: of the inference.
+        """
+        self.bench, self.settings = bench, settings
+        self.levels: list[Level] = []
+        self.best = base
+        self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
+        problem = Problem(bench.data, bench.free, base.problem.candidates)
+        self._here = descended(self._view, problem, base.u, 12)
+        self.ended = base.gap <= bench.watched and not clock_shows(bench)
+
+    def rounds(self, most: int | None = None) -> list[Level]:
+        """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
+        most = self.settings.most_effects if most is None else most
+        while not self.ended and len(self.levels) < most:
+            self._round()
+        return self.levels or [Level(self.best, ())]
+
+    def _round(self) -> None:
+        report(len(self.levels) / self.settings.most_effects, f"round {len(self.levels) + 1}")
+        found = [self._pruned(f) for f in self._added(self._here)]
+        if not self.levels:
+            found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
+        found.sort(key=lambda f: f.evidence)
+        if not found or found[0].evidence > self._here.evidence - self.settings.effect_price:
+            self.ended = True
+            return
+        fits = sorted((self._fit(f, found[0]) for f in found[: self.settings.rivals]), key=lambda f: f.cost)
+        self.levels.append(Level(self.best, tuple(fits)))
+        self._here, self.best = found[0], fits[0]
+        self.ended = self.best.gap <= self.bench.flat
+
+    def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
+        return Problem(self.bench.data, self.bench.free, candidates)
+
+    def _fit(self, found: Posterior, best: Posterior) -> Fit:
+        """An explanation on the records, which say how large its numbers are and whether more is left."""
+        fit = seen(self._problem(found.problem.candidates), found.u)
+        return completed(self.bench, fit) if found.evidence < best.evidence + self.settings.margin else fit
+
+    def _added(self, here: Posterior) -> list[Posterior]:
+        """The best explanations with one effect more, best first."""
+        begin = here.u.copy()
+        if not within_tolerances(self.bench.free, here.u):
+            # Such an assembly has taken an effect's work over.
+            begin[: self.bench.free.size] = 0.0
+        screen = Screen(self._coarse, here.problem, begin)
+        listed = [s for c in self._candidates(here) for s in screen.starts(c, self.settings.starts)]
+        listed.sort(key=lambda s: s.score)
+        (steps, keep), *stages = HALVING
+        first = (descended(self._coarse, s.problem, s.u, steps, screen.J) for s in listed[: self.settings.first])
+        found = _distinct(first)[:keep]
+        for steps, keep in stages:
+            found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
+        return found
+
+    def _candidates(self, here: Posterior) -> list[Candidate]:
+        return candidates(self.bench, here.problem.candidates)
+
+    def _pruned(self, found: Posterior) -> Posterior:
+        """The same without effects that the evidence does not ask for."""
+        at = 0
+        while len(found.problem.candidates) > 1 and at < len(found.problem.candidates):
+            bare = descended(self._view, *left_out(found.problem, found.u, at), 4)
+            if bare.evidence < found.evidence + self.settings.effect_price:
+                found, at = bare, 0
+            else:
+                at += 1
+        return found
+
+
+def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:
+    """Every linear effect that may stand beside those present."""
+    rig, channels, there = bench.data.rig, bench.data.channels, list(present)
+    listed = [*of_bench(rig), *(c for row in channels for c in of_channel(rig, row)), *of_pairs(rig, channels)]
+    keys = {(c.effect, c.place) for c in there}
+    once = {c.effect for c in there if model_of(c.effect).once}
+    return [
+        c
+        for c in listed
+        if bench.allowed(c.effect)
+        and testable(c, bench.data)
+        and (c.effect, c.place) not in keys
+        and c.effect not in once
+    ]
+
+
+def _distinct(found: Iterable[Posterior]) -> list[Posterior]:
+    """Best first, of those that have come to the same explanation and numbers the best."""
+    kept: list[Posterior] = []
+    for f in sorted(found, key=lambda f: f.evidence):
+        if not any(f.key == k.key and np.allclose(f.u, k.u, atol=1e-2) for k in kept):
+            kept.append(f)
+    return kept
