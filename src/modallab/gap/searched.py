@@ -11,10 +11,10 @@ from modallab.gap.model.fit import Fit
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
 from modallab.gap.search.beside_known import beside_known, knows_element
-from modallab.gap.search.choose import Choice, choose, stepped
+from modallab.gap.search.choose import Choice, choose
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.faint import faint
-from modallab.gap.search.fitting import Bench, settled
+from modallab.gap.search.fitting import Bench
 from modallab.gap.search.stepped import search_stepped
 from modallab.gap.unknown.description import Description, per_number, rows_of, worth
 from modallab.gap.unknown.rival import channel_alone, loses_samples, near, rivals
@@ -25,7 +25,7 @@ class Searched:
     """What a search has come to.
 
     Attributes:
-        choice: what explains the gap, its numbers settled.
+        choice: what explains the gap.
         behaves: what the gap behaves like, best first, where that was seen before all effects were tried.
     """
 
@@ -47,22 +47,22 @@ def searched(
     """
     base = baseline(bench)
     if knows_element(base):
-        return Searched(_settled(beside_known(bench, base, matters)))
+        return Searched(beside_known(bench, base, matters))
     overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
-        return Searched(_settled(search_stepped(bench, prepared, base, overtones, matters, unseen)))
+        return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
     selection = Selection(bench, base)
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
     if choice.flat or (choice.explained and not loses_samples(prepared, choice.fit)):
-        return Searched(_settled(choice))
+        return Searched(choice)
     behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, unseen, held)
     if behaves:
         return Searched(Choice(base, base, first.fits, False, False), behaves)
     choice = choose(bench, selection.rounds(), matters)
     if choice.explained:
-        return Searched(_settled(choice))
-    return Searched(_settled(_by_level(bench, prepared, selection, choice, matters, unseen)))
+        return Searched(choice)
+    return Searched(_by_level(bench, prepared, selection, choice, matters, unseen))
 
 
 def _without_name(
@@ -74,7 +74,10 @@ def _without_name(
     behaves = rivals(bench, prepared, first, alone, unseen, held)
     if not behaves or alone is None or alone.loses:
         return behaves
-    pair = selection.rounds(2)[-1].fits[0]
+    last = selection.rounds(2)[-1]
+    if not last.fits:
+        return behaves
+    pair = last.fits[0]
     on_channel = set(rows_of(pair)) == {alone.row} and near(bench, pair)
     return () if on_channel and per_number(pair) <= worth(behaves[0]) else behaves
 
@@ -89,10 +92,3 @@ def _by_level(
         return search_stepped(bench, prepared, base, "odd", matters, unseen, selection.rounds)
     law = faint(bench, base, matters)
     return law if law.explained else replace(linear, rivals=(*linear.rivals, *law.rivals))
-
-
-def _settled(choice: Choice) -> Choice:
-    """The same with the fit of linear effects that explain the gap at its very end: their numbers are what is said."""
-    if not choice.explained or not choice.fit.problem.candidates or stepped(choice.fit):
-        return choice
-    return replace(choice, fit=settled(choice.fit))

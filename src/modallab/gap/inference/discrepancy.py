@@ -55,8 +55,7 @@ class Discrepancy:
         noise = np.where(used, rows.sigma, 1.0) ** 2
         variance = self.scales[:, None] ** 2 * np.where(used, rows.size, 0.0) ** 2 + noise
         self._order = np.argsort(rows.group, kind="stable")
-        self._begins = np.searchsorted(rows.group[self._order], np.arange(len(rows.names)))
-        self._empty = np.bincount(rows.group, minlength=len(rows.names)) == 0
+        self._begins = np.searchsorted(rows.group[self._order], np.arange(len(rows.names) + 1))
         self._precision = np.where(used, 1 / variance, 0.0)
         self._logs = self._by_group(np.where(used, np.log(variance / noise), 0.0))
 
@@ -90,6 +89,5 @@ class Discrepancy:
 
     def _by_group(self, values: Array) -> Array:
         """(scales, groups) sums over the rows of each group."""
-        sums = np.add.reduceat(values[:, self._order], np.minimum(self._begins, values.shape[1] - 1), axis=1)
-        sums[:, self._empty] = 0.0
-        return sums
+        cumulated = np.cumsum(np.pad(values[:, self._order], ((0, 0), (1, 0))), axis=1)
+        return np.diff(cumulated[:, self._begins], axis=1)

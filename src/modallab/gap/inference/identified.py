@@ -27,7 +27,9 @@ ABOVE_BAND = 1.65
 """Frequency of the term for the modes above, over that of the last pole: the next mode of a beam, about."""
 LEAST_DAMPING, MOST_DOUBT, APART, ONE_CHANNEL = 3e-4, 0.15, 1.05, 0.9
 """A pole is kept with at least this damping ratio, at most this relative deviation of its constants, at least this far
-from the one before, and at most this share of its power on one channel: more is a mount's."""
+from the one before, and at most this share of its power on one channel of several: more is a mount's."""
+SEVERAL = 3
+"""Channels from which their shares of a mode's power tell a mount from a beam: two may lie near the root and the tip."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -134,6 +136,8 @@ def _sure(point: PointModes) -> NDArray[np.bool_]:
 
 def _of_beam(point: PointModes) -> NDArray[np.bool_]:
     power = np.nan_to_num(np.abs(point.constants) ** 2)
+    if np.count_nonzero(np.any(power, axis=1)) < SEVERAL:
+        return np.ones(power.shape[1], bool)
     return power.max(axis=0) < ONE_CHANNEL * np.maximum(power.sum(axis=0), 1e-300)
 
 

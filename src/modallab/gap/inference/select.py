@@ -18,7 +18,7 @@ from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.fitting import Bench, completed, left_out, within_tolerances
+from modallab.gap.search.fitting import Bench, completed, left_out, ordinary, within_tolerances
 from modallab.twin.candidate import Candidate
 from modallab.twin.effects import model_of
 
@@ -58,7 +58,7 @@ class Selection:
         self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
         self._here = descended(self._view, problem, base.u, 12)
-        self.ended = base.gap <= bench.watched and not clock_shows(bench)
+        self.ended = base.gap <= bench.watched and ordinary(base) and not clock_shows(bench)
 
     def rounds(self, most: int | None = None) -> list[Level]:
         """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
@@ -68,17 +68,18 @@ class Selection:
         return self.levels or [Level(self.best, ())]
 
     def _round(self) -> None:
-        report(len(self.levels) / self.settings.most_effects, f"round {len(self.levels) + 1}")
+        self._progress(0.0, "candidates screened")
         found = [self._pruned(f) for f in self._added(self._here)]
         if not self.levels:
             found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
-        found.sort(key=lambda f: f.evidence)
-        if not found or found[0].evidence > self._here.evidence - self.settings.effect_price:
+        found = _best_of_each(found)[: self.settings.rivals]
+        self._progress(0.8, "explanations fitted to the records")
+        fitted = sorted(((f, self._fit(f, found[0])) for f in found), key=_score)
+        if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
             self.ended = True
             return
-        fits = sorted((self._fit(f, found[0]) for f in found[: self.settings.rivals]), key=lambda f: f.cost)
-        self.levels.append(Level(self.best, tuple(fits)))
-        self._here, self.best = found[0], fits[0]
+        self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
+        self._here, self.best = fitted[0]
         self.ended = self.best.gap <= self.bench.flat
 
     def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
@@ -98,12 +99,18 @@ class Selection:
         screen = Screen(self._coarse, here.problem, begin)
         listed = [s for c in self._candidates(here) for s in screen.starts(c, self.settings.starts)]
         listed.sort(key=lambda s: s.score)
+        self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
         first = (descended(self._coarse, s.problem, s.u, steps, screen.J) for s in listed[: self.settings.first])
         found = _distinct(first)[:keep]
-        for steps, keep in stages:
+        for stage, (steps, keep) in enumerate(stages):
+            self._progress(0.5 + 0.15 * stage, "explanations compared")
             found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
         return found
+
+    def _progress(self, share: float, what: str) -> None:
+        at = len(self.levels)
+        report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
 
     def _candidates(self, here: Posterior) -> list[Candidate]:
         return candidates(self.bench, here.problem.candidates)
@@ -134,6 +141,20 @@ def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidat
         and (c.effect, c.place) not in keys
         and c.effect not in once
     ]
+
+
+def _score(fitted: tuple[Posterior, Fit]) -> float:
+    """-2 log evidence of an explanation: what the records leave, and what the ranges of its numbers cost."""
+    posterior, fit = fitted
+    return fit.cost + posterior.evidence - posterior.cost
+
+
+def _best_of_each(found: Iterable[Posterior]) -> list[Posterior]:
+    """Best first, of each explanation the best numbers."""
+    best: dict[tuple[tuple[str, object], ...], Posterior] = {}
+    for f in sorted(found, key=lambda f: f.evidence):
+        best.setdefault(f.key, f)
+    return list(best.values())
 
 
 def _distinct(found: Iterable[Posterior]) -> list[Posterior]:

@@ -40,6 +40,8 @@ OUTLIER = 25.0
 """Square at which a residual stops counting when places to begin are compared."""
 LONG = 30
 """Slopes that are evaluated at most along a narrow valley near the floor."""
+END = 1e-4
+"""Fall of what is above the noise, between two slopes, at which a fit has ended."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -108,30 +110,8 @@ def frozen(bench: Bench, fit: Fit) -> Fit:
 
 
 def completed(bench: Bench, fit: Fit) -> Fit:
-    """A fit to thinned data brought to its end on all data."""
-    problem = Problem(bench.data, bench.free, fit.problem.candidates)
-    fit = minimise(problem, fit.u, 8, 2e-4)
-    if bench.free.deviations and (fit.gap > bench.watched or not ordinary(fit)):
-        # Where two numbers do nearly the same, a fit that is held back along what the data determine may creep.
-        near = fit.gap < NEAR * bench.flat
-        fit = minimise(problem, fit.u, LONG if near else 8, 1e-4 if near else 1e-3, alike=True)
-    if bench.free.deviations and fit.gap < NEAR * bench.flat:
-        # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but
-        # not nothing to their priors.
-        fit = minimise(problem, fit.u, 8, 2e-6)
-    return with_drift_curve(fit)
-
-
-def settled(fit: Fit) -> Fit:
-    """A fit to all data at the bottom of its valley, as far as the numbers of an assembly leave it one.
-
-    What holds a step back along what the data determine, and what holds it back alike, each creep where the other does
-    not.
-    """
-    if not fit.problem.free.deviations:
-        return fit
-    alike = minimise(fit.problem, fit.u, LONG, 1e-5, alike=True)
-    return min(fit, minimise(fit.problem, alike.u, 8, 2e-6), key=lambda f: f.cost)
+    """A fit brought to its end on all data."""
+    return with_drift_curve(minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, LONG, END))
 
 
 def ordinary(fit: Fit) -> bool:
