@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from modallab.gap.inference.select import Level
 
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import Choice

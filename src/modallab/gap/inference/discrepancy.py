@@ -37,6 +37,12 @@ class Rows:
     names: tuple[str, ...]
 
     @classmethod
+    def none(cls, names: tuple[str, ...]) -> "Rows":
+        """No rows of these groups."""
+        nothing = np.zeros(0)
+        return cls(nothing, nothing, nothing, np.zeros(0, np.intp), names)
+
+    @classmethod
     def joined(cls, parts: "list[Rows]") -> "Rows":
         """Rows one after another; their groups are those of the first that has any."""
         z, sigma, size, group = (

@@ -27,9 +27,9 @@ ABOVE_BAND = 1.65
 """Frequency of the term for the modes above, over that of the last pole: the next mode of a beam, about."""
 LEAST_DAMPING, MOST_DOUBT, APART, ONE_CHANNEL = 3e-4, 0.15, 1.05, 0.9
 """A pole is kept with at least this damping ratio, at most this relative deviation of its constants, at least this far
-from the one before, and at most this share of its power on one channel of several: more is a mount's."""
+from the one before, and at most this share of its power on one of several channels: more is a mount's."""
 SEVERAL = 3
-"""Channels from which their shares of a mode's power tell a mount from a beam: two may lie near the root and the tip."""
+"""Channels from which shares of a mode's power tell a mount from a beam: two may lie near the root and the tip."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,6 +57,12 @@ class PointModes:
     def damping(self) -> Array:
         """(p,) damping ratios."""
         return -self.poles.real / np.abs(self.poles)
+
+    def where_used(self, constants: Complex) -> Complex:
+        """(channels, p) modal constants, 0 where they are not to be used."""
+        kept: Complex = np.zeros(constants.shape, np.complex128)
+        np.copyto(kept, constants, where=np.isfinite(self.constant_sigma))
+        return kept
 
     def kept(self, keep: NDArray[np.bool_]) -> "PointModes":
         """The same with some of the poles only."""
@@ -169,7 +175,7 @@ class _Projection:
 
     def _basis(self, poles: Complex) -> Complex:
         """(2 p + 2, lines): real and imaginary parts of the modal constants, mass line, modes above the band."""
-        up, down = sum(self.source.kernel(poles)), sum(self.source.kernel(poles.conj()))
+        up, down = (np.sum(self.source.kernel(p), axis=0) for p in (poles, poles.conj()))
         s, top = self.source.s, np.abs(poles[-1])
         above = s**2 * top**2 / (s**2 + (ABOVE_BAND * top) ** 2)
         return np.array([*(up + down), *(1j * (up - down)), s**2, above])

@@ -113,17 +113,19 @@ def descended(view: View, problem: Problem, u: Array, steps: int, known: Array |
     u = u.copy()
     u[n:] = np.clip(u[n:], low, high)
     here, match = _placed(view, problem, u)
-    damping, H = 1e-2, np.eye(len(u))
+    damping, normal = 1e-2, np.eye(len(u))
     for _ in range(steps):
         begin = here
         J = _slopes(view, problem, here, match, known)
-        here, damping, H = _along(view, problem, match, J, here, damping, (low, high))
+        here, damping, normal = _along(view, problem, match, J, here, damping, (low, high))
         if here is begin:
             break
         here, match = _placed(view, problem, here.u)
         if begin.cost - here.cost < 0.05 + 1e-3 * np.sqrt(max(1.0, abs(begin.cost))):
             break
-    return Posterior(problem, here.u, here.levels, here.cost, here.cost + _occam(problem, here.u, H), here.residual)
+    return Posterior(
+        problem, here.u, here.levels, here.cost, here.cost + _occam(problem, here.u, normal), here.residual
+    )
 
 
 def _slopes(view: View, problem: Problem, here: _Place, match: Match, known: Array | None) -> Array:
@@ -164,16 +166,16 @@ def _along(
 ) -> tuple[_Place, float, Array]:
     """Where steps with these slopes lead to, the damping of the next, and the curvature there."""
     prior = np.where(np.arange(J.shape[1]) < problem.free.size, 1.0, 0.0)
-    H, begin = np.eye(len(prior)), here
+    normal, begin = np.eye(len(prior)), here
     for turn in range(SAME_SLOPES):
         weights = view.objective.weights(here.residual, here.levels)
-        H = (J * weights[:, None]).T @ J + np.diag(prior)
+        normal = (J * weights[:, None]).T @ J + np.diag(prior)
         gradient = J.T @ (weights * here.residual) - prior * here.u
         before = here
-        here, damping = _stepped(view, problem, match, (H, gradient), here, damping, ends, 8 if turn == 0 else 1)
+        here, damping = _stepped(view, problem, match, (normal, gradient), here, damping, ends, 8 if turn == 0 else 1)
         if here is before or before.cost - here.cost < 0.1 * (begin.cost - here.cost):
             break
-    return here, damping, H
+    return here, damping, normal
 
 
 def _stepped(
@@ -187,12 +189,12 @@ def _stepped(
     tries: int,
 ) -> tuple[_Place, float]:
     """The first of ever shorter steps that helps; `here` itself if none does."""
-    (H, gradient), n = system, problem.free.size
-    scale = np.maximum(np.diag(H), 1e-6)
+    (normal, gradient), n = system, problem.free.size
+    scale = np.maximum(np.diag(normal), 1e-6)
     # What the data leave open must be free to go as far as its prior lets it.
     scale[:n] = np.minimum(scale[:n], 1.0 + 1e-3 * scale[:n])
     for _ in range(tries):
-        step = np.linalg.solve(H + damping * np.diag(scale) + 1e-12 * np.eye(len(scale)), gradient)
+        step = np.linalg.solve(normal + damping * np.diag(scale) + 1e-12 * np.eye(len(scale)), gradient)
         u = here.u + np.clip(step, -LONGEST, LONGEST)
         u[n:] = np.clip(u[n:], *ends)
         predicted = view.predict(problem.twin(u), match)
@@ -205,11 +207,11 @@ def _stepped(
     return here, damping
 
 
-def _occam(problem: Problem, u: Array, H: Array) -> float:
+def _occam(problem: Problem, u: Array, normal: Array) -> float:
     """-2 log of the share of the prior's volume that the posterior fills."""
     n = problem.free.size
     widths = _widths(problem, u)
-    curvature = H.copy()
+    curvature = normal.copy()
     # Of a number that the data leave open its range is known, and no more.
     curvature[np.arange(n, len(u)), np.arange(n, len(u))] += 2 * np.pi / widths**2
     volume = 2 * float(np.sum(np.log(widths / np.sqrt(2 * np.pi))))

@@ -61,7 +61,7 @@ class View:
         )
         modal = [part for p in points for part in _modal_rows(p, len(data.channels), names, settings)]
         sines = _sine_rows(data.sines, len(data.channels), names, settings) if data.sines is not None else []
-        rows = Rows.joined([Rows(*np.zeros((3, 0)), np.zeros(0, np.intp), names), *modal, *sines])
+        rows = Rows.joined([Rows.none(names), *modal, *sines])
         count = sum(len(part.z) for part in modal)
         return cls(points, data, replace(data, impacts=()), Discrepancy(rows, settings), count)
 
@@ -123,9 +123,9 @@ class View:
         for k, q in enumerate(self.points):
             poles, constants = self._predicted(twin, modes, q)
             own = _matched(q.poles, poles) if match is None else match[k]
-            poles, constants = poles[own], np.where(np.isfinite(q.constant_sigma), constants[:, own], 0)
+            poles, used = poles[own], q.where_used(constants[:, own])
             damping = np.maximum(-poles.real / np.abs(poles), 1e-6)
-            parts += [np.log(np.abs(poles)), np.log(damping), constants.real.ravel(), constants.imag.ravel()]
+            parts += [np.log(np.abs(poles)), np.log(damping), *_parts(used)]
         return np.concatenate(parts)
 
     def _predicted(self, twin: Twin, modes: Modes, q: PointModes) -> tuple[Complex, Complex]:
@@ -140,15 +140,14 @@ class View:
 def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: Settings) -> list[Rows]:
     n, damping = len(q.poles), q.damping
     of_poles = np.zeros(n, np.intp)
-    constants = np.where(np.isfinite(q.constant_sigma), q.constants, 0)
+    constants = q.where_used(q.constants)
     size = _compared(constants, settings.node, axis=0).ravel()
     group, sigma = np.repeat(1 + np.arange(channels), n), q.constant_sigma.ravel()
     log_damping = q.angle_sigma * np.sqrt(1 - damping**2) / damping
     return [
         Rows(np.log(np.abs(q.poles)), q.log_sigma, np.full(n, settings.frequency_share), of_poles, names),
-        Rows(np.log(damping), log_damping, np.full(n, settings.damping_share), of_poles, names),
-        Rows(constants.real.ravel(), sigma, size, group, names),
-        Rows(constants.imag.ravel(), sigma, size, group, names),
+        Rows(np.log(damping), log_damping.astype(np.float64), np.full(n, settings.damping_share), of_poles, names),
+        *(Rows(part, sigma, size, group, names) for part in _parts(constants)),
     ]
 
 
@@ -158,8 +157,7 @@ def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Set
     group = np.repeat(1 + channels + np.arange(channels), y.shape[1])
     clock = np.array([len(names) - 1], np.intp)
     return [
-        Rows(y.real.ravel(), sigma, size, group, names),
-        Rows(y.imag.ravel(), sigma, size, group, names),
+        *(Rows(part, sigma, size, group, names) for part in _parts(y)),
         # Nothing on a bench moves the generator's own line but a clock: no discrepancy.
         Rows(np.array([d.ratio]), np.array([max(d.ratio_sigma, GENERATOR)]), np.zeros(1), clock, names),
     ]
@@ -167,12 +165,16 @@ def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Set
 
 def _compared(values: Complex, node: float, axis: int) -> Array:
     """The size of each value, at a node a share of the rms along the axis."""
-    rms = np.sqrt(np.mean(np.abs(values) ** 2, axis=axis, keepdims=True))
-    return np.maximum(np.abs(values), node * rms)
+    size = np.abs(values).astype(np.float64)
+    return np.maximum(size, node * np.sqrt(np.mean(size**2, axis=axis, keepdims=True)))
+
+
+def _parts(values: Complex) -> tuple[Array, Array]:
+    return values.real.ravel().astype(np.float64), values.imag.ravel().astype(np.float64)
 
 
 def _flat(answers: Sequence[Complex]) -> Array:
-    return np.concatenate([part for y in answers for part in (y.real.ravel(), y.imag.ravel())])
+    return np.concatenate([part for y in answers for part in _parts(y)])
 
 
 def _matched(poles: Complex, modes: Complex) -> NDArray[np.intp]:
@@ -203,12 +205,13 @@ def sparse(data: Reduced) -> Reduced:
     d = data.sines
     if d is None:
         return data
-    hz = np.round(d.source.frequency_hz, 3)
-    loudest = [max(np.flatnonzero(hz == f), key=lambda k: abs(d.source.force[k])) for f in np.unique(hz)]
+    source = d.source
+    hz = np.round(source.frequency_hz, 3)
+    loudest = [max(np.flatnonzero(hz == f), key=lambda k: abs(source.force[k])) for f in np.unique(hz)]
     keep = np.sort(np.array(loudest))
-    count = d.source.lines.shape[1]
+    count = source.lines.shape[1]
     at = keep * count + count // 2
-    old = d.source.rise
+    old = source.rise
     rise = replace(
         old,
         history_s=old.history_s[keep],
@@ -216,9 +219,9 @@ def sparse(data: Reduced) -> Reduced:
         cosine=old.cosine[keep],
         counted=old.counted[keep],
     )
-    middle = d.source.lines[keep][:, [count // 2]]
-    source = replace(
-        d.source, lines=middle, frequency_hz=d.source.frequency_hz[keep], force=d.source.force[keep], rise=rise
+    middle = source.lines[keep][:, [count // 2]]
+    thin = replace(
+        source, lines=middle, frequency_hz=source.frequency_hz[keep], force=source.force[keep], rise=rise
     )
     rows = replace(
         d.rows,
@@ -227,4 +230,4 @@ def sparse(data: Reduced) -> Reduced:
         common=d.rows.common[at],
         direction=d.rows.direction[:, at],
     )
-    return replace(data, sines=replace(d, pieces=tuple(d.pieces[k] for k in keep), source=source, rows=rows))
+    return replace(data, sines=replace(d, pieces=tuple(d.pieces[k] for k in keep), source=thin, rows=rows))

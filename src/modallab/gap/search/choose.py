@@ -104,7 +104,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
 
 
 def _at_floor(bench: Bench, base: Fit, fit: Fit) -> bool:
-    """Whether a fit leaves noise alone; where the base did so by an assembly beyond its tolerances, also within them."""
+    """Whether a fit leaves noise alone; and within tolerances, where the base did so beyond them."""
     return fit.gap <= AT_FLOOR * bench.flat / 1.1 and (base.gap > bench.flat or ordinary(fit))
 
 
