@@ -54,8 +54,11 @@ def searched(
     selection = Selection(bench, base)
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
-    if choice.flat or (choice.explained and not loses_samples(prepared, choice.fit)):
+    if choice.flat:
         return Searched(choice)
+    if choice.explained and not loses_samples(prepared, choice.fit):
+        # Most of the gap has a name; what is left may have one too.
+        return Searched(choose(bench, selection.rounds(), matters))
     behaves = () if clock_shows(bench) else _without_name(bench, prepared, selection, unseen, held)
     if behaves:
         return Searched(Choice(base, base, first.fits, False, False), behaves)
