@@ -1,11 +1,12 @@
 """Keeps retired words out: the table at the end of the glossary is the rule, and the only place where it stands.
 
     python docs/reference/check_words.py
+    python docs/reference/check_words.py --lower    writes what is left of what `check_pages.py` allows
 
 A word counts wherever it stands by itself or as a part of a name, split at underscores and capitals: of a retired `old`
 the names `old_count` and `lastOld` and the words "an old one" are found, "older" is not. Rules for names look only at
 names of the code, of files and of JSON fields; a test's name is a sentence. Prints `file:line: word -> say instead` for
-each and ends with 1 if there is any.
+each and ends with 1 if there is any. What `check_pages.py` finds is printed and counted too.
 """
 
 import ast
@@ -18,6 +19,8 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
+
+import check_pages
 
 ROOT = Path(__file__).parents[2]
 GLOSSARY = "docs/reference/glossary.md"
@@ -131,6 +134,8 @@ def _names(path: str, text: str) -> list[tuple[int, str]]:
 def _old_names(text: str) -> set[int]:
     """Lines of the tables of names of earlier versions."""
     lines: set[int] = set()
+    if OLD_NAMES not in text.lower():
+        return lines
     for node in ast.walk(ast.parse(text)):
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
@@ -166,17 +171,21 @@ def files(root: Path) -> Iterator[Path]:
                 yield file
 
 
-def main() -> int:
-    """Check the project; the number of the exit."""
+def main(arguments: list[str]) -> int:
+    """Check the project, or lower what is allowed; the number of the exit."""
+    if arguments == ["--lower"]:
+        check_pages.lower(ROOT)
+        return 0
     rules = read_rules((ROOT / GLOSSARY).read_text(encoding="utf-8"))
     wrong = [
         line
         for file in files(ROOT)
         for line in check(file.relative_to(ROOT).as_posix(), file.read_text(encoding="utf-8"), rules)
     ]
+    wrong += check_pages.problems(ROOT)
     print(*wrong, sep="\n" if wrong else "")
     return int(bool(wrong))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -10,7 +10,8 @@ HEAD = """# Python
 
 What `import modallab as ml` offers to people at a notebook or a prompt. Importing it takes no time: what a function
 needs is loaded when it is called. Every result shows itself in Jupyter, as a table or a figure, and in one line at a
-prompt. Errors are those of [the reference](errors.md): each has `what`, `where` and `remedy`. This page is written by
+prompt. Errors are those of [the reference](errors.md): each has `what`, `where` and `remedy`
+([why the interface is made so](../decisions/0136-python-interface.md)). This page is written by
 `python docs/reference/make_python.py`.
 """
 

@@ -54,11 +54,18 @@ def test_pictures_are_small() -> None:
 
 
 def test_decisions_are_numbered_once() -> None:
-    numbers = [page.name[:4] for page in (ROOT / "docs/decisions").glob("*.md")]
+    pages = [page for page in (ROOT / "docs/decisions").glob("*.md") if page.name != "README.md"]
+    numbers = [page.name[:4] for page in pages]
     assert all(number.isdigit() for number in numbers)
     assert len(set(numbers)) == len(numbers)
-    for page in (ROOT / "docs/decisions").glob("*.md"):
+    for page in pages:
         assert page.read_text(encoding="utf-8").startswith(f"# {page.name[:4]}")
+
+
+def test_the_index_of_decisions_lists_each() -> None:
+    index = ROOT / "docs/decisions/README.md"
+    listed = {link for link in _LINK.findall(prose(index)) if "/" not in link}
+    assert listed == {page.name for page in index.parent.glob("*.md")} - {"README.md"}
 
 
 def test_every_fenced_block_names_its_language() -> None:

@@ -5,7 +5,6 @@ import pytest
 from closed_form_plate import OMEGA, REFERENCE, SENSORS, A, B, X, Y, model, rig, shapes, with_mass
 from scipy.linalg import eigh
 
-from modallab.core.errors import DataError
 from modallab.gap.modal.compared import compared
 from modallab.gap.modal.diagnosis import diagnose_by_model
 from modallab.gap.modal.free import Free
@@ -16,7 +15,7 @@ from modallab.gap.modal.weights import Weights
 
 def test_constants_hold_the_shapes_of_every_struck_point_and_what_lies_between() -> None:
     found = shapes_of(REFERENCE, rig())
-    psi = np.array([found.psi[:, found.index((p, "z"))] for p in range(1, X.size + 1)]).T
+    psi = np.array([found.seen[:, found.index((p, "z"))] for p in range(1, X.size + 1)]).T
     signs = np.sign(np.sum(psi * shapes(X, Y), axis=1))[:, None]
     np.testing.assert_allclose(signs * psi, shapes(X, Y), atol=1e-6)
     moved = signs[:2, 0] * found.moved((7, "z"), np.array([[0.02, 0.01, 0.0]]))[0, :2]
@@ -79,12 +78,6 @@ def test_what_the_tolerances_explain_is_no_gap() -> None:
     assert (found.verdict, found.effects) == ("no_gap", [])
 
 
-def test_shapes_without_a_scale_are_rejected() -> None:
-    elsewhere = REFERENCE.model_copy(update={"output_points": (21, 22, 23)})
-    with pytest.raises(DataError, match="no scale"):
-        shapes_of(elsewhere, rig())
-
-
 def mesh() -> Mesh:
     """Nodes some 25 mm apart, the shapes with the signs that an eigensolver happens to give."""
     x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, A, 21), np.linspace(0, B, 17), indexing="ij"))
@@ -99,7 +92,7 @@ def test_between_the_points_a_mesh_tells_the_shapes() -> None:
         off = []
         for known in (None, mesh()):
             found = shapes_of(REFERENCE, rig(), known)
-            here = found.psi[:, found.index((point, "z"))] * shapes(X[point - 1], Y[point - 1])
+            here = found.seen[:, found.index((point, "z"))] * shapes(X[point - 1], Y[point - 1])
             off.append(np.abs(np.sign(here) * found.moved((point, "z"), offsets) - true).max())
             if known is not None:
                 assert np.all(found.uncertain((point, "z"), offsets) < 3e-3 * np.abs(true).max())

@@ -131,7 +131,7 @@ def diagnose_by_model(
         progress: show how far it is, where somebody looks.
 
     Raises:
-        DataError: the two share no band, output or driven point, or no shape has a scale.
+        DataError: the two share no band, output or driven point.
         FormatError: the file can be read as none of these.
         IdentificationError: one of them holds no mode.
         StorageError: the page cannot be written, or its name does not end with .html.

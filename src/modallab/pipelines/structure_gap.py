@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from modallab.core.block import Campaign
-from modallab.core.errors import DataError
+from modallab.core.errors import DataError, RigError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.formats.campaign.campaign_hdf5 import read_campaign
 from modallab.formats.fem.fem_file import is_fem, read_fem
-from modallab.gap.modal.diagnosis import explained_by_model
+from modallab.gap.modal.diagnosis import Explained, explained_by_model
 from modallab.gap.modal.mesh import Mesh
 from modallab.identification.options import Options
 from modallab.pipelines.finite_elements import mesh_of_elements, model_of_elements
@@ -43,12 +43,17 @@ def gap_against(campaign: Campaign, path: Path) -> StructureGap:
     """
     identified = _identified(campaign)
     bench = identified.identified[0]
-    reference, mesh = read_reference(path, campaign.rig, bench.model)
-    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh)
+    reference, mesh, own = read_reference(path, campaign.rig, bench.model)
+    return gap_between(campaign, reference, identified, f"{_what(path)}, {path.name}", mesh, own)
 
 
 def gap_between(
-    campaign: Campaign, reference: ModalModel, identified: Result, named: str, mesh: Mesh | None = None
+    campaign: Campaign,
+    reference: ModalModel,
+    identified: Result,
+    named: str,
+    mesh: Mesh | None = None,
+    own: Rig | None = None,
 ) -> StructureGap:
     """What differs between a reference and the first model that a campaign gave.
 
@@ -58,14 +63,15 @@ def gap_between(
         identified: what it gave.
         named: the reference in words.
         mesh: its shapes at nodes between the points, where it was computed.
+        own: the reference's rig, where it is another.
 
     Raises:
         DataError: the two have nothing in common.
     """
     bench = identified.identified[0]
-    explained = explained_by_model(reference, bench.model, campaign.rig, mesh)
+    explained = explained_by_model(reference, bench.model, campaign.rig, mesh, own)
     records = None if bench.verification is None else bench.verification.measured
-    return StructureGap(campaign.rig, explained, named, records, _beside(identified, reference, bench))
+    return StructureGap(campaign.rig, explained, named, records, _beside(identified, explained, bench))
 
 
 def _what(path: Path) -> str:
@@ -74,9 +80,9 @@ def _what(path: Path) -> str:
     return "a finite-element model" if is_fem(path) else "a campaign from before"
 
 
-def _beside(identified: Result, reference: ModalModel, bench: Identified) -> tuple[str, ...]:
+def _beside(identified: Result, explained: Explained, bench: Identified) -> tuple[str, ...]:
     """What of a campaign was not compared, a sentence each."""
-    model = bench.model
+    model, reference = bench.model, explained.free.of.model
     tests = [f.source for f in (*identified.identified[1:], *identified.unidentified)]
     outputs = [name for name in model.outputs if name not in reference.outputs]
     points = [p for p in dict.fromkeys(model.input_points) if p not in reference.input_points]
@@ -108,10 +114,10 @@ def _identified(campaign: Campaign) -> Result:
     return identify_campaign(campaign, Options())
 
 
-def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None]:
+def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel, Mesh | None, Rig | None]:
     """The reference of a file of models, of a finite-element model, or of a campaign, which is identified.
 
-    With it the shapes at the nodes of a finite-element model, where it says its places.
+    With it the shapes at the nodes of a finite-element model, where it says its places, and the rig of a campaign.
 
     Args:
         path: of it.
@@ -127,10 +133,19 @@ def read_reference(path: Path, rig: Rig, bench: ModalModel) -> tuple[ModalModel,
         models = read_models(path)
         if not models:
             raise DataError("holds no model", where=str(path), remedy="write one with modallab identify --json")
-        return models[0], None
+        return models[0], None, None
     if is_fem(path):
         driven = tuple(p for p in dict.fromkeys(bench.input_points) if p is not None)
         fem = read_fem(path)
         how = (fem, rig, bench.band_hz, driven)
-        return model_of_elements(*how), mesh_of_elements(*how)
-    return model_to_compare(read_campaign(path, rig)), None
+        return model_of_elements(*how), mesh_of_elements(*how), None
+    before = _on_its_own_rig(path, rig)
+    return model_to_compare(before), None, before.rig
+
+
+def _on_its_own_rig(path: Path, rig: Rig) -> Campaign:
+    """A campaign on the rig it was recorded on; on another where none is in or beside it."""
+    try:
+        return read_campaign(path)
+    except RigError:
+        return read_campaign(path, rig)

@@ -2,22 +2,26 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.modal.compared import Compared
 from modallab.gap.modal.free import Change
+from modallab.gap.modal.freedoms import Freedom, freedoms_of
 from modallab.gap.modal.mesh import apart
-from modallab.gap.modal.shapes import Freedom
 from modallab.gap.modal.state import Hung
 
 Real = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 MASSES = np.geomspace(0.004, 1.5, 8)
 """Masses to begin with, over the modal mass seen from there."""
 SPRINGS = np.geomspace(0.004, 10.0, 9)
 """Springs, over the modal stiffness seen from there."""
+HANGS = {"added_mass": "mass_kg", "ground_spring": "stiffness"}
+"""Which number of what hangs there is its size."""
 GAINS = (-1.0, 0.2, 0.5, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.5, 2.0)
 SHIFTS = (0.1, 0.3, 0.8)
 """Of a sensor, over the distance to the nearest point."""
@@ -55,8 +59,9 @@ class Candidate:
 
 
 def candidates(c: Compared) -> list[Candidate]:
-    """All of them."""
-    return [*_hung(c, "added_mass"), *_hung(c, "ground_spring"), *_gains(c), *_places(c)]
+    """All of them; without a driving point none whose size needs the modal mass."""
+    hung = [*_hung(c, "added_mass"), *_hung(c, "ground_spring")] if c.shapes.scaled else []
+    return [*hung, *_gains(c), *_places(c)]
 
 
 def spacing(c: Compared) -> float:
@@ -90,13 +95,13 @@ def _hung(c: Compared, effect: str) -> Iterator[Candidate]:
 
 
 def _seen(c: Compared, effect: str, group: Sequence[Freedom]) -> float:
-    return _felt(c, effect, c.shapes.psi[:, [c.shapes.index(f) for f in group]])
+    return _felt(c, effect, c.shapes.seen[:, [c.shapes.index(f) for f in group]])
 
 
-def _felt(c: Compared, effect: str, psi: Real) -> float:
+def _felt(c: Compared, effect: str, psi: Complex) -> float:
     """Inverse of the least modal mass, or stiffness, that is seen where the shapes are `psi` (modes, directions)."""
     omega = 2 * np.pi * c.model.frequency_hz
-    return float(np.max(np.sum(psi**2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
+    return float(np.max(np.sum(np.abs(psi) ** 2, axis=1) * (1.0 if effect == "added_mass" else 1 / omega**2)))
 
 
 def nearby(c: Compared, found: Candidate, v: Real, count: int) -> list[tuple[Candidate, Real]]:
@@ -117,25 +122,37 @@ def _hanging(
     c: Compared, effect: str, group: tuple[Freedom, ...], tangents: Real, step: float, local: float, within: Real
 ) -> Callable[[Real], Change]:
     outputs, inputs = _numbers(c, group)
+    at = [c.shapes.index(f) for f in group]
+    seen, driven = c.shapes.seen[:, at].T, c.shapes.driven[:, at].T
+    here = np.concatenate([c.shapes.moved(f, np.zeros((1, 3))) for f in group])
 
     def make(v: Real) -> Change:
         offset = v[1:3] @ tangents
-        psi = np.concatenate([c.shapes.moved(f, offset[None]) for f in group])
+        away = np.concatenate([c.shapes.moved(f, offset[None]) for f in group]) - here
         size = float(np.exp(np.clip(v[0], *within)))
-        mass, stiffness = (size, 0.0) if effect == "added_mass" else (0.0, size)
-        near = float(np.exp(-((np.linalg.norm(offset) / (0.5 * step)) ** 2)))
-        compliance = local * float(np.exp(np.clip(v[3], -MOST_SPREAD, MOST_SPREAD)))
-        return Change(Hung(psi, mass, stiffness, compliance, outputs, inputs, near))
+        return Change(
+            Hung(
+                seen + away,
+                driven + away,
+                **{HANGS[effect]: size},
+                outputs=outputs,
+                inputs=inputs,
+                compliance=local * float(np.exp(np.clip(v[3], -MOST_SPREAD, MOST_SPREAD))),
+                near=float(np.exp(-((np.linalg.norm(offset) / (0.5 * step)) ** 2))) if step else 1.0,
+                turn=c.shapes.turn,
+            )
+        )
 
     return make
 
 
-def _numbers(c: Compared, group: Sequence[Freedom]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    drive = c.rig.drive_direction[1]
-    axes = {channel.name: channel.direction[1] for channel in c.rig.channels}
-    listed = zip(c.model.outputs, c.model.output_points, strict=True)
-    outputs = tuple(n for n, (name, p) in enumerate(listed) if (p, axes[name]) in group)
-    return outputs, tuple(n for n, p in enumerate(c.model.input_points) if (p, drive) in group)
+def _numbers(c: Compared, group: Sequence[Freedom]) -> tuple[tuple[int | None, ...], tuple[int | None, ...]]:
+    """Of each freedom the output and the input that stand there, None where none does."""
+    outputs, inputs = freedoms_of(c.model, c.rig)
+    return (
+        tuple(outputs.index(f) if f in outputs else None for f in group),
+        tuple(inputs.index(f) if f in inputs else None for f in group),
+    )
 
 
 def _gains(c: Compared) -> Iterator[Candidate]:

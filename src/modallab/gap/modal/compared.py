@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from modallab.core.errors import DataError
 from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
-from modallab.core.units import BROADBAND
 from modallab.gap.modal.errors import sizes, weights
+from modallab.gap.modal.freedoms import freedoms_of
+from modallab.gap.modal.matching import in_common
 from modallab.gap.modal.mesh import Mesh
 from modallab.gap.modal.same_form import in_form_of
-from modallab.gap.modal.shapes import Shapes, freedoms_of, shapes_of
-from modallab.gap.modal.synthesis import outside, synthesised
+from modallab.gap.modal.shapes import Shapes, shapes_of
+from modallab.gap.modal.synthesis import beside, synthesised
 from modallab.gap.modal.weights import Weights
 
 Real = NDArray[np.float64]
@@ -45,12 +46,13 @@ class Compared:
         model: the reference.
         bench: what the bench's model is.
         shapes: of the reference.
-        out_psi: (outputs, modes) of the reference, signs in them.
-        into_psi: (inputs, modes).
+        out_psi: (outputs, modes) of the reference, complex as it is, along the freedoms.
+        into_psi: (inputs, modes), with the phase of the chain.
         out_slopes: (outputs, 2, modes) along the surface, 1/m.
         into_slopes: (inputs, 2, modes).
         s: (lines,) complex frequencies.
-        outside: (lines, outputs, inputs) of the reference, what lies outside the band; m/N.
+        outside: (lines, outputs, inputs) all that the reference holds beside the products of its shapes: what lies
+            outside the band; m/N.
         measured: (lines, outputs, inputs) the bench's receptances.
         weights: of misfits.
     """
@@ -59,10 +61,10 @@ class Compared:
     model: ModalModel
     bench: ModalModel
     shapes: Shapes
-    out_psi: Real
-    into_psi: Real
-    out_slopes: Real
-    into_slopes: Real
+    out_psi: Complex
+    into_psi: Complex
+    out_slopes: Complex
+    into_slopes: Complex
     s: Complex
     outside: Complex
     measured: Complex
@@ -80,17 +82,16 @@ class Compared:
         omega = self.model.frequency_hz
         return [(r, q) for r in range(len(omega)) for q in range(r) if abs(omega[r] / omega[q] - 1) < CLOSE]
 
-    def shifted(self, output: int, along_m: Real, off: Real) -> Real:
+    def shifted(self, output: int, along_m: Real, off: Real) -> Complex:
         """(modes,) by how much the shapes change where a sensor sits (2,) metres along the tangents from its point.
 
         `off` (modes,) says by how many deviations the shapes there are other than what the points tell.
         """
-        freedoms, _, signs = freedoms_of(self.model, self.rig)
-        freedom = freedoms[output]
+        freedom = freedoms_of(self.model, self.rig)[0][output]
         places = np.stack([along_m @ self.shapes.tangents(freedom), np.zeros(3)])
         there, here = self.shapes.moved(freedom, places)
         unknown = off * self.shapes.uncertain(freedom, places[:1])[0]
-        return np.asarray(signs[output] * (there - here + unknown), np.float64)
+        return np.asarray(there - here + unknown)
 
     @property
     def sizes(self) -> Real:
@@ -100,7 +101,7 @@ class Compared:
     @property
     def local_compliance(self) -> float:
         """Typical compliance at a driving point of the modes outside the band, m/N; 0 where nothing is known."""
-        outputs, inputs, _ = freedoms_of(self.model, self.rig)
+        outputs, inputs = freedoms_of(self.model, self.rig)
         if 0 not in self.model.residual_powers:
             return 0.0
         static = self.model.residuals[self.model.residual_powers.index(0)]
@@ -109,12 +110,25 @@ class Compared:
 
 
 def compared(
-    reference: ModalModel, bench: ModalModel, rig: Rig, smooth: float = SMOOTH, mesh: Mesh | None = None
+    reference: ModalModel,
+    bench: ModalModel,
+    rig: Rig,
+    smooth: float = SMOOTH,
+    mesh: Mesh | None = None,
+    own: Rig | None = None,
 ) -> Compared:
     """Both models on common lines, for the outputs and inputs that both have; between the points by the mesh, if any.
 
+    Args:
+        reference: of the rig `own`, or of the bench's where that is None.
+        bench: of the rig `rig`.
+        rig: the bench's, with its tolerances.
+        smooth: sigma over omega of the lines.
+        mesh: the reference's shapes at nodes between the points.
+        own: the reference's rig.
+
     Raises:
-        DataError: they share no band, no output or no input, or the reference's shapes have no scale.
+        DataError: they share no band, no output or no input.
     """
     low = max(reference.band_hz[0], bench.band_hz[0])
     high = min(reference.band_hz[1], bench.band_hz[1])
@@ -124,14 +138,14 @@ def compared(
             where=rig.name,
             remedy="identify both in one band",
         )
-    reference, bench = _common(reference, bench, rig)
+    reference, bench = in_common(reference, own or rig, bench, rig)
     reference = in_form_of(bench, reference)
     shapes = shapes_of(reference, rig, mesh)
-    outputs, inputs, signs = freedoms_of(reference, rig)
+    outputs, inputs = freedoms_of(reference, rig)
     s = _lines(bench, max(low, 0.3 * float(reference.frequency_hz[0])), high, smooth)
     measured = synthesised(bench, s)
-    out_psi = np.array([shapes.psi[:, shapes.index(f)] for f in outputs]) * signs[:, None]
-    into_psi = np.array([shapes.psi[:, shapes.index(f)] for f in inputs])
+    out_psi = np.array([shapes.seen[:, shapes.index(f)] for f in outputs])
+    into_psi = np.array([shapes.driven[:, shapes.index(f)] for f in inputs]) * shapes.turn
     return Compared(
         rig=rig,
         model=reference,
@@ -139,10 +153,10 @@ def compared(
         shapes=shapes,
         out_psi=out_psi,
         into_psi=into_psi,
-        out_slopes=np.array([shapes.slopes(f) for f in outputs]) * signs[:, None, None],
-        into_slopes=np.array([shapes.slopes(f) for f in inputs]),
+        out_slopes=np.array([shapes.slopes(f) for f in outputs]),
+        into_slopes=np.array([shapes.slopes(f) for f in inputs]) * shapes.turn,
         s=s,
-        outside=outside(reference, s),
+        outside=beside(reference, s, out_psi, into_psi),
         measured=measured,
         weights=weights(reference, bench, s, measured),
     )
@@ -153,35 +167,3 @@ def _lines(bench: ModalModel, low: float, high: float, smooth: float) -> Complex
     hz = np.concatenate([np.linspace(low, high, BETWEEN), *(modes * (1 + a * smooth) for a in ABOUT)])
     hz = np.unique(np.round(hz[(hz >= low) & (hz <= high)], 6))
     return np.asarray(2 * np.pi * hz * (smooth + 1j))
-
-
-def _common(reference: ModalModel, bench: ModalModel, rig: Rig) -> tuple[ModalModel, ModalModel]:
-    outputs = [name for name in reference.outputs if name in bench.outputs]
-    inputs = [p for p in dict.fromkeys(reference.input_points) if p in bench.input_points]
-    if not outputs or not inputs:
-        raise DataError(
-            "reference and bench share no output or no driven point",
-            where=rig.name,
-            remedy="measure both with the same channels and points",
-        )
-    if bench.test in BROADBAND and len(inputs) > 1:
-        raise DataError(
-            f"{len(inputs)} shakers drove the bench at once, and a comparison knows the gain of one force alone",
-            where=rig.name,
-            remedy="compare a test of one shaker (shakers: first), or one with a hammer",
-        )
-    return _chosen(reference, outputs, inputs), _chosen(bench, outputs, inputs)
-
-
-def _chosen(model: ModalModel, outputs: list[str], inputs: list[int | None]) -> ModalModel:
-    rows = [model.outputs.index(name) for name in outputs]
-    columns = [model.input_points.index(p) for p in inputs]
-    return model.model_copy(
-        update={
-            "outputs": tuple(outputs),
-            "output_points": tuple(model.output_points[r] for r in rows),
-            "input_points": tuple(inputs),
-            "modal_constants": model.modal_constants[:, rows][:, :, columns],
-            "residuals": model.residuals[:, rows][:, :, columns],
-        }
-    )

@@ -18,12 +18,9 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     Y = F Phi_in^T (lines, modes, inputs), both with the gains, so that dH = -X dD Y.
     """
     s, omega, modes = c.s, state.omega, state.omega.size
-    flexibility = state.flexibility(s)
-    rows, columns = state.local(s)
-    rows, columns = rows * state.gain, columns * state.applied
-    x = rows[:, :, None] * (state.out @ flexibility)
-    y = (flexibility @ state.into.T) * columns[:, None, :]
-    whole = state.receptance(s, c.outside)
+    x, y, whole = state.paths(s, c.outside)
+    read = state.read(s)[:, :, None]
+    x, y, whole = read * x, y * state.applied, read * whole * state.applied
     squared = (s**2)[:, None, None]
     found = np.zeros((sum(sizes), *whole.shape), np.complex128)
     parts = np.split(found, np.cumsum(sizes)[:-1])
@@ -44,10 +41,10 @@ def derivatives(c: Compared, state: State, sizes: tuple[int, ...]) -> Complex:
     force[0] = -whole
     for o in range(len(state.out)):
         gains[o, :, o] = whole[:, o]
-        at[2 * o : 2 * o + 2, :, o] = rows[:, o, None] * (c.out_slopes[o][:, None, None, :] @ y)[:, :, 0]
+        at[2 * o : 2 * o + 2, :, o] = read[:, o] * np.einsum("jm,lmi->jli", c.out_slopes[o], y)
     for i in range(len(state.into)):
         hits[i, :, :, i] = whole[:, :, i]
-        struck[2 * i : 2 * i + 2, :, :, i] = columns[:, i, None] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)
+        struck[2 * i : 2 * i + 2, :, :, i] = state.applied[i] * (x @ c.into_slopes[i].T).transpose(2, 0, 1)
     before, after = x @ state.sensor_shapes.T, state.sensor_shapes @ y
     for p in range(len(state.sensor_masses)):
         masses[p] = -squared * before[:, :, p, None] * after[:, None, p, :]

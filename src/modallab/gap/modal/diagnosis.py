@@ -12,11 +12,11 @@ from modallab.core.model import ModalModel
 from modallab.core.rig import Rig
 from modallab.gap.modal.compared import SMOOTHER, Compared, compared
 from modallab.gap.modal.free import Free
+from modallab.gap.modal.freedoms import Freedom
 from modallab.gap.modal.judged import Judged, judged, strain
 from modallab.gap.modal.mesh import Mesh
 from modallab.gap.modal.parts import Misses, by_channel, by_mode
 from modallab.gap.modal.search import Fitted, explanations
-from modallab.gap.modal.shapes import Freedom
 from modallab.gap.model.tolerances import with_tolerances
 
 Real = NDArray[np.float64]
@@ -48,37 +48,44 @@ class Explained:
         return [changed(self.free.of, f, p) for f, p in self.judged.ranked if f.candidate is not None]
 
 
-def diagnose_by_model(reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None) -> ModalDiagnosis:
+def diagnose_by_model(
+    reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None, own: Rig | None = None
+) -> ModalDiagnosis:
     """What differs between a structure's modal model and the structure as it is, beyond the rig's tolerances.
 
     Args:
         reference: the simulation: identified before, or computed; with modal constants.
-        bench: identified from the records of today, on the same outputs and driven points.
+        bench: identified from the records of today; compared on the points and axes that both have.
         rig: points, channels and tolerances; the usual ones where it states none.
         mesh: the reference's shapes at nodes between the points, where it was computed.
+        own: the reference's rig, where it is another.
 
     Raises:
-        DataError: the two share no band, output or driven point, or the reference's shapes have no scale.
+        DataError: the two share no band, output or driven point.
     """
-    return explained_by_model(reference, bench, rig, mesh).diagnosis
+    return explained_by_model(reference, bench, rig, mesh, own).diagnosis
 
 
-def explained_by_model(reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None) -> Explained:
+def explained_by_model(
+    reference: ModalModel, bench: ModalModel, rig: Rig, mesh: Mesh | None = None, own: Rig | None = None
+) -> Explained:
     """The same with the fits behind it, from which FRFs can be drawn.
 
     Raises:
         DataError: as `diagnose_by_model`.
     """
     known = with_tolerances(rig)
-    free = Free(compared(reference, bench, known, mesh=mesh))
-    base, tried = explanations(levels(reference, bench, known, free, mesh))
+    free = Free(compared(reference, bench, known, mesh=mesh, own=own))
+    base, tried = explanations(levels(reference, bench, known, free, mesh, own))
     found = judged(free, base, tried)
     return Explained(free, found, _said(free, found, (reference.n_modes, bench.n_modes)))
 
 
-def levels(reference: ModalModel, bench: ModalModel, rig: Rig, last: Free, mesh: Mesh | None = None) -> list[Free]:
+def levels(
+    reference: ModalModel, bench: ModalModel, rig: Rig, last: Free, mesh: Mesh | None = None, own: Rig | None = None
+) -> list[Free]:
     """The comparison from the smoothest and loosest to the last."""
-    smoother = [Free(compared(reference, bench, rig, smooth, mesh), LOOSE) for smooth in SMOOTHER]
+    smoother = [Free(compared(reference, bench, rig, smooth, mesh, own), LOOSE) for smooth in SMOOTHER]
     return [*smoother, Free(last.of, LOOSE), last]
 
 

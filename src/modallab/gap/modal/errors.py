@@ -40,8 +40,10 @@ def weights(reference: ModalModel, bench: ModalModel, s: Complex, measured: Comp
     terms, of_terms = _of_residuals(reference, bench, s)
     constants = np.abs(bench.modal_constants)
     of_modes = SHAPE * np.hypot(constants, SMALL * _rms(constants))
-    shapes = np.concatenate([terms, kernels(bench, s).T])
-    return Weights.of(ERROR * sizes(measured), shapes, np.concatenate([of_terms, of_modes]))
+    # A modal constant is complex: it may be off in size and in phase.
+    modes = kernels(bench, s).T
+    shapes = np.concatenate([terms, modes, 1j * modes])
+    return Weights.of(ERROR * sizes(measured), shapes, np.concatenate([of_terms, of_modes, of_modes]))
 
 
 def _of_residuals(reference: ModalModel, bench: ModalModel, s: Complex) -> tuple[Complex, Real]:

@@ -29,12 +29,14 @@ class Change:
         gains: output -> factor on what it reads.
         force_gain: factor on what the force channel reads.
         shifts: output -> metres along the two tangents, and by how many deviations the shapes there are off (modes,).
+        delays: output -> s by which it reads late.
     """
 
     hung: Hung | None = None
     gains: tuple[tuple[int, float], ...] = ()
     force_gain: float = 1.0
     shifts: tuple[tuple[int, Real, Real], ...] = ()
+    delays: tuple[tuple[int, float], ...] = ()
 
 
 NOTHING = Change()
@@ -110,6 +112,9 @@ class Free:
         gain = np.exp(gains)
         for o, factor in change.gains:
             gain[o] *= factor
+        delay = np.zeros(gain.size)
+        for o, late_s in change.delays:
+            delay[o] += late_s
         moved = c.out_psi + np.einsum("oj,ojm->om", at.reshape(-1, 2), c.out_slopes)
         for o, along_m, off in change.shifts:
             moved[o] += c.shifted(o, along_m, off)
@@ -127,13 +132,14 @@ class Free:
             out=moved,
             into=driven,
             gain=gain,
+            delay=delay,
             applied=applied,
             stiffness=float(np.exp(kappa[0])),
             mass=float(np.exp(mu[0])),
             field=e + np.triu(e, 1).T,
             across=damped,
             sensor_masses=masses,
-            sensor_shapes=c.out_psi,
+            sensor_shapes=c.out_psi if c.shapes.scaled else 0 * c.out_psi,
             hung=change.hung,
         )
 

@@ -91,8 +91,10 @@ def _next_to(places_m: Real, points_m: Real) -> list[int]:
 
 
 def apart(points_m: Real) -> float:
-    """Median distance from a point to the nearest other, m."""
+    """Median distance from a point to the nearest other, m; 0 of one place alone."""
     places = np.unique(points_m, axis=0)
+    if len(places) == 1:
+        return 0.0
     away = np.linalg.norm(places[:, None] - places[None], axis=2)
     np.fill_diagonal(away, np.inf)
     return float(np.median(away.min(axis=1)))

@@ -1,11 +1,11 @@
 """The bench as a modal model with what may have changed, and the FRFs it predicts.
 
 In modal coordinates, at unit modal mass of the reference, the dynamic stiffness is
-D = s^2 (mu I + sum m psi psi^T) + 2 zeta omega s + Omega (kappa I + E) Omega + sum z psi psi^T,
-and H = Phi_out D^-1 Phi_in^T + R. E is a symmetric matrix: how stiffness (and mass) of the bench differ from those of
-the reference from place to place. What hangs on a point, of dynamic stiffness z, feels the modes outside the band as a
-local compliance r in series: z / (1 + z r), and what moves or is driven at that very point is moved by 1 / (1 + z r)
-(structural modification by the receptance method: Ewins, Modal Testing, 2nd ed. 2000, section 6.3).
+D = s^2 (mu I + sum m psi psi^T) + 2 zeta omega s + Omega (kappa I + E) Omega, and H = Phi_out D^-1 Phi_in^T + R, where
+R is all that the reference's FRFs hold besides, so that they are the reference's exactly where nothing is free. E is a
+symmetric matrix: how stiffness (and mass) of the bench differ from those of the reference from place to place.
+What hangs at freedoms f, of dynamic stiffness z, changes H to H - H_of z (I + z H_ff)^-1 H_fi (receptance coupling:
+Ewins, Modal Testing, 2nd ed. 2000, section 6.3). Where f was driven and a sensor stood there, all four are measured.
 """
 
 from dataclasses import dataclass
@@ -23,26 +23,56 @@ class Hung:
     """What hangs on the structure at a place.
 
     Attributes:
-        psi: (directions, modes) shapes there.
+        seen: (directions, modes) shapes there as sensors show them.
+        driven: (directions, modes) as forces there excite them.
         mass_kg: of it.
         stiffness: to ground, N/m.
-        compliance: of the modes outside the band at this place, m/N.
-        outputs: numbers of the outputs at this freedom.
-        inputs: numbers of the inputs there.
-        near: share of that compliance which outputs and inputs there feel: 1 at the very place, 0 far from it.
+        damping: to ground, N s/m.
+        outputs: of each direction the output that stands there, or None.
+        inputs: of each direction the input there, or None.
+        compliance: of the modes outside the band at this place where it was not measured, m/N.
+        near: share of what lies outside the band that counts: 1 at the very place, 0 far from it.
+        turn: phase of the chain, exp(j phase), that measured FRFs have and what hangs there has not.
     """
 
-    psi: Real
+    seen: Complex
+    driven: Complex
     mass_kg: float = 0.0
     stiffness: float = 0.0
+    damping: float = 0.0
+    outputs: tuple[int | None, ...] = ()
+    inputs: tuple[int | None, ...] = ()
     compliance: float = 0.0
-    outputs: tuple[int, ...] = ()
-    inputs: tuple[int, ...] = ()
     near: float = 1.0
+    turn: complex = 1.0
 
     def dynamic_stiffness(self, s: Complex) -> Complex:
         """(lines,) of what hangs there, N/m."""
-        return np.asarray(self.mass_kg * s**2 + self.stiffness)
+        return np.asarray(self.mass_kg * s**2 + self.damping * s + self.stiffness)
+
+    def beside_modes(self, outside: Complex) -> tuple[Complex, Complex, Complex]:
+        """What lies outside the band: to the outputs, from the inputs, and at the place itself.
+
+        Args:
+            outside: (lines, outputs, inputs) of the reference.
+
+        Returns:
+            (lines, outputs, directions), (lines, directions, inputs) and (lines, directions, directions), m/N.
+        """
+        lines, n_out, n_in = outside.shape
+        d = len(self.seen)
+        to, of = np.zeros((lines, n_out, d), np.complex128), np.zeros((lines, d, n_in), np.complex128)
+        here = np.zeros((lines, d, d), np.complex128)
+        for k, (o, i) in enumerate(zip(self.outputs, self.inputs, strict=True)):
+            here[:, k, k] = self.compliance if o is None or i is None else outside[:, o, i] / self.turn
+            if i is not None:
+                to[:, :, k] = outside[:, :, i] / self.turn
+                of[:, k, i] = self.compliance * self.turn
+            elif o is not None:
+                to[:, o, k] = self.compliance
+            if o is not None:
+                of[:, k] = outside[:, o]
+        return self.near * to, self.near * of, self.near * here
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,6 +85,7 @@ class State:
         out: (outputs, modes) shapes at the outputs.
         into: (inputs, modes) shapes at the inputs.
         gain: (outputs,) factors on what the outputs read.
+        delay: (outputs,) s by which they read late.
         applied: (inputs,) force that acts over the force that is read.
         stiffness: kappa.
         mass: mu.
@@ -67,20 +98,21 @@ class State:
 
     omega: Real
     zeta: Real
-    out: Real
-    into: Real
+    out: Complex
+    into: Complex
     gain: Real
+    delay: Real
     applied: Real
     stiffness: float
     mass: float
     field: Real
     across: Real
     sensor_masses: Real
-    sensor_shapes: Real
+    sensor_shapes: Complex
     hung: Hung | None = None
 
     def flexibility(self, s: Complex) -> Complex:
-        """(lines, modes, modes) D^-1."""
+        """(lines, modes, modes) D^-1, without what hangs there."""
         n = self.omega.size
         attached = (self.sensor_shapes.T * self.sensor_masses) @ self.sensor_shapes
         inertia = self.mass * np.eye(n) + attached
@@ -88,25 +120,33 @@ class State:
         d = s[:, None, None] ** 2 * inertia + elastic
         d[:, range(n), range(n)] += s[:, None] * (2 * self.zeta * self.omega)
         d += s[:, None, None] * (2 * self.across * np.sqrt(np.outer(self.zeta * self.omega, self.zeta * self.omega)))
-        if self.hung is not None:
-            z = self.hung.dynamic_stiffness(s)
-            d += (z / (1 + z * self.hung.compliance))[:, None, None] * (self.hung.psi.T @ self.hung.psi)
         return np.linalg.inv(d)
 
-    def local(self, s: Complex) -> tuple[Complex, Complex]:
-        """(lines, outputs) and (lines, inputs) by which the place itself moves, and is driven, less."""
-        rows = np.ones((s.size, len(self.out)), dtype=np.complex128)
-        columns = np.ones((s.size, len(self.into)), dtype=np.complex128)
-        if self.hung is not None and self.hung.compliance:
-            zr = self.hung.dynamic_stiffness(s) * self.hung.compliance
-            less = 1 - self.hung.near * zr / (1 + zr)
-            rows[:, list(self.hung.outputs)] = less[:, None]
-            columns[:, list(self.hung.inputs)] = less[:, None]
-        return rows, columns
+    def paths(self, s: Complex, outside: Complex) -> tuple[Complex, Complex, Complex]:
+        """How modal forces come to the outputs and forces at the inputs to the modes, with what hangs there; and H.
+
+        Returns:
+            (lines, outputs, modes), (lines, modes, inputs) and (lines, outputs, inputs), without any gain.
+        """
+        flexibility = self.flexibility(s)
+        x, y = self.out @ flexibility, flexibility @ self.into.T
+        whole = x @ self.into.T + outside
+        if self.hung is None:
+            return x, y, whole
+        hung = self.hung
+        to, of, here = hung.beside_modes(outside)
+        z = hung.dynamic_stiffness(s)[:, None, None]
+        seen = hung.seen @ flexibility
+        to, of = x @ hung.driven.T + to, seen @ self.into.T + of
+        through = z * np.linalg.inv(np.eye(len(hung.seen)) + z * (seen @ hung.driven.T + here))
+        x_changed = x - to @ through @ seen
+        y_changed = y - (flexibility @ hung.driven.T) @ through @ of
+        return x_changed, y_changed, whole - to @ through @ of
+
+    def read(self, s: Complex) -> Complex:
+        """(lines, outputs) what the outputs read over the motion there."""
+        return np.asarray(self.gain * np.exp(-s[:, None] * self.delay), np.complex128)
 
     def receptance(self, s: Complex, outside: Complex) -> Complex:
         """(lines, outputs, inputs), with the reference's part `outside` the band, (lines, outputs, inputs)."""
-        rows, columns = self.local(s)
-        modal = self.out @ self.flexibility(s) @ self.into.T
-        scaled = np.outer(self.gain, self.applied)
-        return rows[:, :, None] * (modal + outside) * scaled * columns[:, None, :]
+        return np.asarray(self.read(s)[:, :, None] * self.paths(s, outside)[2] * self.applied)

@@ -25,3 +25,8 @@ def outside(model: ModalModel, s: Complex) -> Complex:
     """(lines, outputs, inputs) what lies outside the band."""
     powers = s[:, None] ** np.array(model.residual_powers, dtype=float)
     return np.einsum("lp,poi->loi", powers, model.residuals.astype(np.complex128))
+
+
+def beside(model: ModalModel, s: Complex, out: Complex, into: Complex) -> Complex:
+    """(lines, outputs, inputs) FRFs without the products of shapes out (outputs, modes) and into (inputs, modes)."""
+    return synthesised(model, s) - np.einsum("lr,or,ir->loi", kernels(model, s), out, into)

@@ -1,0 +1,108 @@
+"""Which outputs and driven points of two models are the same: by place and axis, not by the name of a channel."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import DataError
+from modallab.core.model import ModalModel
+from modallab.core.rig import Rig
+from modallab.core.units import BROADBAND
+from modallab.gap.modal.freedoms import Freedom, freedoms_of, senses_of
+
+Real = NDArray[np.float64]
+
+REACH = 3.0
+"""Deviations of a sensor's place within which two points are the same."""
+EXTENT = 1e-3
+"""The same over the structure's extent, where that is more: places are rounded."""
+
+
+def in_common(reference: ModalModel, own: Rig, bench: ModalModel, rig: Rig) -> tuple[ModalModel, ModalModel]:
+    """Both on the freedoms that both have, positive along the bench's freedoms, with the bench's names.
+
+    Args:
+        reference: of the rig `own`.
+        own: its rig; the bench's where it has none.
+        bench: of the rig `rig`.
+        rig: the bench's.
+
+    Raises:
+        DataError: they share no output or no driven point, or several shakers drove the bench at once.
+    """
+    points = _points(own, rig)
+    outputs, inputs = ([(points.get(p, -p), axis) for p, axis in of] for of in freedoms_of(reference, own))
+    wanted, driven = freedoms_of(bench, rig)
+    rows = [o for o, f in enumerate(wanted) if f in outputs]
+    columns = [i for i, f in enumerate(driven) if f in inputs and f not in driven[:i]]
+    _require(rows, columns, bench, rig)
+    found = _chosen(bench, rows, columns, senses_of(bench, rig), 1.0)
+    same = [_named(reference.outputs, outputs, bench.outputs[o], wanted[o]) for o in rows]
+    # A motion along the drive is positive along it, as the force is: where the drives are opposite, both are.
+    opposite = -1.0 if own.drive_direction[0] != rig.drive_direction[0] else 1.0
+    along = np.array([opposite if axis == rig.drive_direction[1] else 1.0 for _, axis in outputs])
+    known = _chosen(
+        reference, same, [inputs.index(driven[i]) for i in columns], senses_of(reference, own) * along, opposite
+    )
+    return known.model_copy(update={n: getattr(found, n) for n in ("outputs", "output_points", "input_points")}), found
+
+
+def _require(rows: Sequence[int], columns: Sequence[int], bench: ModalModel, rig: Rig) -> None:
+    if not rows or not columns:
+        raise DataError(
+            "reference and bench share no output or no driven point",
+            where=rig.name,
+            remedy="measure both at the same points and along the same axes",
+        )
+    if bench.test in BROADBAND and len(columns) > 1:
+        raise DataError(
+            f"{len(columns)} shakers drove the bench at once, and a comparison knows the gain of one force alone",
+            where=rig.name,
+            remedy="compare a test of one shaker (shakers: first), or one with a hammer",
+        )
+
+
+def _named(names: Sequence[str], freedoms: Sequence[Freedom], name: str, freedom: Freedom) -> int:
+    """The output at a freedom; of several the one of that name."""
+    there = [o for o, f in enumerate(freedoms) if f == freedom]
+    return next((o for o in there if names[o] == name), there[0])
+
+
+def _chosen(model: ModalModel, rows: Sequence[int], columns: Sequence[int], senses: Real, driven: float) -> ModalModel:
+    """Some outputs and inputs, each turned by its sign."""
+    turned = senses[list(rows), None] * driven
+    return model.model_copy(
+        update={
+            "outputs": tuple(model.outputs[r] for r in rows),
+            "output_points": tuple(model.output_points[r] for r in rows),
+            "input_points": tuple(model.input_points[c] for c in columns),
+            "modal_constants": model.modal_constants[:, rows][:, :, columns] * turned,
+            "modal_constant_sigma": model.modal_constant_sigma[:, rows][:, :, columns],
+            "residuals": model.residuals[:, rows][:, :, columns] * turned,
+        }
+    )
+
+
+def _points(own: Rig, rig: Rig) -> Mapping[int, int]:
+    """Point of the one rig -> point of the other at the same place; of the same number where one says no places."""
+    places, there = _places(own), _places(rig)
+    if own == rig or not _apart(places) or not _apart(there):
+        return {p: p for p in places}
+    extent = float(np.ptp(np.array(list(there.values())), axis=0).max())
+    reach = max(REACH * rig.tolerance.position_m, EXTENT * extent)
+    found: dict[int, int] = {}
+    for point, at in places.items():
+        away = {p: float(np.linalg.norm(at - other)) for p, other in there.items()}
+        nearest = point if away.get(point, np.inf) <= reach else min(away, key=lambda p: away[p])
+        if away[nearest] <= reach:
+            found[point] = nearest
+    return found
+
+
+def _places(rig: Rig) -> dict[int, Real]:
+    return {p.id: np.array([p.x_m, p.y_m, p.z_m]) for p in rig.points}
+
+
+def _apart(places: Mapping[int, Real]) -> bool:
+    return len(places) > 1 and bool(np.any(np.ptp(np.array(list(places.values())), axis=0) > 0))
