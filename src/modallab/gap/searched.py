@@ -16,7 +16,7 @@ from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.faint import faint
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.stepped import search_stepped
-from modallab.gap.unknown.description import Description, per_number, rows_of, worth
+from modallab.gap.unknown.description import Description, per_number, worth
 from modallab.gap.unknown.rival import channel_alone, loses_samples, near, rivals
 
 
@@ -71,18 +71,14 @@ def searched(
 def _without_name(
     bench: Bench, prepared: Prepared, selection: Selection, unseen: Reduced, held: Sequence[str]
 ) -> tuple[Description, ...]:
-    """Elements without a name that explain what no single effect does; none where two effects on a channel do too."""
+    """Elements without a name that explain what no single effect does, unless two effects do with as few numbers."""
     first = selection.levels[0] if selection.levels else Level(selection.best, ())
     alone = channel_alone(bench, prepared, first, held)
     behaves = rivals(bench, prepared, first, alone, unseen, held)
-    if not behaves or alone is None or alone.loses:
+    if not behaves or (alone is not None and alone.loses):
         return behaves
-    last = selection.rounds(2)[-1]
-    if not last.fits:
-        return behaves
-    pair = last.fits[0]
-    on_channel = set(rows_of(pair)) == {alone.row} and near(bench, pair)
-    return () if on_channel and per_number(pair) <= worth(behaves[0]) else behaves
+    pair = selection.rounds(2)[-1].fits
+    return () if pair and near(bench, pair[0]) and per_number(pair[0]) <= worth(behaves[0]) else behaves
 
 
 def _by_level(

@@ -19,12 +19,20 @@ from modallab.twin.candidate import Candidate, Slot
 
 Array = NDArray[np.float64]
 
+Key = tuple[tuple[str, str], ...]
+"""Effects and fixed places, sorted: what tells one explanation from another."""
+
 NEAREST_ROOT = 0.02
 """Place nearest to the clamp, as a share of the length: a beam hardly moves there."""
 LONGEST = 4.0
 """Longest step of a number, in deviations of its prior or in coordinates of an effect."""
 SAME_SLOPES = 3
 """Steps that one evaluation of the slopes serves, at most."""
+
+
+def key_of(candidates: tuple[Candidate, ...]) -> Key:
+    """The effects and fixed places of candidates."""
+    return tuple(sorted((c.effect, str(c.place)) for c in candidates))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,9 +56,9 @@ class Posterior:
     residual: Array
 
     @property
-    def key(self) -> tuple[tuple[str, object], ...]:
-        """Effects and fixed places, which tell one explanation from another."""
-        return tuple(sorted((c.effect, str(c.place)) for c in self.problem.candidates))
+    def key(self) -> Key:
+        """See `key_of`."""
+        return key_of(self.problem.candidates)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -190,6 +198,10 @@ def _stepped(
 ) -> tuple[_Place, float]:
     """The first of ever shorter steps that helps; `here` itself if none does."""
     (normal, gradient), n = system, problem.free.size
+    free = np.ones(len(gradient), bool)
+    # At an end of its range a number that would go beyond stays: the others must not count on its step.
+    free[n:] = ~(((here.u[n:] >= ends[1]) & (gradient[n:] > 0)) | ((here.u[n:] <= ends[0]) & (gradient[n:] < 0)))
+    normal, gradient = np.where(np.outer(free, free), normal, np.diag(np.diag(normal))), np.where(free, gradient, 0.0)
     scale = np.maximum(np.diag(normal), 1e-6)
     # What the data leave open must be free to go as far as its prior lets it.
     scale[:n] = np.minimum(scale[:n], 1.0 + 1e-3 * scale[:n])

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report
-from modallab.gap.inference.posterior import Posterior, descended
+from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
+from modallab.gap.inference.score_test import ScoreTest
 from modallab.gap.inference.screen import Screen
 from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
@@ -72,9 +73,11 @@ class Selection:
         found = [self._pruned(f) for f in self._added(self._here)]
         if not self.levels:
             found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
-        found = _best_of_each(found)[: self.settings.rivals]
-        self._progress(0.8, "explanations fitted to the records")
-        fitted = sorted(((f, self._fit(f, found[0])) for f in found), key=_score)
+        found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
+        self._progress(0.7, "explanations fitted to the records")
+        fitted = [(f, self._fit(f.problem.candidates, f.u)) for f in found]
+        fitted = sorted([*fitted, *self._by_records({f.key for f in found})], key=_score)
+        fitted = sorted([*fitted, *self._exchanged(fitted[:1], {f.key for f, _ in fitted})], key=_score)
         if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
             self.ended = True
             return
@@ -85,10 +88,32 @@ class Selection:
     def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
         return Problem(self.bench.data, self.bench.free, candidates)
 
-    def _fit(self, found: Posterior, best: Posterior) -> Fit:
+    def _fit(self, candidates: tuple[Candidate, ...], u: Array) -> Fit:
         """An explanation on the records, which say how large its numbers are and whether more is left."""
-        fit = seen(self._problem(found.problem.candidates), found.u)
-        return completed(self.bench, fit) if found.evidence < best.evidence + self.settings.margin else fit
+        return completed(self.bench, seen(self._problem(candidates), u))
+
+    def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
+        """The explanation that the records speak for most to first order, of those that are not there already."""
+        test = ScoreTest(self.bench, self.best)
+        present = self.best.problem.candidates
+        listed = [c for c in candidates(self.bench, present) if key_of((*present, c)) not in there]
+        begun = test.best(listed)
+        if begun is None:
+            return []
+        fit = self._fit(begun.problem.candidates, begun.u)
+        return [(descended(self._view, self._problem(begun.problem.candidates), fit.u, 2), fit)]
+
+    def _exchanged(self, best: list[tuple[Posterior, Fit]], there: set[Key]) -> list[tuple[Posterior, Fit]]:
+        """The best explanation with another effect in the place of each that came in an earlier round."""
+        found: list[tuple[Posterior, Fit]] = []
+        for posterior, fit in best:
+            problem = self._problem(fit.problem.candidates)
+            for at in range(len(posterior.problem.candidates) - 1):
+                bare = descended(self._view, *left_out(problem, fit.u, at), 4)
+                begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
+                others = sorted(begun, key=lambda f: f.evidence)[:1]
+                found += [(f, self._fit(f.problem.candidates, f.u)) for f in others]
+        return found
 
     def _added(self, here: Posterior) -> list[Posterior]:
         """The best explanations with one effect more, best first."""
@@ -151,7 +176,7 @@ def _score(fitted: tuple[Posterior, Fit]) -> float:
 
 def _best_of_each(found: Iterable[Posterior]) -> list[Posterior]:
     """Best first, of each explanation the best numbers."""
-    best: dict[tuple[tuple[str, object], ...], Posterior] = {}
+    best: dict[Key, Posterior] = {}
     for f in sorted(found, key=lambda f: f.evidence):
         best.setdefault(f.key, f)
     return list(best.values())

@@ -25,9 +25,7 @@ class Settings:
         most_effects: effects in one explanation.
         first: starts that are fitted in a round, over all candidates.
         starts: starts of one candidate, at most.
-        rivals: explanations of a round that are listed.
-        margin: rivals this close to the best, in -2 log evidence, are fitted to the records as well: odds of 1 to 10^10
-            are beyond what modal rows decide.
+        rivals: explanations of a round that are fitted to the records.
         top_hz: poles are identified up to this frequency, Hz; the hammer's pulse carries little beyond it.
     """
 
@@ -42,7 +40,6 @@ class Settings:
     first: int = 16
     starts: int = 3
     rivals: int = 3
-    margin: float = 46.0
     top_hz: float = 390.0
 
     @property

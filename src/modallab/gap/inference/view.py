@@ -220,9 +220,7 @@ def sparse(data: Reduced) -> Reduced:
         counted=old.counted[keep],
     )
     middle = source.lines[keep][:, [count // 2]]
-    thin = replace(
-        source, lines=middle, frequency_hz=source.frequency_hz[keep], force=source.force[keep], rise=rise
-    )
+    thin = replace(source, lines=middle, frequency_hz=source.frequency_hz[keep], force=source.force[keep], rise=rise)
     rows = replace(
         d.rows,
         y=d.rows.y[:, at],

@@ -94,18 +94,13 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
     needed = CLOSED_RESAMPLED if resampled else CLOSED
     explained = bool(fit.problem.candidates) and (
-        _at_floor(bench, base, fit)
+        fit.gap <= AT_FLOOR * bench.flat / 1.1
         or excess(fit) <= (1 - needed) * excess(base)
         or (held is not None and _closes(base, fit, held, needed))
         or (unseen is not None and stepped(fit) and _closes_unseen(base, fit, unseen))
     )
     choice = Choice(base, fit, others, explained, False)
     return choice if held is None else _that_matters(choice, held, clock_shows(bench))
-
-
-def _at_floor(bench: Bench, base: Fit, fit: Fit) -> bool:
-    """Whether a fit leaves noise alone; and within tolerances, where the base did so beyond them."""
-    return fit.gap <= AT_FLOOR * bench.flat / 1.1 and (base.gap > bench.flat or ordinary(fit))
 
 
 def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
