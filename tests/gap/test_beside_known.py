@@ -12,12 +12,13 @@ from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.core.rig import Rig
 from modallab.gap.conditioning.prepare import prepare
+from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.revisions.apply import with_diagnosis
 from modallab.gap.search.beside_known import beside_known, knows_element
 from modallab.gap.search.beside_stepped import linear_part
-from modallab.gap.search.fitting import Bench, baseline
+from modallab.gap.search.fitting import Bench
 
 pytestmark = pytest.mark.thorough("fits with an element that is stepped in time")
 

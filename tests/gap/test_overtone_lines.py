@@ -9,6 +9,7 @@ import pytest
 from modallab.core.block import Campaign
 from modallab.core.effects import Effect
 from modallab.gap.conditioning.prepare import Prepared, prepare
+from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import Choice
@@ -18,7 +19,6 @@ from modallab.gap.search.heard import heard
 from modallab.gap.search.overtone_lines import LINES, with_overtones
 from modallab.gap.search.rough_fit import followed
 from modallab.gap.search.rough_starts import is_overtone, relative
-from modallab.gap.search.round import Level
 from modallab.twin.effects import model_of
 from modallab.twin.effects.breathing_crack import WIDTH
 from modallab_simulators.cantilever.cracked import HALF_WIDTH

@@ -9,12 +9,13 @@ from modallab.core.rig import Rig, Tolerance
 from modallab.formats.rig.rig_file import parse_rig
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.conditioning.reduce import reduce, thinned
+from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.nuisances import nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.initial_gap import free_of, weights_of
 from modallab.gap.report.inspected import inspected
 from modallab.gap.report.measure import squares
-from modallab.gap.search.fitting import Bench, baseline
+from modallab.gap.search.fitting import Bench
 from modallab_simulators.cantilever.trial import HITS, LAST_ORDER, LEVELS_N, make_trial
 
 

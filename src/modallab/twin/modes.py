@@ -1,9 +1,10 @@
 """The modes that follow from a structure."""
 
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from modallab.twin.structure import MODES, Structure
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -50,7 +52,8 @@ class Modes:
 
 def solve(structure: Structure) -> Modes:
     """The modes of a structure; a damper couples them, otherwise each keeps its own damping ratio."""
-    return beside(structure, _damped(structure, *undamped(structure)))
+    key = (*undamped_key(structure), structure.zeta.tobytes(), structure.dampers)
+    return beside(structure, _DAMPED.of(key, lambda: _damped(structure, *undamped(structure))))
 
 
 def beside(structure: Structure, bending: Modes) -> Modes:
@@ -86,9 +89,28 @@ def _damped(structure: Structure, omega: Array, phi: Array, out_of_band: Array) 
     return Modes(-zeta * omega + 1j * damped, columns, structure.length_m, out_of_band[:OWN, :OWN])
 
 
-_LATEST: OrderedDict[tuple[object, ...], tuple[Array, Array, Array]] = OrderedDict()
-_KEPT = 48
-_LOCK = Lock()
+class _Latest(Generic[T]):
+    """The latest results by what they depend on: a search asks for the same again and again."""
+
+    def __init__(self, kept: int) -> None:
+        self.kept, self.found, self.lock = kept, OrderedDict[tuple[object, ...], T](), Lock()
+
+    def of(self, key: tuple[object, ...], make: Callable[[], T]) -> T:
+        """The result of a key, made where it is not remembered."""
+        with self.lock:
+            if key in self.found:
+                self.found.move_to_end(key)
+                return self.found[key]
+        made = make()
+        with self.lock:
+            self.found[key] = made
+            while len(self.found) > self.kept:
+                self.found.popitem(last=False)
+        return made
+
+
+_UNDAMPED = _Latest[tuple[Array, Array, Array]](48)
+_DAMPED = _Latest[Modes](48)
 
 
 def undamped(structure: Structure) -> tuple[Array, Array, Array]:
@@ -96,11 +118,10 @@ def undamped(structure: Structure) -> tuple[Array, Array, Array]:
 
     Remembered, as damping, chain and clock leave them as they are.
     """
-    key = undamped_key(structure)
-    with _LOCK:
-        if key in _LATEST:
-            _LATEST.move_to_end(key)
-            return _LATEST[key]
+    return _UNDAMPED.of(undamped_key(structure), lambda: _undamped(structure))
+
+
+def _undamped(structure: Structure) -> tuple[Array, Array, Array]:
     stiffness, mass = matrices(structure)
     free = _free(structure)
     held = np.ix_(free, free)
@@ -111,10 +132,6 @@ def undamped(structure: Structure) -> tuple[Array, Array, Array]:
     # The vectors have unit strain energy: summed over all of them their squares are the compliance.
     others, out_of_band = vectors[:, :-MODES], np.zeros(stiffness.shape)
     out_of_band[held] = others @ others.T
-    with _LOCK:
-        _LATEST[key] = omega, phi, out_of_band
-        while len(_LATEST) > _KEPT:
-            _LATEST.popitem(last=False)
     return omega, phi, out_of_band
 
 

@@ -191,9 +191,7 @@ def _least(problem: Problem, fit: Fit, end: Array, other: Fit) -> float:
     own = problem.free.size
     begins = (fit.u, np.clip(end, fit.u - LONGEST, fit.u + LONGEST), np.concatenate([other.u[:own], fit.u[own:]]))
     first = min((seen(problem, u) for u in begins), key=lambda f: f.cost)
-    best = min(
-        [first, *(minimise(problem, u, STEPS, 1e-4, alike=True) for u in (first.u, fit.u))], key=lambda f: f.cost
-    )
+    best = min([first, *(minimise(problem, u, STEPS, 1e-4) for u in (first.u, fit.u))], key=lambda f: f.cost)
     # What is true is where it is; what is not may follow it from any other place.
     return best.cost if fit is other else elsewhere(best).cost
 

@@ -22,7 +22,6 @@ from modallab.gap.model.restored import begin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.initial_gap import TOP_HZ, weights_of
 from modallab.gap.search.elsewhere import elsewhere
-from modallab.gap.search.fitting import settled
 
 Array = NDArray[np.float64]
 
@@ -130,11 +129,9 @@ def explanations(
     free = free_with(there, points)
     total = sum(c.probability for c in sets) or 1.0
     names = Counter(frozenset(c.effects) for c in sets)
-    fits = [
-        minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4, alike=True) for c in sets
-    ]
+    fits = [minimise(*begin_of(c, there.data, free, names[frozenset(c.effects)] > 1), STEPS, 1e-4) for c in sets]
     best = min(fits, key=lambda f: f.cost)
-    fits = [settled(elsewhere(beside(f, best))) for f in fits]
+    fits = [elsewhere(beside(f, best)) for f in fits]
     return [
         Explanation(tuple(sorted(e.effect for e in c.fitted)), c.probability / total, fit)
         for c, fit in zip(sets, fits, strict=True)
@@ -149,7 +146,7 @@ def beside(fit: Fit, other: Fit) -> Fit:
     """
     size = fit.problem.free.size
     moved = np.concatenate([other.u[:size], fit.u[size:]])
-    return min(fit, minimise(fit.problem, moved, STEPS, 1e-4, alike=True), key=lambda f: f.cost)
+    return min(fit, minimise(fit.problem, moved, STEPS, 1e-4), key=lambda f: f.cost)
 
 
 def _require_planned(diagnosis: Diagnosis, c: CandidateSet) -> None:

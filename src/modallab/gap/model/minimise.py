@@ -30,6 +30,8 @@ WORKERS = 2
 """Records in time are stepped outside the interpreter's lock."""
 SAME_SLOPES = 6
 """Steps that one evaluation of the slopes serves, at most: a step costs a tenth of the slopes."""
+LEAST = 0.1
+"""Fall of the cost at which to stop where noise alone is left: likelihoods that differ by a twentieth are alike."""
 SLOW = 0.03
 """Share of the fall since the slopes were evaluated below which a step says that they are worn out."""
 CURVED = 1e-4
@@ -46,62 +48,72 @@ BENT = 1.5
 """A step that would bend by more than so many times its length goes straight: second order says nothing of it."""
 
 
-def minimise(
-    problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, alike: bool = False, whole: bool = False
-) -> Fit:
+def minimise(problem: Problem, u: Array, iterations: int = 8, tolerance: float = 1e-4, whole: bool = False) -> Fit:
     """Levenberg-Marquardt from u, the damping a tenth after a step that helps, tenfold after one that does not.
 
     Args:
         problem: what to fit.
         u: (u,) where to begin, in prior deviations and in coordinates of the effects.
         iterations: how often the slopes are evaluated at most.
-        tolerance: relative fall of the cost between two evaluations of the slopes at which to stop.
-        alike: with tolerances, whether steps are held back alike along all numbers; else more along those that the data
-            determine.
+        tolerance: fall of the cost between two evaluations of the slopes at which to stop, as a share of what is above
+            the noise's own squares.
         whole: see `jacobian`.
     """
     # Where nothing is forgiven a fit is near its end: what is left to go lies along narrow valleys.
     damping = FIRST if problem.free.deviations else 1e-4 if problem.floor else 1e-8
-    here, normal = _at(problem, u, damping), np.eye(len(u))
+    here, dampings, normal = _at(problem, u), (damping, damping), np.eye(len(u))
     for _ in range(iterations):
         before = here.cost
-        here, normal = _descended(problem, here, alike, whole)
-        if before - here.cost < tolerance * before + 1e-2:
+        here, dampings, normal = _descended(problem, here, dampings, whole)
+        if before - here.cost < tolerance * max(before - np.count_nonzero(here.r), 0.0) + LEAST:
             break
     return Fit(problem, here.u, here.cost, here.r, normal)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Here:
-    """Numbers, residual, cost, and the damping of the next step."""
+    """Numbers, residual and cost."""
 
     u: Array
     r: Array
     cost: float
-    damping: float
 
 
-def _at(problem: Problem, u: Array, damping: float) -> _Here:
+def _at(problem: Problem, u: Array) -> _Here:
     r = problem.residual(u)
-    return _Here(u, r, float(r @ r + problem.priors(u)[0]), damping)
+    return _Here(u, r, float(r @ r + problem.priors(u)[0]))
 
 
-def _descended(problem: Problem, begin: _Here, alike: bool, whole: bool) -> tuple[_Here, Array]:
-    """Where the slopes at a place lead to, and the curvature there."""
-    J, n, here = jacobian(problem, begin.u, begin.r, whole), problem.free.size, begin
+def _descended(
+    problem: Problem, begin: _Here, dampings: tuple[float, ...], whole: bool
+) -> tuple[_Here, tuple[float, ...], Array]:
+    """Where the slopes at a place lead to, the damping of the next steps, and the curvature there.
+
+    Steps held back more along what the data determine, and steps held back alike along all numbers, each creep where
+    the others do not; the slopes cost more than both.
+    """
+    J, n = jacobian(problem, begin.u, begin.r, whole), problem.free.size
     normal = J.T @ J
     normal[np.arange(n), np.arange(n)] += problem.priors(begin.u)[2]
-    scale = np.eye(len(normal)) if alike and problem.free.deviations else _scale(problem, normal)
+    scales = (_scale(problem, normal), np.eye(len(normal)))[: len(dampings) if problem.free.deviations else 1]
+    ways = [_along(problem, begin, (J, normal, s), d) for s, d in zip(scales, dampings, strict=False)]
+    best = min(ways, key=lambda way: way[0].cost)[0]
+    return best, tuple(d for _, d in ways), normal
+
+
+def _along(problem: Problem, begin: _Here, slopes: tuple[Array, Array, Array], damping: float) -> tuple[_Here, float]:
+    """Where steps with these slopes lead to, and the damping of the next."""
+    J, n, here = slopes[0], problem.free.size, begin
     for again in range(SAME_SLOPES):
         gradient = J.T @ here.r
         gradient[:n] += problem.priors(here.u)[1]
-        there = _step(problem, here, (J, normal, scale), gradient, once=again > 0)
+        there, damping = _step(problem, here, slopes, gradient, damping, once=again > 0)
         if there is None:
             break
         fall, here = here.cost - there.cost, there
         if fall < SLOW * (begin.cost - here.cost):
             break
-    return here, normal
+    return here, damping
 
 
 def jacobian(problem: Problem, u: Array, r: Array, whole: bool = False) -> Array:
@@ -166,22 +178,22 @@ def _slopes(problem: Problem, here: Twin, twins: list[Twin], near: int, size: in
 
 
 def _step(
-    problem: Problem, here: _Here, slopes: tuple[Array, Array, Array], gradient: Array, once: bool
-) -> _Here | None:
-    """Where the first step that helps leads to, of one or of ever shorter ones; None if none does."""
-    (J, normal, scale), damping = slopes, here.damping
+    problem: Problem, here: _Here, slopes: tuple[Array, Array, Array], gradient: Array, damping: float, once: bool
+) -> tuple[_Here | None, float]:
+    """Where the first step that helps leads to, of one or of ever shorter ones, None if none does; the next damping."""
+    (J, normal, scale), first = slopes, damping
     while damping < STIFFEST:
         held_back = normal + damping * scale
         step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
         if not once and _narrow(problem, here):
             step = _bent(problem, here, J, held_back, step)
-        there = _at(problem, here.u + np.clip(step, -4, 4), max(damping / 10, 1e-9))
+        there = _at(problem, here.u + np.clip(step, -4, 4))
         if there.cost < here.cost:
-            return there
+            return there, max(damping / 10, 1e-9)
         if once:
             break
         damping *= 10
-    return None
+    return None, first
 
 
 def _narrow(problem: Problem, here: _Here) -> bool:

@@ -58,7 +58,7 @@ class Tangent:
             NaN for a twin of which a mode swings that does not here, or the other way round: there no slope leads.
         """
         first, usual = len(twins) - near, len(self._modes.poles)
-        modes = _next_to(self._modes, self.twin.structure, [t.structure for t in twins], first)
+        modes = next_to(self._modes, self.twin.structure, [t.structure for t in twins], first)
         sensors = sensor_rows([self.twin, *twins], self._modes, self.data)[1:]
         own = {"impact": ManyModes.of(modes, sensors, usual)}
         if self.data.sines is not None:
@@ -72,10 +72,10 @@ class Tangent:
         here, hung = self.twin.in_sine(x_m), [t.in_sine(x_m) for t in twins]
         if here is self.twin.structure and all(s is t.structure for s, t in zip(hung, twins, strict=True)):
             return modes
-        return _next_to(self._hung, here, hung, first)
+        return next_to(self._hung, here, hung, first)
 
 
-def _next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
+def next_to(modes: Modes, here: Structure, there: Sequence[Structure], first: int) -> list[Modes]:
     """The modes of structures next to one whose modes are known; those of the first of them exactly."""
     found = [solve(s) for s in there[:first]]
     moved = [k for k in range(first, len(there)) if not alike(there[k], here)]

@@ -10,12 +10,15 @@ from modallab.gap.conditioning.prepare import Prepared, prepare
 from modallab.gap.conditioning.records import as_recorded
 from modallab.gap.conditioning.reduce import Reduced, Weights, reduce, sine_clock, thinned
 from modallab.gap.conditioning.split import split
+from modallab.gap.inference.baseline import baseline
+from modallab.gap.inference.identified import identified
+from modallab.gap.inference.settings import DEFAULT
 from modallab.gap.model.nuisances import Nuisances, nuisances
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.tolerances import with_tolerances
 from modallab.gap.report.inspected import inspected, known_already
 from modallab.gap.report.measure import Squares, squares
-from modallab.gap.search.fitting import FLAT, WATCHED, Bench, baseline
+from modallab.gap.search.fitting import FLAT, WATCHED, Bench
 from modallab.twin.bench import Twin
 
 TOP_HZ = 450.0
@@ -91,7 +94,15 @@ def bench_of(
     flat = _flat(prepared)
     watched = WATCHED if flat == FLAT else flat
     found = tuple(overtones(fitted, prepared.campaign.rig, sine_clock(data)))
-    return Bench(data, thinned(data, prepared.poles), free, prepared.poles, allowed, flat, watched, found)
+    thin = thinned(data, prepared.poles)
+    points = identified(data, fitted, reliable(prepared), DEFAULT.top_hz)
+    return Bench(data, thin, free, prepared.poles, allowed, flat, watched, found, points=points)
+
+
+def reliable(prepared: Prepared) -> list[int]:
+    """Indices of the accelerometers whose records are neither cut nor noisy: what poles may be taken from."""
+    off = {row for _, row in prepared.masked} | set(prepared.noisy)
+    return [i for i, c in enumerate(prepared.campaign.rig.responses) if c.index not in off]
 
 
 def as_came(prepared: Prepared, twin: Twin) -> Squares:

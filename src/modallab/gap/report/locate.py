@@ -20,8 +20,8 @@ from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.report.harmonics import OFTEN, harmonic_shares
 from modallab.gap.report.levels import levels_differ
+from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import COARSE, Bench, excess
-from modallab.gap.search.pool import channel_share
 from modallab.twin.modes import solve
 
 Array = NDArray[np.float64]

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from modallab.core.progress import part
 from modallab.gap.conditioning.reduce import Reduced, thinned
+from modallab.gap.inference.identified import again
+from modallab.gap.inference.select import Level, Selection
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.fitting import Bench, excess, on_all
 from modallab.gap.search.nonlinear import on_all_records
-from modallab.gap.search.round import Level, round_of
 from modallab.twin.bench import Twin
 from modallab.twin.candidate import Candidate
 
@@ -34,7 +35,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without = linear_part(bench, fit)
     with part(0.0, 0.6):
-        level = round_of(without, on_all(without, bare(without, fit)), finished=1)
+        level = Selection(without, on_all(without, bare(without, fit))).rounds(1)[0]
     if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
         return None
     found = level.fits[0]
@@ -55,7 +56,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
 def linear_part(bench: Bench, fit: Fit) -> Bench:
     """The bench with what the element adds taken off its records."""
     data = taken_off(bench.data, fit.problem.twin(fit.u))
-    return replace(bench, data=data, thin=thinned(data, bench.poles))
+    return replace(bench, data=data, thin=thinned(data, bench.poles), points=again(bench.points, data))
 
 
 def taken_off(data: Reduced, twin: Twin) -> Reduced:

@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from modallab.core.effects import kind_of
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.model.share import discrepancies, unexplained
 from modallab.gap.search.clock import clock_shows
-from modallab.gap.search.explain import HOLDS
-from modallab.gap.search.fitting import Bench, excess, ordinary, plausible, without
-from modallab.gap.search.round import Level
-from modallab.gap.search.simplest import simplest
+from modallab.gap.search.fitting import Bench, excess, ordinary, plausible
 from modallab.gap.search.worth import Dismissed, worthwhile
 from modallab.twin.effects import search_of
 
@@ -36,10 +34,10 @@ COUNTS = 20.0
 AT_FLOOR = 1.15
 """Rms residual that counts as the floor."""
 
+HOLDS = 0.15
+"""Share of the gap that an effect which is stepped in time may leave."""
 PLAIN = 1000.0
 """Squares of noise units that a small effect must take away: on sound benches some model takes up to 250."""
-RELIEVES = 100.0
-"""Squares, its numbers' and the data's, that an effect must take away from an assembly that no bench has."""
 PLAIN_LEAVES = 0.1
 """Share of a small gap that it may leave."""
 
@@ -90,7 +88,7 @@ def choose(bench: Bench, levels: list[Level], held: Reduced | None = None, unsee
     chain = [base, *(level.fits[0] for level in levels if level.fits)]
     while len(chain) > 1 and not _holds(chain[-2], chain[-1], unseen):
         chain.pop()
-    fit = simplest(bench, prune(bench, chain[-1]))
+    fit = chain[-1]
     rivals = sorted((f for level in levels for f in level.fits), key=lambda f: f.cost)
     others = tuple(f for f in rivals if names(f) != names(fit))
     resampled = any(kind_of(c.effect).stage == "acquisition" for c in fit.problem.candidates)
@@ -116,18 +114,10 @@ def _closes(base: Fit, fit: Fit, held: Reduced, needed: float) -> bool:
 
 
 def _holds(before: Fit, fit: Fit, unseen: Reduced | None) -> bool:
-    """Whether without the last effect of a fit more of the gap would come back than may."""
-    if excess(fit) <= HOLDS * excess(before) or _straightens(before, fit):
+    """Whether the last effect of a fit stays: a linear one has earned its price; one that is stepped must explain."""
+    if not stepped(fit) or excess(fit) <= HOLDS * excess(before):
         return True
-    return unseen is not None and stepped(fit) and _closes_unseen(before, fit, unseen)
-
-
-def _straightens(before: Fit, fit: Fit) -> bool:
-    """Whether a small gap goes, and with it an assembly that no bench has: it had taken the effect's work over."""
-    if not fit.problem.free.deviations or ordinary(before) or not ordinary(fit):
-        return False
-    relieved = not plausible(before) and plausible(fit)
-    return fit.gap <= AT_FLOOR and before.cost - fit.cost > (RELIEVES if relieved else PLAIN)
+    return unseen is not None and _closes_unseen(before, fit, unseen)
 
 
 def _closes_unseen(base: Fit, fit: Fit, unseen: Reduced) -> bool:
@@ -198,18 +188,6 @@ def _clock_alone(bench: Bench, levels: list[Level]) -> bool:
     """Whether the lines show a wrong clock that begins the rounds: a beam within its tolerances follows it unseen."""
     first = levels[0].fits[0].problem.candidates if levels[0].fits else ()
     return clock_shows(bench) and any(search_of(c.effect).is_clock for c in first)
-
-
-def prune(bench: Bench, fit: Fit) -> Fit:
-    """Drop every effect whose absence changes little."""
-    at = 0
-    while len(fit.problem.candidates) > 1 and at < len(fit.problem.candidates):
-        bare = without(fit, at)
-        if excess(fit) > HOLDS * excess(bare):
-            fit = bare
-        else:
-            at += 1
-    return fit
 
 
 def names(fit: Fit) -> tuple[str, ...]:

@@ -28,9 +28,8 @@ def elsewhere(fit: Fit) -> Fit:
     at = fit.problem.free.size + names.index("x")
     x, others = candidates[0].slots[names.index("x")], np.delete(fit.u, at)
     tried = [
-        minimise(replace(fit.problem, candidates=(candidates[0].held_at(p),)), others, STEPS, 1e-2, alike=True)
-        for p in PLACES
+        minimise(replace(fit.problem, candidates=(candidates[0].held_at(p),)), others, STEPS, 1e-2) for p in PLACES
     ]
     best = sorted(lows([f.cost for f in tried]), key=lambda k: tried[k].cost)[:LET_GO]
     begins = [np.insert(tried[k].u, at, x.coordinate(PLACES[k])) for k in best]
-    return min([fit, *(minimise(fit.problem, u, LONG, 1e-4, alike=True) for u in begins)], key=lambda f: f.cost)
+    return min([fit, *(minimise(fit.problem, u, LONG, 1e-4) for u in begins)], key=lambda f: f.cost)

@@ -11,17 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.progress import report
 from modallab.gap.conditioning.overtones import Overtone
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.identified import PointModes
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.forward import forward
 from modallab.gap.model.minimise import FELT, minimise
 from modallab.gap.model.nuisances import Nuisances
-from modallab.gap.model.prefit import start, starts
+from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
-from modallab.gap.search.screen import capped
 from modallab.twin.candidate import Candidate
 
 Array = NDArray[np.float64]
@@ -37,8 +36,12 @@ UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
+OUTLIER = 25.0
+"""Square at which a residual stops counting when places to begin are compared."""
 LONG = 30
 """Slopes that are evaluated at most along a narrow valley near the floor."""
+END = 1e-4
+"""Fall of what is above the noise, between two slopes, at which a fit has ended."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -57,6 +60,7 @@ class Bench:
         watched: rms residual below which nothing is looked for.
         overtones: of the sines that may be fitted.
         known: explanations that an earlier diagnosis had left standing, and where their fits begin.
+        points: modes of the hits at each drive point, identified without a model.
     """
 
     data: Reduced
@@ -68,26 +72,7 @@ class Bench:
     watched: float = WATCHED
     overtones: tuple[Overtone, ...] = ()
     known: tuple[tuple[Problem, Array], ...] = ()
-
-
-def baseline(bench: Bench) -> Fit:
-    """The twin without effects, as well as it can be made to fit."""
-    report(0.0, "the bench without any effect")
-    fit = min((short(bench, (), u, COARSE) for u in _first(bench)), key=lambda f: f.cost)
-    return finish(bench, fit, COARSE / 6)
-
-
-def _first(bench: Bench) -> list[Array]:
-    """Where the baseline begins: at the poles, or without any at the best of many values of Young's modulus."""
-    if len(bench.poles):
-        return [s.u for s in starts((), bench.free, bench.poles, 1)]
-    problem = Problem(bench.thin, bench.free, (), COARSE)
-    tried: list[tuple[float, Array]] = []
-    for shift in np.linspace(-3.2, 3.2, 33):
-        u = np.zeros(bench.free.size)
-        u[0] = shift
-        tried.append((capped(problem, u), u))
-    return [u for _, u in sorted(tried, key=lambda t: t[0])[:2]]
+    points: tuple[PointModes, ...] = ()
 
 
 def finish(bench: Bench, fit: Fit, floor: float) -> Fit:
@@ -125,39 +110,22 @@ def frozen(bench: Bench, fit: Fit) -> Fit:
 
 
 def completed(bench: Bench, fit: Fit) -> Fit:
-    """A fit to thinned data brought to its end on all data."""
-    problem = Problem(bench.data, bench.free, fit.problem.candidates)
-    fit = minimise(problem, fit.u, 8, 2e-4)
-    if bench.free.deviations and (fit.gap > bench.watched or not ordinary(fit)):
-        # Where two numbers do nearly the same, a fit that is held back along what the data determine may creep.
-        near = fit.gap < NEAR * bench.flat
-        fit = minimise(problem, fit.u, LONG if near else 8, 1e-4 if near else 1e-3, alike=True)
-    if bench.free.deviations and fit.gap < NEAR * bench.flat:
-        # Gains, masses and the force's sensitivity do nearly the same: what is left to go between them is little, but
-        # not nothing to their priors.
-        fit = minimise(problem, fit.u, 8, 2e-6)
-    return with_drift_curve(fit)
-
-
-def settled(fit: Fit) -> Fit:
-    """A fit to all data at the bottom of its valley, as far as the numbers of an assembly leave it one.
-
-    What holds a step back along what the data determine, and what holds it back alike, each creep where the other does
-    not.
-    """
-    if not fit.problem.free.deviations:
-        return fit
-    alike = minimise(fit.problem, fit.u, LONG, 1e-5, alike=True)
-    return min(fit, minimise(fit.problem, alike.u, 8, 2e-6), key=lambda f: f.cost)
+    """A fit brought to its end on all data."""
+    return with_drift_curve(minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, LONG, END))
 
 
 def ordinary(fit: Fit) -> bool:
-    """Whether the beam and the assembly of a fit lie within their tolerances all in all, as a sum of squares does.
+    """Whether the beam and the assembly of a fit lie within their tolerances all in all, see `within_tolerances`."""
+    return within_tolerances(fit.problem.free, fit.u)
+
+
+def within_tolerances(free: Nuisances, u: Array) -> bool:
+    """Whether numbers lie within their tolerances all in all, as a sum of squares does.
 
     The damping ratios do not count: nobody knows them before the test.
     """
-    squares, count = _strain(fit)
-    return squares < count + UNLIKELY * np.sqrt(2 * count)
+    own = _strained(free, u)
+    return float(own @ own) < len(own) + UNLIKELY * np.sqrt(2 * len(own))
 
 
 def plausible(fit: Fit) -> bool:
@@ -165,17 +133,11 @@ def plausible(fit: Fit) -> bool:
 
     As in `ordinary`, the damping ratios do not count.
     """
-    return bool(np.all(np.abs(_strained(fit)) <= MOST))
+    return bool(np.all(np.abs(_strained(fit.problem.free, fit.u)) <= MOST))
 
 
-def _strain(fit: Fit) -> tuple[float, int]:
-    own = _strained(fit)
-    return float(own @ own), len(own)
-
-
-def _strained(fit: Fit) -> Array:
-    free = fit.problem.free
-    return np.concatenate([fit.u[:3], fit.u[3 + free.modes : free.size]])
+def _strained(free: Nuisances, u: Array) -> Array:
+    return np.concatenate([u[:3], u[3 + free.modes : free.size]])
 
 
 def rested(bench: Bench, fit: Fit) -> Fit:
@@ -247,21 +209,26 @@ def _beam(u: Array) -> tuple[float, float, float]:
 
 def without(fit: Fit, which: int) -> Fit:
     """The fit without one of its effects, all other numbers fitted again."""
-    return minimise(*left_out(fit, which), 4, 1e-2)
+    return minimise(*left_out(fit.problem, fit.u, which), 4, 1e-2)
 
 
-def left_out(fit: Fit, which: int) -> tuple[Problem, Array]:
-    """The problem of a fit without one of its effects, and all other numbers as they are."""
-    candidates = fit.problem.candidates
-    at = fit.problem.free.size + sum(len(c.slots) for c in candidates[:which])
-    u = np.delete(fit.u, np.s_[at : at + len(candidates[which].slots)])
-    return replace(fit.problem, candidates=candidates[:which] + candidates[which + 1 :]), u
+def left_out(problem: Problem, u: Array, which: int) -> tuple[Problem, Array]:
+    """A problem without one of its effects, and all other numbers as they are."""
+    candidates = problem.candidates
+    at = problem.free.size + sum(len(c.slots) for c in candidates[:which])
+    rest = np.delete(u, np.s_[at : at + len(candidates[which].slots)])
+    return replace(problem, candidates=candidates[:which] + candidates[which + 1 :]), rest
 
 
 def excess(fit: Fit) -> float:
     """What is left above the floor, in squares of noise units; an assembly bent beyond its tolerances counts along."""
     bent = 0.0
     if fit.problem.free.deviations:
-        squares, count = _strain(fit)
-        bent = max(squares - count, 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
+        own = _strained(fit.problem.free, fit.u)
+        bent = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + bent, 1e-9)
+
+
+def capped(problem: Problem, u: Array) -> float:
+    """Squares at u as it is, large ones cut: far from the fit no first order says how the rest would adapt."""
+    return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)))

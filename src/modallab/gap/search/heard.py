@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
@@ -16,7 +17,6 @@ from modallab.gap.search.choose import Choice, names, stepped
 from modallab.gap.search.fitting import Bench
 from modallab.gap.search.overtone_check import overtones_closed
 from modallab.gap.search.rough_fit import beam_of_hits
-from modallab.gap.search.round import Level
 
 HEARD = 0.8
 """Share of the overtones, on records it has not seen, that a law must make to be named for them alone."""

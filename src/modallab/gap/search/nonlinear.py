@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.progress import report
+from modallab.gap.inference.select import Level
 from modallab.gap.model.candidates import of_motion
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.minimise import minimise
@@ -20,7 +21,6 @@ from modallab.gap.search.few_blocks import looked_at, worst_blocks
 from modallab.gap.search.fitting import NEAR, Bench
 from modallab.gap.search.rough_fit import followed_on_all, follows
 from modallab.gap.search.rough_starts import FREQUENCIES, score
-from modallab.gap.search.round import Level
 from modallab.gap.search.stepped_starts import LOOKED, beam_at, begun
 from modallab.twin.effect_model import Overtones
 from modallab.twin.effects import search_of

@@ -6,13 +6,13 @@ and one that is stepped beside those.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from modallab.core.progress import part
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.select import Level, Selection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
@@ -20,12 +20,10 @@ from modallab.gap.model.share import discrepancies
 from modallab.gap.search.beside_stepped import beside
 from modallab.gap.search.choose import Choice, choose, names, stepped
 from modallab.gap.search.clock import with_clock
-from modallab.gap.search.explain import explain
 from modallab.gap.search.fitting import Bench, excess
 from modallab.gap.search.heard import heard
 from modallab.gap.search.nonlinear import nonlinear_level
 from modallab.gap.search.overtone_check import overtones_closed
-from modallab.gap.search.round import Level
 from modallab.twin.effect_model import Overtones
 
 LEFT = 0.01
@@ -74,7 +72,7 @@ def search_stepped(
         unseen: see `choose`.
         linear: what gives the rounds of linear effects alone, where some are known.
     """
-    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or partial(explain, bench, base))
+    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or Selection(bench, base).rounds)
     with part(0.0, 0.4):
         levels = _alone(asked)
     first = asked.judged(levels)

@@ -56,7 +56,7 @@ def worthwhile(fit: Fit, held: Reduced, shown: bool = False) -> tuple[Fit, list[
     while at < len(fit.problem.candidates):
         bare = without(fit, at)
         clock = shown and search_of(fit.problem.candidates[at].effect).is_clock
-        judged = _judged(fit, seen(*left_out(fit, at)) if clock else bare, at, held)
+        judged = _judged(fit, seen(*left_out(fit.problem, fit.u, at)) if clock else bare, at, held)
         if judged.deviations <= ABOVE or judged.moves < least:
             dismissed.append(judged)
             fit, at = bare, 0

@@ -17,9 +17,9 @@ from modallab.gap.report.calibrated import calibrated
 from modallab.gap.report.locate import Location
 from modallab.gap.report.measure import squares
 from modallab.gap.report.shrinkage import shrink
+from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.choose import Choice
 from modallab.gap.search.fitting import Bench, excess, rested
-from modallab.gap.search.pool import channel_share
 from modallab.gap.unknown.description import Description, of_fit, rows_of, stage_of, worth
 from modallab.gap.unknown.fitted import fitted
 from modallab.gap.unknown.on_beam import on_all_rows, trials

@@ -10,10 +10,11 @@ from modallab.core.block import Block
 from modallab.core.described import Learned
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced, reduce
+from modallab.gap.inference.baseline import baseline
 from modallab.gap.model.fit import Fit, all_rows
 from modallab.gap.model.forward import forward
 from modallab.gap.report.initial_gap import bench_of, weights_of
-from modallab.gap.search.fitting import Bench, baseline, finish
+from modallab.gap.search.fitting import Bench, finish
 from modallab.gap.unknown.curve import Curve, curve_of, refined
 from modallab.gap.unknown.description import Description
 from modallab.gap.unknown.fitted import Trial, element

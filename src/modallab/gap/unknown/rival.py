@@ -10,19 +10,20 @@ from dataclasses import dataclass
 
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
+from modallab.gap.inference.select import Level
 from modallab.gap.model.fit import Fit, Problem, cost_of, seen
 from modallab.gap.model.own_numbers import twin_of
 from modallab.gap.report.measure import squares
-from modallab.gap.search.explain import SOLVED
+from modallab.gap.search.channel_share import channel_share
 from modallab.gap.search.fitting import Bench, excess, ordinary, rested
-from modallab.gap.search.pool import channel_share
-from modallab.gap.search.round import Level
 from modallab.gap.unknown.description import Description, of_fit, rows_of, worth
 from modallab.gap.unknown.fitted import at_a_look, finished, fitted, likely
 from modallab.gap.unknown.on_beam import along, on_all_rows
 from modallab.gap.unknown.on_row import by_sample, linear, without
 from modallab.gap.unknown.spare_poles import of_spare_poles
 
+SOLVED = 1.3
+"""Times the floor up to which a fit leaves no more than noise."""
 LEAVES = 0.1
 """Share of what the best effect leaves that an element may leave to be what the gap behaves like."""
 CLOSES = 0.003
@@ -46,10 +47,9 @@ class Alone:
     loses: bool
 
 
-def unexplained(bench: Bench, prepared: Prepared, first: Level) -> bool:
-    """Whether no single effect brings the gap to its floor, or only one on a channel that loses samples."""
-    best = best_of(first)
-    return not near(bench, best) or any(row in rows_of(best) for row in prepared.repeated)
+def loses_samples(prepared: Prepared, fit: Fit) -> bool:
+    """Whether an effect of a fit stands on a channel that repeats or loses samples, as its records show."""
+    return any(row in rows_of(fit) for row in prepared.repeated)
 
 
 def channel_alone(bench: Bench, prepared: Prepared, first: Level, held: Sequence[str]) -> Alone | None:
@@ -79,7 +79,7 @@ def rivals(
     Args:
         bench: what is searched.
         prepared: the campaign.
-        first: the round of single effects, which is `unexplained`.
+        first: the round of single effects, which explains nothing.
         alone: the channel that is off alone, if there is one.
         unseen: records that no fit has seen.
         held: their names.

@@ -1,0 +1,1 @@
+"""Which linear effects explain a gap: modal rows, one objective, selection by evidence."""

@@ -1,0 +1,39 @@
+"""The twin without effects, as well as it can be made to fit."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.progress import report
+from modallab.gap.inference.posterior import descended
+from modallab.gap.inference.settings import DEFAULT, Settings
+from modallab.gap.inference.view import View, sparse
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.search.fitting import Bench, completed
+
+Array = NDArray[np.float64]
+
+MODULI = np.linspace(-3.2, 3.2, 33)
+"""Values of Young's modulus, in deviations, that are tried where no pole of the ring-down says where the beam is."""
+STEPS = 12
+"""Evaluations of the slopes, at most."""
+
+
+def baseline(bench: Bench, settings: Settings = DEFAULT) -> Fit:
+    """The twin without effects, fitted to modal rows and then to the records."""
+    report(0.0, "the bench without any effect")
+    problem = Problem(bench.data, bench.free)
+    view = View.of(bench.points, bench.thin, settings)
+    found = descended(view, problem, _begin(bench, problem, settings), STEPS)
+    return completed(bench, seen(problem, found.u))
+
+
+def _begin(bench: Bench, problem: Problem, settings: Settings) -> Array:
+    zero = np.zeros(bench.free.size)
+    if bench.points:
+        return zero
+    view = View.of((), sparse(bench.thin), settings)
+    tried = np.tile(zero, (len(MODULI), 1))
+    tried[:, 0] = MODULI
+    residuals = [view.residual(twin) for twin in problem.twins(tried)]
+    costs = [view.objective.cost(r, view.objective.levels(r)) for r in residuals]
+    return tried[int(np.argmin(costs))]

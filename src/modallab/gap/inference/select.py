@@ -1,0 +1,191 @@
+"""Effects added, exchanged and deleted one by one, all candidates of a round against each other by evidence.
+
+Stepwise selection with successive halving (Jamieson and Talwalkar, AISTATS 2016, 240): many starts get a few steps, the
+better half goes on, the best are fitted to the records.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.progress import report
+from modallab.gap.inference.posterior import Key, Posterior, descended, key_of
+from modallab.gap.inference.score_test import ScoreTest
+from modallab.gap.inference.screen import Screen
+from modallab.gap.inference.settings import DEFAULT, Settings
+from modallab.gap.inference.view import View, sparse
+from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
+from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.search.clock import clock_shows
+from modallab.gap.search.fitting import Bench, completed, left_out, ordinary, within_tolerances
+from modallab.twin.candidate import Candidate
+from modallab.twin.effects import model_of
+
+Array = NDArray[np.float64]
+
+HALVING = ((3, 6), (2, 3), (10, 3))
+"""Evaluations of the slopes in each stage, and how many go on; the first stage takes the nuisances' from the screen."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Level:
+    """One round of a search.
+
+    Attributes:
+        base: the fit it began from.
+        fits: the fits that were finished, best first.
+    """
+
+    base: Fit
+    fits: tuple[Fit, ...]
+
+
+class Selection:
+    """Rounds of linear effects beside what a bench is believed to be."""
+
+    def __init__(self, bench: Bench, base: Fit, settings: Settings = DEFAULT) -> None:
+        """Begin without effects.
+
+        Args:
+            bench: what to search.
+            base: the twin without further effects, fitted to the records.
+            settings: of the inference.
+        """
+        self.bench, self.settings = bench, settings
+        self.levels: list[Level] = []
+        self.best = base
+        self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
+        problem = Problem(bench.data, bench.free, base.problem.candidates)
+        self._here = descended(self._view, problem, base.u, 12)
+        self.ended = base.gap <= bench.watched and ordinary(base) and not clock_shows(bench)
+
+    def rounds(self, most: int | None = None) -> list[Level]:
+        """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
+        most = self.settings.most_effects if most is None else most
+        while not self.ended and len(self.levels) < most:
+            self._round()
+        return self.levels or [Level(self.best, ())]
+
+    def _round(self) -> None:
+        self._progress(0.0, "candidates screened")
+        found = [self._pruned(f) for f in self._added(self._here)]
+        if not self.levels:
+            found += [descended(self._view, self._problem(p.candidates), u, 10) for p, u in self.bench.known]
+        found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
+        self._progress(0.7, "explanations fitted to the records")
+        fitted = [(f, self._fit(f.problem.candidates, f.u)) for f in found]
+        fitted = sorted([*fitted, *self._by_records({f.key for f in found})], key=_score)
+        fitted = sorted([*fitted, *self._exchanged(fitted[:1], {f.key for f, _ in fitted})], key=_score)
+        if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
+            self.ended = True
+            return
+        self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
+        self._here, self.best = fitted[0]
+        self.ended = self.best.gap <= self.bench.flat
+
+    def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
+        return Problem(self.bench.data, self.bench.free, candidates)
+
+    def _fit(self, candidates: tuple[Candidate, ...], u: Array) -> Fit:
+        """An explanation on the records, which say how large its numbers are and whether more is left."""
+        return completed(self.bench, seen(self._problem(candidates), u))
+
+    def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
+        """The explanation that the records speak for most to first order, of those that are not there already."""
+        test = ScoreTest(self.bench, self.best)
+        present = self.best.problem.candidates
+        listed = [c for c in candidates(self.bench, present) if key_of((*present, c)) not in there]
+        begun = test.best(listed)
+        if begun is None:
+            return []
+        fit = self._fit(begun.problem.candidates, begun.u)
+        return [(descended(self._view, self._problem(begun.problem.candidates), fit.u, 2), fit)]
+
+    def _exchanged(self, best: list[tuple[Posterior, Fit]], there: set[Key]) -> list[tuple[Posterior, Fit]]:
+        """The best explanation with another effect in the place of each that came in an earlier round."""
+        found: list[tuple[Posterior, Fit]] = []
+        for posterior, fit in best:
+            problem = self._problem(fit.problem.candidates)
+            for at in range(len(posterior.problem.candidates) - 1):
+                bare = descended(self._view, *left_out(problem, fit.u, at), 4)
+                begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
+                others = sorted(begun, key=lambda f: f.evidence)[:1]
+                found += [(f, self._fit(f.problem.candidates, f.u)) for f in others]
+        return found
+
+    def _added(self, here: Posterior) -> list[Posterior]:
+        """The best explanations with one effect more, best first."""
+        begin = here.u.copy()
+        if not within_tolerances(self.bench.free, here.u):
+            # Such an assembly has taken an effect's work over.
+            begin[: self.bench.free.size] = 0.0
+        screen = Screen(self._coarse, here.problem, begin)
+        listed = [s for c in self._candidates(here) for s in screen.starts(c, self.settings.starts)]
+        listed.sort(key=lambda s: s.score)
+        self._progress(0.3, "explanations compared")
+        (steps, keep), *stages = HALVING
+        first = (descended(self._coarse, s.problem, s.u, steps, screen.J) for s in listed[: self.settings.first])
+        found = _distinct(first)[:keep]
+        for stage, (steps, keep) in enumerate(stages):
+            self._progress(0.5 + 0.15 * stage, "explanations compared")
+            found = _distinct(descended(self._view, f.problem, f.u, steps) for f in found)[:keep]
+        return found
+
+    def _progress(self, share: float, what: str) -> None:
+        at = len(self.levels)
+        report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
+
+    def _candidates(self, here: Posterior) -> list[Candidate]:
+        return candidates(self.bench, here.problem.candidates)
+
+    def _pruned(self, found: Posterior) -> Posterior:
+        """The same without effects that the evidence does not ask for."""
+        at = 0
+        while len(found.problem.candidates) > 1 and at < len(found.problem.candidates):
+            bare = descended(self._view, *left_out(found.problem, found.u, at), 4)
+            if bare.evidence < found.evidence + self.settings.effect_price:
+                found, at = bare, 0
+            else:
+                at += 1
+        return found
+
+
+def candidates(bench: Bench, present: Iterable[Candidate] = ()) -> list[Candidate]:
+    """Every linear effect that may stand beside those present."""
+    rig, channels, there = bench.data.rig, bench.data.channels, list(present)
+    listed = [*of_bench(rig), *(c for row in channels for c in of_channel(rig, row)), *of_pairs(rig, channels)]
+    keys = {(c.effect, c.place) for c in there}
+    once = {c.effect for c in there if model_of(c.effect).once}
+    return [
+        c
+        for c in listed
+        if bench.allowed(c.effect)
+        and testable(c, bench.data)
+        and (c.effect, c.place) not in keys
+        and c.effect not in once
+    ]
+
+
+def _score(fitted: tuple[Posterior, Fit]) -> float:
+    """-2 log evidence of an explanation: what the records leave, and what the ranges of its numbers cost."""
+    posterior, fit = fitted
+    return fit.cost + posterior.evidence - posterior.cost
+
+
+def _best_of_each(found: Iterable[Posterior]) -> list[Posterior]:
+    """Best first, of each explanation the best numbers."""
+    best: dict[Key, Posterior] = {}
+    for f in sorted(found, key=lambda f: f.evidence):
+        best.setdefault(f.key, f)
+    return list(best.values())
+
+
+def _distinct(found: Iterable[Posterior]) -> list[Posterior]:
+    """Best first, of those that have come to the same explanation and numbers the best."""
+    kept: list[Posterior] = []
+    for f in sorted(found, key=lambda f: f.evidence):
+        if not any(f.key == k.key and np.allclose(f.u, k.u, atol=1e-2) for k in kept):
+            kept.append(f)
+    return kept

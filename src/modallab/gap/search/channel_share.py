@@ -1,0 +1,20 @@
+"""How much of a misfit stands in each channel."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.gap.model.fit import Fit, all_rows, softened
+from modallab.gap.model.forward import forward
+from modallab.gap.search.fitting import misfit
+
+Array = NDArray[np.float64]
+
+
+def channel_share(fit: Fit) -> Array:
+    """(channels,) share of the relative misfit that stands in each channel, big responses no more than small ones."""
+    twin, floor = fit.problem.twin(fit.u), misfit(fit.problem, fit.u)
+    total = np.zeros(len(fit.problem.data.channels))
+    for rows, y in zip(all_rows(fit.problem.data), forward(twin, fit.problem.data), strict=True):
+        r = softened(rows, floor / 3).whiten(rows.y - y)
+        total += np.sum(np.minimum(np.abs(r) ** 2, 400.0), axis=1)
+    return total / max(float(np.sum(total)), 1e-300)
