@@ -9,7 +9,7 @@ from modallab.core.effects import Effect
 from modallab.core.rig import Tolerance
 from modallab.gap.conditioning.prepare import prepare
 from modallab.gap.inference.baseline import baseline
-from modallab.gap.inference.select import Selection
+from modallab.gap.inference.select import StepwiseSelection
 from modallab.gap.report.initial_gap import bench_of, free_of
 from modallab.gap.search.choose import choose
 from modallab.gap.search.clock import clock_shows, with_clock
@@ -30,7 +30,7 @@ def assembled(rig, make, *effects, allowed=None) -> Bench:
 
 def best(bench: Bench):
     """The explanation that stays after all rounds."""
-    return choose(bench, Selection(bench, baseline(bench)).rounds()).fit
+    return choose(bench, StepwiseSelection(bench, baseline(bench)).rounds()).fit
 
 
 @pytest.mark.thorough("fits a whole campaign with many numbers of the assembly")

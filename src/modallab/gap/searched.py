@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
 from modallab.gap.inference.baseline import baseline
-from modallab.gap.inference.select import Level, Selection
+from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.report.harmonics import out_of_proportion
 from modallab.gap.report.levels import some_levels_differ
@@ -51,7 +51,7 @@ def searched(
     overtones = out_of_proportion(prepared) if base.gap > bench.flat else None
     if overtones is not None:
         return Searched(search_stepped(bench, prepared, base, overtones, matters, unseen))
-    selection = Selection(bench, base)
+    selection = StepwiseSelection(bench, base)
     first = selection.rounds(1)[0]
     choice = choose(bench, [first], matters)
     if choice.flat:
@@ -69,7 +69,7 @@ def searched(
 
 
 def _without_name(
-    bench: Bench, prepared: Prepared, selection: Selection, unseen: Reduced, held: Sequence[str]
+    bench: Bench, prepared: Prepared, selection: StepwiseSelection, unseen: Reduced, held: Sequence[str]
 ) -> tuple[Description, ...]:
     """Elements without a name that explain what no single effect does, unless two effects do with as few numbers."""
     first = selection.levels[0] if selection.levels else Level(selection.best, ())
@@ -82,7 +82,12 @@ def _without_name(
 
 
 def _by_level(
-    bench: Bench, prepared: Prepared, selection: Selection, linear: Choice, matters: Reduced | None, unseen: Reduced
+    bench: Bench,
+    prepared: Prepared,
+    selection: StepwiseSelection,
+    linear: Choice,
+    matters: Reduced | None,
+    unseen: Reduced,
 ) -> Choice:
     """Laws that depend on the size of the motion: their overtones may drown where a slow mode still rings."""
     base: Fit = linear.base

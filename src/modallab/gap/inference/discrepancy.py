@@ -19,7 +19,7 @@ Levels = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Rows:
+class ObjectiveRows:
     """What was measured.
 
     Attributes:
@@ -37,24 +37,24 @@ class Rows:
     names: tuple[str, ...]
 
     @classmethod
-    def none(cls, names: tuple[str, ...]) -> "Rows":
+    def none(cls, names: tuple[str, ...]) -> "ObjectiveRows":
         """No rows of these groups."""
         nothing = np.zeros(0)
         return cls(nothing, nothing, nothing, np.zeros(0, np.intp), names)
 
     @classmethod
-    def joined(cls, parts: "list[Rows]") -> "Rows":
-        """Rows one after another; their groups are those of the first that has any."""
+    def joined(cls, parts: "list[ObjectiveRows]") -> "ObjectiveRows":
+        """ObjectiveRows one after another; their groups are those of the first that has any."""
         z, sigma, size, group = (
             np.concatenate([getattr(p, name) for p in parts]) for name in ("z", "sigma", "size", "group")
         )
         return cls(z, sigma, size, group, parts[0].names)
 
 
-class Discrepancy:
+class ScaledObjective:
     """The objective of some rows, tabulated over the values of the scales."""
 
-    def __init__(self, rows: Rows, settings: Settings) -> None:
+    def __init__(self, rows: ObjectiveRows, settings: Settings) -> None:
         """Tabulate the variances of these rows."""
         self.rows, self.nu, self.scales = rows, settings.degrees_of_freedom, settings.scale_values
         used = np.isfinite(rows.sigma)

@@ -42,7 +42,7 @@ class Level:
     fits: tuple[Fit, ...]
 
 
-class Selection:
+class StepwiseSelection:
     """Rounds of linear effects beside what a bench is believed to be."""
 
     def __init__(self, bench: Bench, base: Fit, settings: Settings = DEFAULT) -> None:

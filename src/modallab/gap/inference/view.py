@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.gap.conditioning.reduce import Reduced, SineData
-from modallab.gap.inference.discrepancy import Discrepancy, Rows
+from modallab.gap.inference.discrepancy import ObjectiveRows, ScaledObjective
 from modallab.gap.inference.identified import PointModes
 from modallab.gap.inference.settings import Settings
 from modallab.gap.model.fit import GENERATOR, Problem
@@ -34,7 +34,7 @@ SKIPPED = 0.15
 
 @dataclass(frozen=True, eq=False, slots=True)
 class View:
-    """Rows, and what a twin predicts for them.
+    """ObjectiveRows, and what a twin predicts for them.
 
     Attributes:
         points: identified modes of the hits.
@@ -47,7 +47,7 @@ class View:
     points: tuple[PointModes, ...]
     data: Reduced
     sines: Reduced
-    objective: Discrepancy
+    objective: ScaledObjective
     modal: int
 
     @classmethod
@@ -61,9 +61,9 @@ class View:
         )
         modal = [part for p in points for part in _modal_rows(p, len(data.channels), names, settings)]
         sines = _sine_rows(data.sines, len(data.channels), names, settings) if data.sines is not None else []
-        rows = Rows.joined([Rows.none(names), *modal, *sines])
+        rows = ObjectiveRows.joined([ObjectiveRows.none(names), *modal, *sines])
         count = sum(len(part.z) for part in modal)
-        return cls(points, data, replace(data, impacts=()), Discrepancy(rows, settings), count)
+        return cls(points, data, replace(data, impacts=()), ScaledObjective(rows, settings), count)
 
     @property
     def z(self) -> Array:
@@ -137,7 +137,7 @@ class View:
         return poles, exchanged(twin.chain, self.data.channels, "impact", constants)
 
 
-def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: Settings) -> list[Rows]:
+def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:
     n, damping = len(q.poles), q.damping
     of_poles = np.zeros(n, np.intp)
     constants = q.where_used(q.constants)
@@ -145,21 +145,23 @@ def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: 
     group, sigma = np.repeat(1 + np.arange(channels), n), q.constant_sigma.ravel()
     log_damping = q.angle_sigma * np.sqrt(1 - damping**2) / damping
     return [
-        Rows(np.log(np.abs(q.poles)), q.log_sigma, np.full(n, settings.frequency_share), of_poles, names),
-        Rows(np.log(damping), log_damping.astype(np.float64), np.full(n, settings.damping_share), of_poles, names),
-        *(Rows(part, sigma, size, group, names) for part in _parts(constants)),
+        ObjectiveRows(np.log(np.abs(q.poles)), q.log_sigma, np.full(n, settings.frequency_share), of_poles, names),
+        ObjectiveRows(
+            np.log(damping), log_damping.astype(np.float64), np.full(n, settings.damping_share), of_poles, names
+        ),
+        *(ObjectiveRows(part, sigma, size, group, names) for part in _parts(constants)),
     ]
 
 
-def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Settings) -> list[Rows]:
+def _sine_rows(d: SineData, channels: int, names: tuple[str, ...], settings: Settings) -> list[ObjectiveRows]:
     y, sigma = d.rows.y, d.rows.sigma.ravel()
     size = _compared(y, settings.node, axis=0).ravel()
     group = np.repeat(1 + channels + np.arange(channels), y.shape[1])
     clock = np.array([len(names) - 1], np.intp)
     return [
-        *(Rows(part, sigma, size, group, names) for part in _parts(y)),
+        *(ObjectiveRows(part, sigma, size, group, names) for part in _parts(y)),
         # Nothing on a bench moves the generator's own line but a clock: no discrepancy.
-        Rows(np.array([d.ratio]), np.array([max(d.ratio_sigma, GENERATOR)]), np.zeros(1), clock, names),
+        ObjectiveRows(np.array([d.ratio]), np.array([max(d.ratio_sigma, GENERATOR)]), np.zeros(1), clock, names),
     ]
 
 
