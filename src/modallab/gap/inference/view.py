@@ -143,7 +143,7 @@ def _modal_rows(q: PointModes, channels: int, names: tuple[str, ...], settings: 
     constants = q.where_used(q.constants)
     size = _compared(constants, settings.node, axis=0).ravel()
     group, sigma = np.repeat(1 + np.arange(channels), n), q.constant_sigma.ravel()
-    log_damping = q.angle_sigma * np.sqrt(1 - damping**2) / damping
+    log_damping = (q.angle_sigma * np.sqrt(1 - damping**2) / damping).astype(np.float64)
     return [
         ObjectiveRows(np.log(np.abs(q.poles)), q.log_sigma, np.full(n, settings.frequency_share), of_poles, names),
         ObjectiveRows(

@@ -9,7 +9,7 @@ element in its place (as in `beside_stepped`).
 from dataclasses import replace
 
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.inference.select import Level, Selection
+from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.minimise import minimise
 from modallab.gap.search.beside_stepped import linear_part
@@ -34,7 +34,7 @@ def beside_known(bench: Bench, base: Fit, matters: Reduced | None) -> Choice:
         matters: see `choose`.
     """
     linear = replace(linear_part(bench, base), free=replace(bench.free, stepped=False))
-    levels = Selection(linear, seen(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
+    levels = StepwiseSelection(linear, seen(Problem(linear.data, linear.free, ()), base.u, base.normal)).rounds()
     return choose(bench, _together(bench, base, levels), matters)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.progress import part
 from modallab.gap.conditioning.reduce import Reduced, thinned
 from modallab.gap.inference.identified import again
-from modallab.gap.inference.select import Level, Selection
+from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.candidates import of_bench
 from modallab.gap.model.fit import Fit, Problem
 from modallab.gap.model.forward import forward
@@ -35,7 +35,7 @@ def beside(bench: Bench, fit: Fit) -> Level | None:
     """A linear effect more than a fit whose last effect is stepped in time; None where none helps."""
     without = linear_part(bench, fit)
     with part(0.0, 0.6):
-        level = Selection(without, on_all(without, bare(without, fit))).rounds(1)[0]
+        level = StepwiseSelection(without, on_all(without, bare(without, fit))).rounds(1)[0]
     if not level.fits or excess(level.fits[0]) > WORTH * excess(level.base):
         return None
     found = level.fits[0]

@@ -12,7 +12,7 @@ import numpy as np
 from modallab.core.progress import part
 from modallab.gap.conditioning.prepare import Prepared
 from modallab.gap.conditioning.reduce import Reduced
-from modallab.gap.inference.select import Level, Selection
+from modallab.gap.inference.select import Level, StepwiseSelection
 from modallab.gap.model.fit import Fit
 from modallab.gap.model.forward import forward
 from modallab.gap.model.own_numbers import twin_of
@@ -72,7 +72,7 @@ def search_stepped(
         unseen: see `choose`.
         linear: what gives the rounds of linear effects alone, where some are known.
     """
-    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or Selection(bench, base).rounds)
+    asked = _Asked(bench, prepared, base, overtones, matters, unseen, linear or StepwiseSelection(bench, base).rounds)
     with part(0.0, 0.4):
         levels = _alone(asked)
     first = asked.judged(levels)
