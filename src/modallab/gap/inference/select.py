@@ -76,8 +76,10 @@ class StepwiseSelection:
         found = [f for f in _best_of_each(found) if f.key != self._here.key][: self.settings.rivals]
         self._progress(0.7, "explanations fitted to the records")
         fitted = [(f, self._fit(f.problem.candidates, f.u)) for f in found]
-        fitted = sorted([*fitted, *self._by_records({f.key for f in found})], key=_score)
-        fitted = sorted([*fitted, *self._exchanged(fitted[:1], {f.key for f, _ in fitted})], key=_score)
+        fitted += self._by_records({f.key for f in found})
+        if fitted:
+            fitted += self._exchanged(min(fitted, key=_score), {f.key for f, _ in fitted})
+        fitted.sort(key=_score)
         if not fitted or _score(fitted[0]) > _score((self._here, self.best)) - self.settings.effect_price:
             self.ended = True
             return
@@ -103,16 +105,14 @@ class StepwiseSelection:
         fit = self._fit(begun.problem.candidates, begun.u)
         return [(descended(self._view, self._problem(begun.problem.candidates), fit.u, 2), fit)]
 
-    def _exchanged(self, best: list[tuple[Posterior, Fit]], there: set[Key]) -> list[tuple[Posterior, Fit]]:
+    def _exchanged(self, best: tuple[Posterior, Fit], there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The best explanation with another effect in the place of each that came in an earlier round."""
-        found: list[tuple[Posterior, Fit]] = []
-        for posterior, fit in best:
-            problem = self._problem(fit.problem.candidates)
-            for at in range(len(posterior.problem.candidates) - 1):
-                bare = descended(self._view, *left_out(problem, fit.u, at), 4)
-                begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
-                others = sorted(begun, key=lambda f: f.evidence)[:1]
-                found += [(f, self._fit(f.problem.candidates, f.u)) for f in others]
+        (posterior, fit), found = best, list[tuple[Posterior, Fit]]()
+        problem = self._problem(fit.problem.candidates)
+        for at in range(len(problem.candidates) - 1):
+            bare = descended(self._view, *left_out(problem, fit.u, at), 4)
+            begun = (f for f in self._added(bare) if f.key not in there or f.evidence < posterior.evidence - 1)
+            found += [(f, self._fit(f.problem.candidates, f.u)) for f in sorted(begun, key=lambda f: f.evidence)[:1]]
         return found
 
     def _added(self, here: Posterior) -> list[Posterior]:
@@ -122,7 +122,9 @@ class StepwiseSelection:
             # Such an assembly has taken an effect's work over.
             begin[: self.bench.free.size] = 0.0
         screen = Screen(self._coarse, here.problem, begin)
-        listed = [s for c in self._candidates(here) for s in screen.starts(c, self.settings.starts)]
+        listed = [
+            s for c in candidates(self.bench, here.problem.candidates) for s in screen.starts(c, self.settings.starts)
+        ]
         listed.sort(key=lambda s: s.score)
         self._progress(0.3, "explanations compared")
         (steps, keep), *stages = HALVING
@@ -136,9 +138,6 @@ class StepwiseSelection:
     def _progress(self, share: float, what: str) -> None:
         at = len(self.levels)
         report((at + share) / self.settings.most_effects, f"round {at + 1}: {what}")
-
-    def _candidates(self, here: Posterior) -> list[Candidate]:
-        return candidates(self.bench, here.problem.candidates)
 
     def _pruned(self, found: Posterior) -> Posterior:
         """The same without effects that the evidence does not ask for."""

@@ -36,8 +36,6 @@ UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
-OUTLIER = 25.0
-"""Square at which a residual stops counting when places to begin are compared."""
 LONG = 30
 """Slopes that are evaluated at most along a narrow valley near the floor."""
 END = 1e-4
@@ -227,8 +225,3 @@ def excess(fit: Fit) -> float:
         own = _strained(fit.problem.free, fit.u)
         bent = max(float(own @ own) - len(own), 0.0) / max(float(np.count_nonzero(fit.residual)), 1.0)
     return max(fit.gap**2 - 1 + bent, 1e-9)
-
-
-def capped(problem: Problem, u: Array) -> float:
-    """Squares at u as it is, large ones cut: far from the fit no first order says how the rest would adapt."""
-    return float(np.sum(np.minimum(problem.residual(u) ** 2, OUTLIER)))
