@@ -224,5 +224,6 @@ def test_by_the_client_a_queue_is_filled_ordered_skipped_paused_and_resumed(lab:
         assert [i.note for i in client.queue(RIG, ended=True).items][:3] == ["c", "b", "a"]
         with pytest.raises(ServiceProblemError, match="is skipped"):
             client.skip_queued(RIG, one)
+    lab.wait_for(lambda e: e.kind == "queue" and e.content["state"] == "done")
     events = [e.content["state"] for e in lab.events("queue")]
     assert {"waiting", "skipped", "paused", "resumed", "consent", "reordered", "done"} <= set(events)
