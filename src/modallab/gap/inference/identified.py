@@ -211,8 +211,8 @@ def _point_modes(
     d: ImpactData, lines: _Projection, poles: Complex, solved: tuple[Array, Array, Array], normal: Array
 ) -> PointModes:
     (x, r, sigma), n = solved, len(poles)
-    # What superposition leaves beyond the weights counts as more noise.
-    worse = max(1.0, float(np.sqrt(np.mean(r**2))))
+    # What superposition leaves, more or less than the weights say, is the noise.
+    worse = float(np.sqrt(np.mean(r**2)))
     deviation = np.sqrt(np.maximum(np.diag(np.linalg.pinv(normal)), 0)) * worse * UNIT
     constants = np.full((len(d.rows.y), n), np.nan, dtype=np.complex128)
     constant_sigma = np.full((len(d.rows.y), n), np.inf)

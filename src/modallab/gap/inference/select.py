@@ -21,7 +21,7 @@ from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.fitting import Bench, completed, left_out, ordinary, within_tolerances
 from modallab.twin.candidate import Candidate
-from modallab.twin.effects import model_of
+from modallab.twin.effects import model_of, search_of
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class StepwiseSelection:
         self._view, self._coarse = (View.of(bench.points, d, settings) for d in (bench.thin, sparse(bench.thin)))
         problem = Problem(bench.data, bench.free, base.problem.candidates)
         self._here = descended(self._view, problem, base.u, 12)
-        self.ended = base.gap <= bench.watched and ordinary(base) and not clock_shows(bench)
+        self.ended = base.gap <= bench.watched and self._sound(base)
 
     def rounds(self, most: int | None = None) -> list[Level]:
         """All levels after at most so many rounds in all, fewer where no further effect is worth its price."""
@@ -85,7 +85,12 @@ class StepwiseSelection:
             return
         self.levels.append(Level(self.best, tuple(fit for _, fit in fitted)))
         self._here, self.best = fitted[0]
-        self.ended = self.best.gap <= self.bench.flat
+        self.ended = self.best.gap <= self.bench.flat and self._sound(self.best)
+
+    def _sound(self, fit: Fit) -> bool:
+        """Whether beam and assembly are within their tolerances, and the generator's lines show no clock but its own."""
+        clocked = any(search_of(c.effect).is_clock for c in fit.problem.candidates)
+        return ordinary(fit) and (clocked or not clock_shows(self.bench))
 
     def _problem(self, candidates: tuple[Candidate, ...]) -> Problem:
         return Problem(self.bench.data, self.bench.free, candidates)
