@@ -83,8 +83,10 @@ def _bounds(candidate: Candidate, slot: Slot, rig: Rig) -> tuple[float, float]:
     if slot.name == "x":
         return NEAREST_ROOT, 1.0
     assert rig.beam is not None
-    least, most = kind_of(candidate.effect).parameter(slot.name).bounds(rig.beam)
-    ends = (slot.none - most, slot.none + most) if slot.transform == "plain" else (least, most)
+    parameter = kind_of(candidate.effect).parameter(slot.name)
+    least, most = parameter.bounds(rig.beam)
+    either = parameter.signed or slot.transform == "plain"
+    ends = (slot.none - most, slot.none + most) if either else (least, most)
     low, high = {"plain": (-np.inf, np.inf), "log": (0.0, np.inf), "share": (0.0, 1.0)}[slot.transform]
     allowed = [v for v in (*ends, *slot.starts) if low < v < high and slot.low <= v <= slot.high]
     coordinates = [slot.coordinate(v) for v in allowed]

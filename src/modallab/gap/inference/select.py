@@ -18,6 +18,7 @@ from modallab.gap.inference.settings import DEFAULT, Settings
 from modallab.gap.inference.view import View, sparse
 from modallab.gap.model.candidates import of_bench, of_channel, of_pairs, testable
 from modallab.gap.model.fit import Fit, Problem, seen
+from modallab.gap.model.minimise import narrow
 from modallab.gap.search.clock import clock_shows
 from modallab.gap.search.fitting import Bench, completed, left_out, ordinary, within_tolerances
 from modallab.twin.candidate import Candidate
@@ -101,6 +102,8 @@ class StepwiseSelection:
 
     def _by_records(self, there: set[Key]) -> list[tuple[Posterior, Fit]]:
         """The explanation that the records speak for most to first order, of those that are not there already."""
+        if not narrow(self.best):
+            return []
         test = ScoreTest(self.bench, self.best)
         present = self.best.problem.candidates
         listed = [c for c in candidates(self.bench, present) if key_of((*present, c)) not in there]

@@ -185,7 +185,7 @@ def _step(
     while damping < STIFFEST:
         held_back = normal + damping * scale
         step: Array = np.clip(-np.linalg.solve(held_back, gradient), -4.0, 4.0).astype(np.float64)
-        if not once and _narrow(problem, here):
+        if not once and not problem.floor and _narrow(here.cost, here.r):
             step = _bent(problem, here, J, held_back, step)
         there = _at(problem, here.u + np.clip(step, -4, 4))
         if there.cost < here.cost:
@@ -196,9 +196,13 @@ def _step(
     return None, first
 
 
-def _narrow(problem: Problem, here: _Here) -> bool:
-    """Whether the fit is where its valley is narrower than it is curved: near the floor, with nothing forgiven."""
-    return not problem.floor and here.cost < NARROW * np.count_nonzero(here.r)
+def narrow(fit: Fit) -> bool:
+    """Whether a fit is so near the floor that the valley is narrower than it is curved."""
+    return _narrow(fit.cost, fit.residual)
+
+
+def _narrow(cost: float, r: Array) -> bool:
+    return cost < NARROW * np.count_nonzero(r)
 
 
 def _bent(problem: Problem, here: _Here, J: Array, held_back: Array, step: Array) -> Array:

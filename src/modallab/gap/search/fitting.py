@@ -17,7 +17,7 @@ from modallab.gap.inference.identified import PointModes
 from modallab.gap.model.drift_curve import with_drift_curve
 from modallab.gap.model.fit import Fit, Problem, seen
 from modallab.gap.model.forward import forward
-from modallab.gap.model.minimise import FELT, minimise
+from modallab.gap.model.minimise import FELT, minimise, narrow
 from modallab.gap.model.nuisances import Nuisances
 from modallab.gap.model.prefit import start
 from modallab.gap.model.tolerances import MOST
@@ -36,10 +36,10 @@ UNLIKELY = 4.0
 """Deviations of a sum of squares beyond which its numbers are no ordinary bench's."""
 NEAR = 3.0
 """Times the floor up to which a fit is worth its last digits."""
-LONG = 30
-"""Slopes that are evaluated at most along a narrow valley near the floor."""
-END = 1e-4
-"""Fall of what is above the noise, between two slopes, at which a fit has ended."""
+SHORT, LONG = 8, 30
+"""Slopes that are evaluated at most: far from the floor, and along a narrow valley near it."""
+END = 2e-3
+"""Fall of what is above the noise, between two slopes, at which a fit has ended: probabilities differ by less."""
 STRAIGHT = 3.0
 """Deviations of its priors up to which a beam is one to begin from."""
 
@@ -108,8 +108,11 @@ def frozen(bench: Bench, fit: Fit) -> Fit:
 
 
 def completed(bench: Bench, fit: Fit) -> Fit:
-    """A fit brought to its end on all data."""
-    return with_drift_curve(minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, LONG, END))
+    """A fit brought to its end on all data, if that is near the floor: nothing else can explain the gap."""
+    found = minimise(Problem(bench.data, bench.free, fit.problem.candidates), fit.u, SHORT, END)
+    if narrow(found):
+        found = minimise(found.problem, found.u, LONG, END)
+    return with_drift_curve(found)
 
 
 def ordinary(fit: Fit) -> bool:
